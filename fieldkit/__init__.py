@@ -1,0 +1,8 @@
+"""fieldkit: from the altimeter's readouts to the next apogee."""
+
+from importlib.metadata import PackageNotFoundError, version
+
+try:
+    __version__ = version("fieldkit")
+except PackageNotFoundError:  # a checkout that was never installed
+    __version__ = "0"

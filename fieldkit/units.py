@@ -1,0 +1,135 @@
+"""Conversions between the units flyers write and the SI units used inside.
+
+A number is converted on the line where it crosses the edge. A column name or a typed value carries
+its unit as a suffix (`apogee_ft`, `923ft`); which units are allowed follows from the quantity, so the
+`g` of `dry_mass_g` is a gram and the `g` of `peak_accel_g` is the acceleration of free fall.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from fieldkit.errors import BadValue
+
+STANDARD_GRAVITY = 9.80665
+"""Acceleration of free fall, by definition. [m/s^2]"""
+FOOT = 0.3048
+"""International foot. [m]"""
+INCH = 0.0254
+"""International inch. [m]"""
+MILE = 1609.344
+"""International mile. [m]"""
+POUND = 0.45359237
+"""Avoirdupois pound. [kg]"""
+ZERO_CELSIUS = 273.15
+"""0 degrees Celsius. [K]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Unit:
+    """A unit of one quantity: `si = number * factor + offset`."""
+
+    factor: float
+    offset: float = 0.0
+
+    def to_si(self, number: float) -> float:
+        """The SI value of a number in this unit."""
+        return number * self.factor + self.offset
+
+    def from_si(self, value: float) -> float:
+        """The number in this unit of an SI value."""
+        return (value - self.offset) / self.factor
+
+
+DEGREE = 0.017453292519943295
+"""One degree. [rad]"""
+
+UNITS: Mapping[str, Mapping[str, Unit]] = {
+    "length": {
+        "m": Unit(1.0),
+        "mm": Unit(1e-3),
+        "cm": Unit(1e-2),
+        "km": Unit(1e3),
+        "in": Unit(INCH),
+        "ft": Unit(FOOT),
+        "feet": Unit(FOOT),
+        "'": Unit(FOOT),
+    },
+    "mass": {"kg": Unit(1.0), "g": Unit(1e-3), "oz": Unit(POUND / 16), "lb": Unit(POUND), "lbs": Unit(POUND)},
+    "speed": {
+        "mps": Unit(1.0),
+        "m/s": Unit(1.0),
+        "mph": Unit(MILE / 3600),
+        "kph": Unit(1 / 3.6),
+        "kmh": Unit(1 / 3.6),
+        "km/h": Unit(1 / 3.6),
+        "fps": Unit(FOOT),
+        "ft/s": Unit(FOOT),
+        "kt": Unit(1852 / 3600),
+        "kn": Unit(1852 / 3600),
+        "knots": Unit(1852 / 3600),
+    },
+    "acceleration": {
+        "g": Unit(STANDARD_GRAVITY),
+        "mps2": Unit(1.0),
+        "m/s2": Unit(1.0),
+        "m/s^2": Unit(1.0),
+        "ft/s2": Unit(FOOT),
+        "fps2": Unit(FOOT),
+    },
+    "time": {"s": Unit(1.0), "sec": Unit(1.0), "ms": Unit(1e-3), "min": Unit(60.0)},
+    "temperature": {
+        "c": Unit(1.0, ZERO_CELSIUS),
+        "k": Unit(1.0),
+        "f": Unit(5 / 9, ZERO_CELSIUS - 32 * 5 / 9),
+        "degc": Unit(1.0, ZERO_CELSIUS),
+        "degf": Unit(5 / 9, ZERO_CELSIUS - 32 * 5 / 9),
+    },
+    "pressure": {
+        "pa": Unit(1.0),
+        "hpa": Unit(100.0),
+        "mbar": Unit(100.0),
+        "mb": Unit(100.0),
+        "kpa": Unit(1000.0),
+        "inhg": Unit(3386.389),
+        "mmhg": Unit(133.322),
+        "psi": Unit(6894.757),
+        "atm": Unit(101325.0),
+    },
+    "angle": {"deg": Unit(DEGREE), "rad": Unit(1.0), "°": Unit(DEGREE)},
+    "fraction": {"pct": Unit(0.01), "%": Unit(0.01), "fraction": Unit(1.0)},
+    "impulse": {"ns": Unit(1.0)},
+    "number": {"": Unit(1.0)},
+}
+"""Units by quantity and lower-case suffix."""
+
+_TYPED = re.compile(r"\s*([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
+
+
+def unit(quantity: str, suffix: str) -> Unit:
+    """The unit of a quantity that a suffix names, whatever its case.
+
+    Raises BadValue that lists the units which would be right.
+    """
+    units = UNITS[quantity]
+    try:
+        return units[suffix.strip().lower()]
+    except KeyError:
+        raise BadValue(f"found the unit {suffix!r}, expected one of {', '.join(units)}") from None
+
+
+def parse(text: str, quantity: str, default: str) -> float:
+    """The SI value of a number typed with or without its unit: `923ft`, `281,3 m`, `12.5`.
+
+    A number without a unit is in the unit `default`. A comma is a decimal comma. Raises BadValue.
+    """
+    match = _TYPED.match(text)
+    if not match:
+        raise BadValue(f"found {text.strip()!r}, expected a number")
+    number, suffix = match.groups()
+    return unit(quantity, suffix or default).to_si(float(number.replace(",", ".")))
+
+
+def render(value: float, quantity: str, suffix: str) -> str:
+    """An SI value as a number in a unit, with every digit that comes back to the same SI value."""
+    return f"{unit(quantity, suffix).from_si(value):.12g}"
