@@ -1,0 +1,163 @@
+"""The burn: from lift-off to burnout by Runge-Kutta in time, stepped along the thrust curve."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.pull import Pull
+from fieldkit.simulator.state import Setup
+
+
+Stages = list[Array]
+"""A figure at start, middle and end of a step."""
+
+
+@dataclass(slots=True)
+class Track:
+    """Where all draws are at one moment of the ascent, and the highlights so far. SI units.
+
+    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from
+    ignition, `flying` from lift-off.
+    """
+
+    time: Array
+    flying: Array
+    position: Array
+    velocity: Array
+    top_speed: Array
+    top_speed_time: Array
+    peak_accel: Array
+    rail_speed: Array
+    highest: Array
+    highest_time: Array
+
+
+def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
+    """When thrust first exceeds weight; inf where it never does. [s]"""
+    burns, motor = setup.burns, setup.motor
+    weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
+    needed = weight * setup.burn_stretch / setup.thrust_factor
+    result = np.full(needed.shape, np.inf)
+    for step in range(len(burns.edge) - 1):
+        before, after = burns.knot_thrust[step][motor], burns.knot_thrust[step + 1][motor]
+        crosses = (after > needed) & np.isinf(result)
+        if not crosses.any():
+            continue
+        share = np.clip((needed - before) / np.where(after > before, after - before, np.inf), 0.0, 1.0)
+        start, end = burns.edge[step][motor], burns.edge[step + 1][motor]
+        result = np.where(crosses, start + share * (end - start), result)
+        if not np.isinf(result).any():
+            break
+    return np.asarray(result * setup.burn_stretch)
+
+
+def _highlight(track: Track, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
+    """Keep top speed and its moment, from the cubic through speed and its slope at both ends of a step."""
+    (speed0, slope0), (speed1, slope1) = before, after
+    turns = (slope0 > 0) & (slope1 <= 0) & (dt > 0)
+    ends_higher = speed1 > track.top_speed
+    track.top_speed_time = np.where(ends_higher, track.time, track.top_speed_time)
+    track.top_speed = np.where(ends_higher, speed1, track.top_speed)
+    if not turns.any():
+        return
+    rise, lift0, lift1 = speed1 - speed0, slope0 * dt, slope1 * dt
+    cubic, square = lift0 + lift1 - 2 * rise, 3 * rise - 2 * lift0 - lift1
+    root = np.sqrt(np.maximum(square**2 - 3 * cubic * lift0, 0.0))
+    place = np.clip(lift0 / np.where(turns, root - square, 1.0), 0.0, 1.0)
+    peak = speed0 + place * (lift0 + place * (square + place * cubic))
+    higher = turns & (peak > track.top_speed)
+    track.top_speed_time = np.where(higher, track.time - (1 - place) * dt, track.top_speed_time)
+    track.top_speed = np.where(higher, peak, track.top_speed)
+
+
+def _speed(velocity: Array) -> Array:
+    return np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1])
+
+
+def _along(velocity: Array, pull: Array) -> Array:
+    """Rate of change of speed. [m/s^2]"""
+    if len(velocity) == 1:
+        return np.asarray(pull[0])
+    return np.asarray((velocity * pull).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
+
+
+def burn(setup: Setup, *, highlights: bool = True) -> Track:
+    """The ascent from lift-off to burnout; all entries of the set-up are flat, [draw] or [1].
+
+    Without `highlights` top speed, peak acceleration and rail speed are not looked for.
+    """
+    burns, motor, stretch = setup.burns, setup.motor, setup.burn_stretch
+    pull = Pull(setup, burning=True)
+    zero = np.zeros(setup.draws)
+    start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
+    latest = start[np.isfinite(start)].max(initial=0.0)
+    fixed_mass = setup.dry_mass + burns.casing_mass[motor]
+    factor = setup.thrust_factor / stretch
+    at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
+    track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
+    slope = zero
+    for step in range(len(burns.edge) - 1):
+        first, last = burns.edge[step][motor] * stretch, burns.edge[step + 1][motor] * stretch
+        thrust: Stages = [stage[motor] for stage in burns.thrust[step]]
+        spent: Stages = [stage[motor] for stage in burns.spent[step]]
+        dt = last - first
+        if first.min() < latest:
+            place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
+            thrust, spent, dt = _later(thrust, place), _later(spent, place), dt * (1 - place)
+        thrust = [stage * factor for stage in thrust]
+        mass = [fixed_mass + burns.propellant_mass[motor] * (1 - stage) for stage in spent]
+        before = track.position, track.velocity
+        _step(track, pull, dt, thrust, mass)
+        if highlights:
+            _leave_rail(track, setup, *before)
+            slope_before, slope = slope, _along(
+                track.velocity, pull(track.position, track.velocity, thrust[2], mass[2])
+            )
+            on_knot = slope + (burns.knot_thrust[step + 1][motor] * factor - thrust[2]) / mass[2]
+            track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, on_knot, 0))
+            _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
+    return track
+
+
+def _later(values: Stages, place: Array) -> Stages:
+    """Start, middle and end of what is left of a quadratic step from a place in it on."""
+    start, middle, end = values
+    linear, square = 4 * middle - 3 * start - end, 2 * (start + end) - 4 * middle
+    half = 0.5 * (1 + place)
+    return [start + place * (linear + place * square), start + half * (linear + half * square), end]
+
+
+def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:
+    """One classical Runge-Kutta step of position and velocity."""
+    x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
+    a1 = pull(x, v, thrust[0], mass[0])
+    v2 = v + half * a1
+    a2 = pull(x + half * v, v2, thrust[1], mass[1])
+    v3 = v + half * a2
+    a3 = pull(x + half * v2, v3, thrust[1], mass[1])
+    v4 = v + dt * a3
+    a4 = pull(x + dt * v3, v4, thrust[2], mass[2])
+    a2 += a3
+    track.position = x + dt * (v + sixth * (a1 + a2))
+    a2 *= 2
+    a2 += a1
+    a2 += a4
+    track.velocity = v + sixth * a2
+    track.time = track.time + dt
+    track.flying = track.flying + dt
+    if (track.velocity[0] < 0).any():
+        higher = track.position[0] > track.highest
+        track.highest_time = np.where(higher, track.time, track.highest_time)
+        track.highest = np.where(higher, track.position[0], track.highest)
+
+
+def _leave_rail(track: Track, setup: Setup, position: Array, velocity: Array) -> None:
+    """Keep the speed at the end of the rail: v^2 is close to linear in the path there."""
+    before, after = _speed(position), _speed(track.position)
+    leaves = (after >= setup.rail_length) & (before < setup.rail_length)
+    if not leaves.any():
+        return
+    share = (setup.rail_length - before) / np.where(leaves, after - before, 1.0)
+    square = _speed(velocity) ** 2 * (1 - share) + _speed(track.velocity) ** 2 * share
+    track.rail_speed = np.where(leaves, np.sqrt(np.maximum(square, 0.0)), track.rail_speed)
