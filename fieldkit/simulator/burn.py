@@ -8,6 +8,8 @@ from fieldkit.shapes import Array, Float
 from fieldkit.simulator.pull import Pull
 from fieldkit.simulator.state import Setup
 
+STIFFEST = 0.5
+"""Largest share by which drag alone may change speed in a step. [1]"""
 
 Stages = list[Array]
 """A figure at start, middle and end of a step."""
@@ -39,14 +41,13 @@ def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
     weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
     needed = weight * setup.burn_stretch / setup.thrust_factor
     result = np.full(needed.shape, np.inf)
-    for step in range(len(burns.edge) - 1):
-        before, after = burns.knot_thrust[step][motor], burns.knot_thrust[step + 1][motor]
+    for knot in range(len(burns.rise_time) - 1):
+        before, after = burns.rise_thrust[knot][motor], burns.rise_thrust[knot + 1][motor]
         crosses = (after > needed) & np.isinf(result)
-        if not crosses.any():
-            continue
-        share = np.clip((needed - before) / np.where(after > before, after - before, np.inf), 0.0, 1.0)
-        start, end = burns.edge[step][motor], burns.edge[step + 1][motor]
-        result = np.where(crosses, start + share * (end - start), result)
+        if crosses.any():
+            share = np.clip((needed - before) / np.where(after > before, after - before, np.inf), 0.0, 1.0)
+            start, end = burns.rise_time[knot][motor], burns.rise_time[knot + 1][motor]
+            result = np.where(crosses, start + share * (end - start), result)
         if not np.isinf(result).any():
             break
     return np.asarray(result * setup.burn_stretch)
@@ -99,33 +100,47 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
     slope = zero
     for step in range(len(burns.edge) - 1):
         first, last = burns.edge[step][motor] * stretch, burns.edge[step + 1][motor] * stretch
-        thrust: Stages = [stage[motor] for stage in burns.thrust[step]]
-        spent: Stages = [stage[motor] for stage in burns.spent[step]]
         dt = last - first
+        if not (dt > 0).any():
+            break
+        thrust: Stages = [stage[motor] * factor for stage in burns.thrust[step]]
+        mass: Stages = [
+            fixed_mass + burns.propellant_mass[motor] * (1 - stage[motor]) for stage in burns.spent[step]
+        ]
         if first.min() < latest:
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
-            thrust, spent, dt = _later(thrust, place), _later(spent, place), dt * (1 - place)
-        thrust = [stage * factor for stage in thrust]
-        mass = [fixed_mass + burns.propellant_mass[motor] * (1 - stage) for stage in spent]
+            thrust, mass, dt = _between(thrust, place, 1.0), _between(mass, place, 1.0), dt * (1 - place)
         before = track.position, track.velocity
-        _step(track, pull, dt, thrust, mass)
+        parts = _parts(setup, track, dt, thrust, mass)
+        for part in range(parts):
+            piece = part / parts, (part + 1) / parts
+            _step(track, pull, dt / parts, _between(thrust, *piece), _between(mass, *piece))
         if highlights:
             _leave_rail(track, setup, *before)
-            slope_before, slope = slope, _along(
-                track.velocity, pull(track.position, track.velocity, thrust[2], mass[2])
-            )
-            on_knot = slope + (burns.knot_thrust[step + 1][motor] * factor - thrust[2]) / mass[2]
-            track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, on_knot, 0))
+            slope_before = slope
+            slope = _along(track.velocity, pull(track.position, track.velocity, thrust[2], mass[2]))
+            track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
             _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
     return track
 
 
-def _later(values: Stages, place: Array) -> Stages:
-    """Start, middle and end of what is left of a quadratic step from a place in it on."""
-    start, middle, end = values
-    linear, square = 4 * middle - 3 * start - end, 2 * (start + end) - 4 * middle
-    half = 0.5 * (1 + place)
-    return [start + place * (linear + place * square), start + half * (linear + half * square), end]
+def _between(values: Stages, start: Array | float, end: Array | float) -> Stages:
+    """Start, middle and end of a part of a step over which a figure is a quadratic; places in [0, 1]."""
+    if isinstance(start, float) and start == 0.0 and end == 1.0:
+        return values
+    at_start, at_middle, at_end = values
+    linear, square = 4 * at_middle - 3 * at_start - at_end, 2 * (at_start + at_end) - 4 * at_middle
+    return [at_start + at * (linear + at * square) for at in (start, 0.5 * (start + end), end)]
+
+
+def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> int:
+    """Into how many parts a step must be cut where drag is stiff: light, wide and fast. [1]
+
+    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that.
+    """
+    speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
+    stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
+    return int(np.clip(np.ceil(np.max(stiffness) / STIFFEST), 1, 64))
 
 
 def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:

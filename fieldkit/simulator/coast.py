@@ -15,7 +15,7 @@ from fieldkit.simulator.burn import Track
 from fieldkit.simulator.pull import Pull
 from fieldkit.simulator.state import Setup
 
-LAYER = 150.0
+LAYER = 50.0
 """Thickest layer of even density in the closed form. [m]"""
 SPEED_STEP = 12.0
 """Longest step of upward speed otherwise. [m/s]"""
