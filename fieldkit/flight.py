@@ -60,9 +60,7 @@ SETUP = (
         50000,
         "Weighed at the pad with recovery and payload, no motor.",
     ),
-    _column(
-        "diameter", "length", "mm", "Diameter", 8, 400, "Largest body diameter: the reference area of Cd."
-    ),
+    _column("diameter", "length", "mm", "Diameter", 8, 400, "Largest body diameter: the reference area of Cd."),
     _column("delay", "time", "s", "Ejection delay", 0, 20, "From burnout to the ejection charge."),
 )
 CONDITIONS = (
@@ -79,9 +77,7 @@ CONDITIONS = (
     ),
     _column("humidity", "fraction", "%", "Humidity", 0, 100, "Relative humidity at the pad."),
     _column("wind", "speed", "m/s", "Wind", 0, 20, "Mean wind at the pad."),
-    _column(
-        "rail_length", "length", "m", "Rail length", 0.3, 10, "Of the rod or rail the rocket is guided by."
-    ),
+    _column("rail_length", "length", "m", "Rail length", 0.3, 10, "Of the rod or rail the rocket is guided by."),
     _column("rail_angle", "angle", "deg", "Rail angle", 0, 30, "Tilt of the rod or rail from vertical."),
 )
 READOUTS = (
@@ -116,9 +112,7 @@ READOUTS = (
         20,
         "Negative when ejection came before apogee.",
     ),
-    _column(
-        "eject_altitude", "length", "m", "Ejection altitude", 0, 10000, "Height above the pad at ejection."
-    ),
+    _column("eject_altitude", "length", "m", "Ejection altitude", 0, 10000, "Height above the pad at ejection."),
     _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Under the parachute or streamer."),
     _column("duration", "time", "s", "Duration", 1, 1200, "From lift-off to landing."),
 )

@@ -65,9 +65,7 @@ def standard_temperature(elevation: Float[Array, "*draw"]) -> Float[Array, "*dra
     return STANDARD_TEMPERATURE - LAPSE * elevation
 
 
-def station_pressure(
-    pressure: Float[Array, "*draw"], elevation: Float[Array, "*draw"]
-) -> Float[Array, "*draw"]:
+def station_pressure(pressure: Float[Array, "*draw"], elevation: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
     """Pressure at the pad from the pressure a flyer wrote down. [Pa]
 
     Weather reports give it reduced to sea level (QNH), a barometer at the pad as it is; the figure is

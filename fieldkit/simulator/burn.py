@@ -104,9 +104,7 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
         if not (dt > 0).any():
             break
         thrust: Stages = [stage[motor] * factor for stage in burns.thrust[step]]
-        mass: Stages = [
-            fixed_mass + burns.propellant_mass[motor] * (1 - stage[motor]) for stage in burns.spent[step]
-        ]
+        mass: Stages = [fixed_mass + burns.propellant_mass[motor] * (1 - stage[motor]) for stage in burns.spent[step]]
         if first.min() < latest:
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, 1.0), _between(mass, place, 1.0), dt * (1 - place)

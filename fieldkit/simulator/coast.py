@@ -157,9 +157,7 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> N
     marks[1] = np.where(inside, upward, marks[1])
 
 
-def _under_parachute(
-    setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array
-) -> tuple[Array, Array]:
+def _under_parachute(setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array) -> tuple[Array, Array]:
     """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
     g, terminal = setup.gravity, setup.descent_speed
     opened, climbing = np.isfinite(eject[2]), eject[3]

@@ -6,6 +6,7 @@ segment longer than a fraction of the burn is split.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol
 
 import numpy as np
@@ -62,10 +63,7 @@ class Burns:
 def _edges(time: Array, steps: int) -> Array:
     """Step edges of one curve: every knot, and splits between those that lie far apart."""
     longest = (time[-1] - time[0]) / steps
-    pieces = [
-        np.linspace(a, b, int(np.ceil((b - a) / longest - 1e-9)) + 1)[1:]
-        for a, b in zip(time[:-1], time[1:], strict=True)
-    ]
+    pieces = [np.linspace(a, b, int(np.ceil((b - a) / longest - 1e-9)) + 1)[1:] for a, b in pairwise(time)]
     return np.concatenate([time[:1], *pieces])
 
 

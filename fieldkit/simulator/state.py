@@ -103,9 +103,7 @@ class Setup:
         return replace(self, air=air, forces=forces, **arrays)
 
 
-PER_DRAW = tuple(
-    f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds")
-)
+PER_DRAW = tuple(f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds"))
 """The entries of a set-up that have one value a draw."""
 
 
