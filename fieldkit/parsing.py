@@ -243,7 +243,9 @@ def _keep(
         return [Note(phrase, row) for phrase in contradictions(flight)]
     first, first_row = kept[name]
     if first != flight:
-        found = f"found {shown(flight.flight_id)} again, which row {first_row} has for another flight of this rocket"
+        found = (
+            f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
+        )
         raise DamagedLog(found, row=row, column="flight_id")
     return [Note(f"repeats row {first_row}", row)]
 

@@ -46,7 +46,7 @@ rounding; over 116 flights of one ledger all but one lay within 0.905 to 1.055.
 
 
 def check(column: Column, value: float) -> float:
-    """The SI value of a column, if a flight can have it. Raises BadValue with the range that would be right."""
+    """The SI value of a column, if a flight can have it. Raises BadValue with the range expected."""
     low, high = LIMITS[column.name]
     scale = units.unit(column.quantity, column.unit)
     number = scale.from_si(value)
@@ -73,12 +73,11 @@ def contradictions(flight: Flight) -> list[str]:
     for smaller, larger in pairs:
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
-            small, large = BY_NAME[smaller], BY_NAME[larger]
-            found.append(
-                f"{small.title.lower()} {_rounded(small, low)} is above {large.title.lower()} {_rounded(large, high)}"
-            )
+            found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
     return found
 
 
-def _rounded(column: Column, value: float) -> str:
-    return f"{units.unit(column.quantity, column.unit).from_si(value):.4g} {column.unit}"
+def _spoken(column: Column, value: float) -> str:
+    return (
+        f"{column.title.lower()} {units.unit(column.quantity, column.unit).from_si(value):.4g} {column.unit}"
+    )

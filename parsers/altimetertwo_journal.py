@@ -4,7 +4,8 @@ Two files belong together. The launches have one row per flight, in feet, miles 
 numbers without their leading zero (`.800`, `-.100`), an empty cell for "none seen". The rockets have one
 row per rocket: number, name and weight in grams, presumably without the motor. Launches read alone
 know their rocket by its number. The motors of one flight stand apart by commas (`4 C6-3, D12-3`), its
-stages by the byte 0xBD.
+stages by the byte 0xBD, which some copies turn into a question mark. The note comes last and is not
+quoted, so it may hold commas.
 
 `DelayNote` is no delay. Rows that hold 5 ejected near apogee, those with 2 well after it, whatever their
 motor's delay: it grades how well the delay fitted, so it is kept as an unknown column and not used.
@@ -39,7 +40,7 @@ COLUMNS = {
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
 KEPT = ("LaunchNumber", "DelayNote")
-STAGE_MARK = "\xbd"
+STAGE_MARK = re.compile(r"\s*\xbd\s*|\s+\?\s+")
 DEVICE = "AltimeterTwo"
 
 
@@ -86,6 +87,8 @@ def _record(row: int, cells: list[str] | DamagedLog, names: list[str]) -> dict[s
     """A row as name to text. Raises DamagedLog if it has not a cell for every name."""
     if isinstance(cells, DamagedLog):
         raise cells
+    if names[-1] == "Note" and len(cells) > len(names):
+        cells = [*cells[: len(names) - 1], ",".join(cells[len(names) - 1 :])]
     if len(cells) != len(names):
         raise DamagedLog(f"found {len(cells)} cells, expected {len(names)}", row=row)
     return dict(zip(names, (cell.strip() for cell in cells), strict=True))
@@ -112,8 +115,8 @@ def _launch(row: int, record: Mapping[str, str]) -> Reading:
     stated: dict[str, object] = {
         "flight_id": record["LaunchID"],
         "date_time": _date(row, record["Date"]),
-        "motor": " / ".join(stage.strip() for stage in record["Motors"].split(STAGE_MARK)),
-        "tags": tuple(_tags(record["Motors"], Flight(**readouts))),
+        "motor": " / ".join(STAGE_MARK.split(record["Motors"])),
+        "tags": tuple(_tags(record["Motors"], Flight().with_changes(**readouts))),
         "notes": record["Note"],
         **readouts,
     }
@@ -149,7 +152,7 @@ def _tags(motors: str, readouts: Flight) -> list[str]:
     A slipped row is one where the average acceleration is above the peak, or the top speed is not
     within a factor of two of what acceleration and burn time make it; a mere typing error is less.
     """
-    stages = motors.split(STAGE_MARK)
+    stages = STAGE_MARK.split(motors)
     several = any("," in stage or re.match(r"\s*\d+\s+\S", stage) for stage in stages)
     tags = ["staged"] * (len(stages) > 1) + ["cluster"] * several
     ratio = identity(readouts)

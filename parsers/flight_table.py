@@ -51,7 +51,9 @@ def read(log: bytes) -> list[Found]:
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
     mark = _decimal_mark(_numbers(headings, table), separator)
-    found = [_reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)]
+    found: list[Found] = [
+        _reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)
+    ]
     return found or [Note("found a header and no flights", header_row)]
 
 
