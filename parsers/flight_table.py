@@ -218,10 +218,14 @@ def _number(cell: str, heading: Heading, mark: str) -> float:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
         raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected one without doubt")
     if len(cell) > 40:
-        raise BadValue(f"found {shown(cell)}, expected a number")
+        raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
     if not heading.unit and cell[-1].isdigit():
         raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
-    return units.parse(cell, column.quantity, heading.unit)
+    try:
+        return units.parse(cell, column.quantity, heading.unit)
+    except BadValue:
+        known = f"{heading.unit}, or with a unit of {column.quantity}" if heading.unit else column.unit
+        raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
 
 
 def _date(cell: str) -> datetime | None:
