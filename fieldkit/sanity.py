@@ -64,7 +64,7 @@ def identity(flight: Flight) -> float | None:
 
 
 def doubts(flight: Flight) -> list[str]:
-    """What looks mistyped in a flight, a phrase each: unusual figures, and readouts at odds with each other."""
+    """What looks mistyped in a flight, a phrase each: unusual figures, and readouts at odds."""
     found = [
         _unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None
     ]

@@ -18,6 +18,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TAGS, TEXT_COLUMNS
 from fieldkit.logtext import decode, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.safe_text import printable
 
 SEPARATORS = (",", ";", "\t")
 OURS = ("flight_id", "rocket", "config", "motor", "date_time")
@@ -114,11 +115,11 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
             spoken_for = any(_plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
             heading = _heading(name, strict=not spoken_for)
         except BadValue as error:
-            raise DamagedLog(f"{error}, or another name", row=row, column=name.strip()) from error
+            raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
         key = heading.field or heading.spelled.lower()
         if key and key in seen:
-            found = f"found a second column for the same as {seen[key]}, expected one"
-            raise DamagedLog(found, row=row, column=heading.spelled)
+            found = f"found a second column for the same as {printable(seen[key])}, expected one"
+            raise DamagedLog(found, row=row, column=printable(heading.spelled))
         seen[key] = heading.spelled
         headings.append(heading)
     return headings
