@@ -238,6 +238,12 @@ def test_a_quotation_mark_that_is_never_closed_costs_one_row() -> None:
     assert got.flights[1].notes == "two\nlines"
 
 
+def test_a_cell_without_end_is_refused_as_such() -> None:
+    got = intake(f"rocket,apogee_m\nSwift,{'1' * 200_000}\nSwift,100\n")
+    assert "found a cell without end" in got.rejected[0].error
+    assert len(got.flights) == 1
+
+
 def test_rows_are_counted_as_a_spreadsheet_shows_them() -> None:
     got = intake('rocket,apogee_m,notes\nSwift,100,"two\nlines"\n\nSwift,x,\n')
     assert [r.row for r in got.rejected] == [4]
