@@ -1,5 +1,9 @@
 """fieldkit: from the altimeter's readouts to the next apogee."""
 
+from fieldkit.shelf import mount
+
+mount()
+
 
 def __getattr__(name: str) -> str:
     """`__version__`, looked up when asked for: the look-up costs more than a small command."""
