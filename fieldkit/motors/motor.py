@@ -67,6 +67,11 @@ class Motor:
         return end - start
 
     @property
+    def burnout(self) -> float:
+        """When the thrust last leaves 5 % of its peak, from ignition: the delay counts from there. [s]"""
+        return self.burning[1]
+
+    @property
     def thrust_end(self) -> float:
         """When the curve ends, from ignition. [s]"""
         return float(self.time[-1])
