@@ -73,7 +73,7 @@ def _highlight(track: Track, dt: Array, before: tuple[Array, Array], after: tupl
 
 
 def _speed(velocity: Array) -> Array:
-    return np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1])
+    return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1]))
 
 
 def _along(velocity: Array, pull: Array) -> Array:

@@ -57,7 +57,7 @@ def field_setup(
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
     return Setup(
         burns=burns(list(motors.values()), steps=steps),
-        air=pad_air(*conditions, recorded(flights, "humidity")),
+        air=pad_air(conditions[0], conditions[1], conditions[2], recorded(flights, "humidity")),
         motor=np.array([row[id(item.motor)] for item in found]),
         dry_mass=dry_mass,
         drag_area=np.asarray(drag_area, float),
@@ -66,5 +66,5 @@ def field_setup(
         rail_angle=np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0),
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
-        altimeter_gain=altimeter_gain(*conditions),
+        altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
     )
