@@ -15,7 +15,7 @@ from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candi
 from fieldkit.loop.fit import Fit, LeftOut, fit, leave_one_out
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, mixed, score
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.effect import Effect
 
 DECISIVE = 0.9
@@ -152,7 +152,7 @@ def _log_prior_odds(names: Sequence[str]) -> dict[str, float]:
     return odds | ({"": np.log(PATTERN_SHARE)} if "" in names else {})
 
 
-def _rank(trials: Sequence[Trial], base: Trial, truth: Array, seen: Array) -> tuple[Ranked, ...]:
+def _rank(trials: Sequence[Trial], base: Trial, truth: Array, seen: Flags) -> tuple[Ranked, ...]:
     ranked = []
     for name, family in _families(trials).items():
         bayes, _ = _log_bayes(family, base)

@@ -9,7 +9,7 @@ by the evidence for each.
 """
 
 from dataclasses import dataclass
-from math import erf, log, pi, sqrt
+from math import erf, log, sqrt
 
 import numpy as np
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.loop.fit import LeftOut
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ class Score:
         return {"mae_m": self.mae, "rmse_m": self.rmse, "bias_m": self.bias, "coverage90": self.coverage90}
 
 
-def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Array) -> Score:
+def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Score:
     """The score of forecasts of log apogee on the flights that were seen."""
     if not seen.any():
         return Score(np.nan, np.nan, np.nan, np.nan)
