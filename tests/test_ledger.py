@@ -132,6 +132,14 @@ def test_a_flight_edited_since_is_still_the_one_that_its_table_holds(ledger: Led
     assert not ledger.holds(FIRST.with_changes(apogee=301.0))
 
 
+def test_a_dry_run_says_what_would_happen_and_changes_nothing(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    added = ledger.add([FIRST, SECOND], log=b"bytes", dry_run=True)
+    assert (added.new, added.duplicates) == (("2",), 1)
+    assert ledger.flights() == [FIRST]
+    assert len(ledger.history()) == 1
+
+
 def test_two_of_one_name_in_one_table_are_a_duplicate_or_a_conflict(ledger: Ledger) -> None:
     added = ledger.add([FIRST, FIRST, FIRST.with_changes(apogee=1.0)])
     assert (len(added.new), added.duplicates, len(added.conflicts)) == (1, 1, 1)
@@ -254,7 +262,7 @@ def test_one_unknown_id_among_several_removes_nothing(ledger: Ledger) -> None:
 
 def test_the_bytes_of_a_log_come_back_as_they_were(ledger: Ledger) -> None:
     ledger.add([FIRST], log=b"\0\xff" * 5000)
-    ledger.add([SECOND], logs={("Astra", "2"): b"two"})
+    ledger.add([SECOND], log=b"two")
     assert ledger.log("1") == b"\0\xff" * 5000
     ledger.remove("1")
     ledger.undo()

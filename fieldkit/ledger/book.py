@@ -2,7 +2,7 @@
 
 import hashlib
 import zlib
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
 
@@ -11,7 +11,7 @@ from sqlalchemy import Connection, func, insert, or_, select
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger.journal import Pen
-from fieldkit.ledger.records import Added, Conflict
+from fieldkit.ledger.records import Added, Arrival, Conflict
 from fieldkit.ledger.rows import Row, differences, flight_of, row_of, same
 from fieldkit.ledger.tables import flights, logs, tags
 
@@ -48,25 +48,22 @@ class Known:
         return next((one for one in known if one and same(one, flight)), None)
 
 
-def add(
-    pen: Pen, new: Iterable[Flight], *, log: bytes | None, logs: Mapping[tuple[str, str], bytes], source: str
-) -> Added:
+def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     """Take flights in; see `Ledger.add`."""
-    new = list(new)
-    known, conflicts, duplicates = Known(pen.connection, new), [], 0
+    known, conflicts, duplicates = Known(pen.connection, [one.flight for one in arrivals]), [], 0
     entry = pen.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
-    for flight in new:
+    for arrival in arrivals:
+        flight = arrival.flight
         if known.match(flight):
             duplicates += 1
         elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
-            conflicts.append(Conflict(flight, error))
+            conflicts.append(Conflict(arrival, error))
         else:
             known.note(flight)
-            content = logs.get((flight.rocket, flight.flight_id), log)
-            digest = None if content is None else keep_log(pen.connection, content)
+            digest = None if arrival.log is None else keep_log(pen.connection, arrival.log)
             entry += 1
-            rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": source})
+            rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": arrival.source})
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
     pen.insert(flights, rows)
     pen.insert(tags, labels)

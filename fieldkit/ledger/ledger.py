@@ -17,10 +17,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import book, drafts, journal, models, opening
 from fieldkit.ledger.journal import Change, Pen
-from fieldkit.ledger.records import Added, Prediction, Version
-
-Identity = tuple[str, str]
-"""Rocket and flight_id, which together name a flight."""
+from fieldkit.ledger.records import Added, Arrival, Prediction, Version
 
 
 class Ledger:
@@ -61,22 +58,25 @@ class Ledger:
 
     def add(
         self,
-        flights: Iterable[Flight],
+        flights: Iterable[Flight | Arrival],
         *,
         log: bytes | None = None,
-        logs: Mapping[Identity, bytes] | None = None,
         source: str = "",
         command: str = "import",
+        dry_run: bool = False,
     ) -> Added:
-        """Take flights in, with the original bytes of their logs: `log` for all, or `logs` by identity.
+        """Take flights in; `log` and `source` are those of each that does not arrive with its own.
 
         A flight that is there already, as it is now or as it once came in, is a duplicate and changes
-        nothing. One that is there with other content, or cannot be kept, is a conflict.
+        nothing. One that is there with other content, or cannot be kept, is a conflict. A dry run says
+        what would happen.
         """
-        with self._changing() as pen:
-            added = book.add(pen, flights, log=log, logs=logs or {}, source=source)
+        arrivals = [one if isinstance(one, Arrival) else Arrival(one, log, source) for one in flights]
+        with self._changing(keep=not dry_run) as pen:
+            added = book.add(pen, arrivals)
             if added.new:
-                pen.sign(command, _listed(added.new) + (f" from {source}" if source else ""))
+                files = ", ".join(dict.fromkeys(one.source for one in arrivals if one.source))
+                pen.sign(command, _listed(added.new) + (f" from {files}" if files else ""))
         return added
 
     def holds(self, flight: Flight) -> bool:
@@ -248,8 +248,8 @@ class Ledger:
         return opening.reading(self._engine)
 
     @contextmanager
-    def _changing(self) -> Iterator[Pen]:
-        with opening.writing(self._engine) as connection:
+    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+        with opening.writing(self._engine, keep=keep) as connection:
             yield Pen(connection)
 
 

@@ -111,10 +111,12 @@ def reading(engine: Engine) -> Iterator[Connection]:
 
 
 @contextmanager
-def writing(engine: Engine) -> Iterator[Connection]:
+def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
     """A connection whose changes are kept together at the end, or not at all; one writer at a time."""
-    with _explained(engine), engine.execution_options(writes=True).begin() as connection:
+    with _explained(engine), engine.execution_options(writes=True).connect() as connection:
         yield connection
+        if keep:
+            connection.commit()
 
 
 @contextmanager

@@ -9,10 +9,19 @@ from fieldkit.flight import Flight
 
 
 @dataclass(frozen=True, slots=True)
+class Arrival:
+    """A flight on its way in, with the original bytes it was read from and the name of their file."""
+
+    flight: Flight
+    log: bytes | None = None
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
 class Conflict:
     """A flight that was not taken in, and why, in one line."""
 
-    flight: Flight
+    arrival: Arrival
     error: str
 
 
