@@ -17,6 +17,7 @@ from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError
+from fieldkit.places import data_folder
 
 PATIENCE = 15.0
 """How long a command waits for another one that is writing. [s]"""
@@ -44,7 +45,7 @@ def location(where: str | Path | None) -> URL:
 
     Raises LedgerError for a URL that is neither SQLite's nor PostgreSQL's.
     """
-    where = where or os.environ.get("FIELDKIT_LEDGER") or _home()
+    where = where or os.environ.get("FIELDKIT_LEDGER") or data_folder() / "ledger.db"
     if isinstance(where, Path) or "://" not in where:
         return URL.create("sqlite", database=str(Path(where).expanduser()))
     try:
@@ -57,12 +58,6 @@ def location(where: str | Path | None) -> URL:
     if dialect not in _DRIVERS:
         raise LedgerError(f"found a ledger on {dialect}, expected sqlite or postgresql")
     return url if "+" in url.drivername else url.set(drivername=_DRIVERS[dialect])
-
-
-def _home() -> Path:
-    from platformdirs import user_data_path
-
-    return user_data_path("fieldkit", appauthor=False, ensure_exists=True) / "ledger.db"
 
 
 def name_of(url: URL) -> str:
