@@ -180,10 +180,14 @@ def build(motors: list[Row], digest: str) -> Row:
         "package": PACKAGE,
         "version": VERSION,
         "date": max(motor["updatedOn"] for motor in motors),
-        "licence": "ISC, Copyright Robert Kieffer",
+        "licence": "ISC (package by Robert Kieffer); data of ThrustCurve.org by John Coker and contributors",
         "sha256": digest,
         "read": len(motors),
         "kept": len(kept),
+        "by_class": {
+            letter: [count, Counter(entry["class"] for entry in kept)[letter]]
+            for letter, count in sorted(Counter(motor["impulseClass"] for motor in motors).items())
+        },
         "by_maker": dict(Counter(entry["maker"] for entry in kept).most_common()),
         "estimated": dict(sorted(Counter(what for entry in kept for what in entry["estimated"]).items())),
         "left_out": dict(sorted(left_out.items())),

@@ -56,62 +56,48 @@ class Catalogue:
 
 @cache
 def catalogue() -> Catalogue:
-    """The catalogue that is shipped, read once."""
+    """The catalogue that is shipped, read once; a curve is read when its motor is first asked for."""
     data = json.loads(gzip.decompress(DATA.read_bytes()))
+    entries = [dict(zip(data["columns"], row, strict=True)) for row in data.pop("motors")]
+    build = cache(lambda number: _motor(entries[number], data["source"]))
     shelf: dict[str, list[Listing]] = {}
-    for row in data.pop("motors"):
-        entry = dict(zip(data["columns"], row, strict=True))
-        shelf.setdefault(entry["name"], []).append(_shipped(entry, data["source"]))
+    for number, entry in enumerate(entries):
+        shelf.setdefault(entry["name"], []).append(_shipped(entry, partial(build, number)))
     return Catalogue(MappingProxyType(shelf), MappingProxyType(data))
 
 
-def _shipped(entry: dict[str, Any], source: str) -> Listing:
-    delays = tuple(PLUGGED if delay == "P" else float(delay) for delay in entry["delays"])
+def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
     return Listing(
-        maker=entry["maker"],
-        name=entry["name"],
-        designation=entry["designation"],
-        diameter=entry["diameter_mm"] / 1e3,
-        delays=delays,
-        available=entry["available"],
-        words=_words(
-            entry["maker"],
-            entry["designation"],
-            entry["name"],
-            entry["diameter_mm"],
-            entry["case"],
-            entry["propellant"],
-        ),
-        motor=_once(partial(_motor, entry, delays, source)),
+        entry["maker"],
+        entry["name"],
+        entry["designation"],
+        entry["diameter_mm"] / 1e3,
+        _delays(entry),
+        entry["available"],
+        " ".join((entry["case"], entry["propellant"])),
+        motor,
     )
+
+
+def _delays(entry: Mapping[str, Any]) -> tuple[float, ...]:
+    return tuple([PLUGGED if delay == "P" else float(delay) for delay in entry["delays"]])
 
 
 def _own(motor: Motor) -> Listing:
-    words = _words(
-        motor.maker, motor.designation, motor.name, motor.diameter * 1e3, motor.case, motor.propellant
-    )
     return Listing(
         motor.maker,
         motor.name,
         motor.designation,
         motor.diameter,
         motor.delays,
-        True,
-        words,
+        motor.available,
+        " ".join((motor.case, motor.propellant)),
         lambda: motor,
         own=True,
     )
 
 
-def _words(maker: str, designation: str, name: str, millimetres: float, case: str, propellant: str) -> str:
-    return f"{maker} {designation} {name} {millimetres:g}mm {case} {propellant}".upper()
-
-
-def _once(build: Callable[[], Motor]) -> Callable[[], Motor]:
-    return cache(build)
-
-
-def _motor(entry: Mapping[str, Any], delays: tuple[float, ...], source: str) -> Motor:
+def _motor(entry: Mapping[str, Any], source: str) -> Motor:
     time, thrust = np.array(entry["curve"].split(), dtype=float).reshape(-1, 2).T.copy()
     thrust = normalised(time, thrust, entry["total_impulse_ns"])
     time.setflags(write=False)
@@ -127,7 +113,7 @@ def _motor(entry: Mapping[str, Any], delays: tuple[float, ...], source: str) -> 
         total_impulse=float(entry["total_impulse_ns"]),
         propellant_mass=entry["propellant_g"] / 1e3,
         casing_mass=entry["casing_g"] / 1e3,
-        delays=delays,
+        delays=_delays(entry),
         available=entry["available"],
         time=time,
         thrust=thrust,

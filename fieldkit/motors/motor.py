@@ -129,8 +129,8 @@ def knots(
     t, f = np.array(time, dtype=float), np.array(thrust, dtype=float)
     if t.size < 2 or not (np.isfinite(t).all() and np.isfinite(f).all()):
         raise BadValue("found fewer than two samples or a value that is no number, expected a thrust curve")
-    if (np.diff(t) < 0).any() or t[0] < 0:
-        raise BadValue("found a time before the one above it, expected times that increase from 0")
+    if (np.diff(t) < 0).any() or t[0] < 0 or t[-1] == 0:
+        raise BadValue("found times that run backwards or stand still, expected times that increase from 0")
     if (f < 0).any() or not f.any():
         raise BadValue("found negative thrust or none at all, expected thrust in newtons")
     if t[0] > 0 or f[0] > 0:

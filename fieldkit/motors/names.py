@@ -18,7 +18,7 @@ MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "KBA": ("KOSDON BY AEROTECH", "KBA"),
         "Kosdon": ("KOSDON TRM", "KOSDON"),
         "Apogee": ("APOGEE COMPONENTS", "APOGEE"),
-        "Alpha": ("ALPHA HYBRIDS",),
+        "Alpha": ("ALPHA HYBRIDS", "ALPHA"),
         "Contrail": ("CONTRAIL ROCKETS", "CONTRAIL"),
         "Ellis": ("ELLIS MOUNTAIN", "ELLIS"),
         "Gorilla": ("GORILLA ROCKET MOTORS", "GORILLA"),
@@ -50,7 +50,8 @@ _HALVES = str.maketrans(
 )
 
 _CORE = re.compile(
-    r"(?:HP[- ]?|(?P<impulse>\d+))?(?P<letter>(?:1/[248])?[A-O])-?(?P<thrust>\d+(?:\.\d+)?)(?P<rest>.*)"
+    r"(?:(?P<hp>HP)[- ]?|(?P<impulse>\d+))?"
+    r"(?P<letter>(?:1/[248])?[A-O])-?(?P<thrust>\d+(?:\.\d+)?)(?P<rest>.*)"
 )
 _DELAY = re.compile(r"(\d+(?:\.\d+)?|P)([A-Z]{0,2})")
 _ONE = r"(?:1/[248])?[A-O]\d+(?:\.\d+)?(?:[A-Z]{1,3})?(?:-(?:\d+|P)[A-Z]{0,2})?"
@@ -62,7 +63,7 @@ _COUNTED = re.compile(rf"(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)(?:HP-)?\d*{_ONE}(?
 class Name:
     """What a written name says: `F24`, letters of the propellant, delay, maker, diameter [m].
 
-    `impulse` is the number that Cesaroni writes before the class, `216` of `216H118-12A`. `core` is
+    `prefix` is what stands before the class: `216` of `216H118-12A`, `HP` of `HP-I205W`. `core` is
     empty when the text is not a class and a thrust, such as `MICRO_MAXX_II`; `squeezed` is the whole
     of it in letters and digits.
     """
@@ -70,7 +71,7 @@ class Name:
     core: str
     letters: str
     delay: float | None
-    impulse: str
+    prefix: str
     maker: str
     diameter: float | None
     squeezed: str
@@ -115,7 +116,13 @@ def parse(text: str) -> Name:
         return Name("", "", None, "", maker, diameter, squeeze(rest))
     letters, delay = _tail(core["rest"])
     return Name(
-        core["letter"] + core["thrust"], letters, delay, core["impulse"] or "", maker, diameter, squeeze(rest)
+        core["letter"] + core["thrust"],
+        letters,
+        delay,
+        core["hp"] or core["impulse"] or "",
+        maker,
+        diameter,
+        squeeze(rest),
     )
 
 

@@ -1,6 +1,7 @@
 """From a written name to a motor: what the text says narrows, and what is left is said aloud."""
 
 import difflib
+import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
@@ -8,6 +9,7 @@ from fieldkit.errors import AmbiguousMotor, UnknownMotor
 from fieldkit.motors.motor import PLUGGED, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
 
+_NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
 _SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
 _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by how widely they are flown: up to class E, and above it."""
@@ -15,7 +17,10 @@ _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 
 @dataclass(frozen=True, slots=True)
 class Listing:
-    """What a search looks at; `motor()` is the motor itself, curve and all. `own` is the flyer's file."""
+    """What a search looks at; `motor()` is the motor itself, curve and all.
+
+    `words` are its case and its propellant; `own` marks a motor of the flyer's files.
+    """
 
     maker: str
     name: str
@@ -31,6 +36,18 @@ class Listing:
     def label(self) -> str:
         """Maker and designation: `AeroTech F24W`."""
         return f"{self.maker} {self.designation}"
+
+    @property
+    def letters(self) -> str:
+        """The letters of its designation, and the T that Estes prints on its 13 mm motors."""
+        letters = parse(self.designation).letters
+        return "T" if not letters and self.maker == "Estes" and self.diameter == 0.013 else letters
+
+    def mentions(self, word: str) -> bool:
+        """Whether a word in capitals is part of what is known of it; F or F2 only start its name."""
+        if _NAME.fullmatch(word):
+            return self.name.startswith(word)
+        return word in f"{self.label} {self.diameter * 1e3:g}mm {self.words}".upper()
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,11 +101,10 @@ def search(shelf: Shelf, text: str) -> list[Motor]:
     name = parse(text)
     meant = _fitting(shelf, name, name.maker)
     words = tidy(text).replace(" MM", "MM").split()
-    fitting = [listing for listing in _all(shelf) if all(word in listing.words for word in words)]
-    ranked = [*sorted(meant, key=_likelihood), *sorted(fitting, key=lambda listing: _rank(listing, words))]
-    listings = list(dict.fromkeys(map(id, ranked)))
-    by_id = {id(listing): listing for listing in ranked}
-    return [by_id[i].motor() for i in listings] or [listing.motor() for listing in nearest(shelf, name)]
+    fitting = [listing for listing in _all(shelf) if all(map(listing.mentions, words))]
+    ranked = [*sorted(meant, key=_likelihood), *sorted(fitting, key=_in_order)]
+    unique = {id(listing): listing for listing in ranked}
+    return [listing.motor() for listing in unique.values() or nearest(shelf, name)]
 
 
 def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
@@ -133,13 +149,16 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
         and (name.diameter is None or abs(listing.diameter - name.diameter) < 1e-3)
     ]
     fitting = _narrow(fitting, lambda listing: listing.own)
-    fitting = _narrow(fitting, lambda listing: parse(listing.designation).letters == name.letters != "")
+    fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
+    fitting = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
     return _narrow(fitting, lambda listing: name.delay in listing.delays)
 
 
 def _fits(listing: Listing, name: Name) -> bool:
-    own = parse(listing.designation)
-    return compatible(name.letters, own.letters) and name.impulse in ("", own.impulse)
+    return compatible(name.letters, listing.letters) and name.prefix in (
+        "",
+        parse(listing.designation).prefix,
+    )
 
 
 def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Listing]:
@@ -149,6 +168,8 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
 def _found(name: Name, listing: Listing, note: str = "") -> Found:
     motor = listing.motor()
     notes = [note] if note else []
+    if name.letters and not listing.letters:
+        notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and listing.delays and name.delay not in listing.delays:
         asked = "plugged" if name.delay == PLUGGED else f"a delay of {name.delay:g} s"
         notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(listing.delays)}")
@@ -157,14 +178,14 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
     return Found(motor, name.delay, tuple(notes))
 
 
-def _likelihood(listing: Listing) -> tuple[bool, int]:
+def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
     makers = _SMALL if _class(listing.name) <= "E" else _LARGE
-    return not listing.available, makers.index(listing.maker) if listing.maker in makers else len(makers)
+    place = makers.index(listing.maker) if listing.maker in makers else len(makers)
+    return not listing.own, not listing.available, place
 
 
-def _rank(listing: Listing, words: Sequence[str]) -> tuple[bool, bool, str, float]:
-    begins = any(listing.name.startswith(word) for word in words)
-    return not begins, not listing.available, _class(listing.name), _thrust(listing.name)
+def _in_order(listing: Listing) -> tuple[bool, bool, str, float]:
+    return not listing.own, not listing.available, _class(listing.name), _thrust(listing.name)
 
 
 def _class(name: str) -> str:
@@ -172,7 +193,8 @@ def _class(name: str) -> str:
 
 
 def _thrust(name: str) -> float:
-    return float(name[len(_class(name)) :] or 0)
+    digits = name[len(_class(name)) :]
+    return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
 def _all(shelf: Shelf) -> Iterable[Listing]:
@@ -182,8 +204,8 @@ def _all(shelf: Shelf) -> Iterable[Listing]:
 def _unknown(shelf: Shelf, text: str, name: Name) -> str:
     elsewhere = shelf.get(name.core, ())
     near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, name)
-    offer = f"; the nearest are {', '.join(listing.label for listing in near[:5])}" if near else ""
-    return f"{text.strip()!r}: found no such motor{offer}"
+    offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
+    return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
 
 
 def _table(listings: Sequence[Listing]) -> str:
