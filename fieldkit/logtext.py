@@ -58,9 +58,11 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
                 row, whole = row + 1, reader.line_num
                 yield row, cells
             return
-        except csv.Error:
+        except csv.Error as error:
             row, start = row + 1, start + whole + 1
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
+            if "limit" in str(error):
+                found = f"found a cell without end, expected at most {csv.field_size_limit()} characters"
             yield row, DamagedLog(found, row=row)
 
 

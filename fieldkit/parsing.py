@@ -13,7 +13,7 @@ from typing import Literal
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
 from fieldkit.logtext import shown
-from fieldkit.sanity import check, contradictions
+from fieldkit.sanity import check, doubts
 from fieldkit.shelf import plugins
 
 HEAD = 65_536
@@ -211,6 +211,8 @@ def _intake(
                 notes += _keep(flight, item.row, kept)
         except DamagedLog as error:
             rejected.append(Rejected(source, error.row, error.column, error.found))
+    if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
+        notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
@@ -240,7 +242,7 @@ def _keep(
     name = (flight.rocket, flight.flight_id)
     if name not in kept:
         kept[name] = flight, row
-        return [Note(phrase, row) for phrase in contradictions(flight)]
+        return [Note(phrase, row) for phrase in doubts(flight)]
     first, first_row = kept[name]
     if first != flight:
         found = (

@@ -10,7 +10,7 @@ from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, Column, Flight
+from fieldkit.flight import BY_NAME, COLUMNS, Column, Flight
 
 _EDGE: Mapping[str, tuple[float, float]] = {
     "dry_mass": (0.1, 1e6),
@@ -52,7 +52,7 @@ def check(column: Column, value: float) -> float:
     number = scale.from_si(value)
     slack = 1e-9 * (1 + abs(number))
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
-        raise BadValue(f"found {number:.6g} {column.unit}, expected {low:g} to {high:g} {column.unit}")
+        raise BadValue(f"found {number:.6g} {column.unit}, expected {low:.10g} to {high:.10g} {column.unit}")
     return value
 
 
@@ -63,21 +63,31 @@ def identity(flight: Flight) -> float | None:
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
 
 
-def contradictions(flight: Flight) -> list[str]:
-    """What the readouts of one flight say against each other, a phrase each, for the flyer to look at."""
-    found = []
+def doubts(flight: Flight) -> list[str]:
+    """What looks mistyped in a flight, a phrase each: unusual figures, and readouts at odds."""
+    found = [
+        _unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None
+    ]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
-        found.append(f"top speed is {ratio:.2f} times average acceleration times burn time, expected about 1")
-    pairs = (("avg_accel", "peak_accel"), ("eject_altitude", "apogee"))
-    for smaller, larger in pairs:
+        found.append(f"top speed is {ratio:.3g} times average acceleration times burn time, expected about 1")
+    for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
-    return found
+    return [phrase for phrase in found if phrase]
+
+
+def _unusual(column: Column, value: float) -> str:
+    """A phrase for a figure outside what is usual for its column, empty for the others."""
+    slack = 1e-9 * (1 + abs(value))
+    if column.low - slack <= value <= column.high + slack:
+        return ""
+    scale = units.unit(column.quantity, column.unit)
+    usual = f"{scale.from_si(column.low):.6g} to {scale.from_si(column.high):.6g}"
+    return f"{_spoken(column, value)} is unusual, expected {usual}"
 
 
 def _spoken(column: Column, value: float) -> str:
-    return (
-        f"{column.title.lower()} {units.unit(column.quantity, column.unit).from_si(value):.4g} {column.unit}"
-    )
+    number = units.unit(column.quantity, column.unit).from_si(value)
+    return f"{column.title.lower()} {number:.4g} {column.unit}"

@@ -79,7 +79,7 @@ def read(log: bytes) -> list[Found]:
         except DamagedLog as error:
             found.append(error)
     if unmeasured:
-        found.append(Note(f"{unmeasured} launches without a readout are left out"))
+        found.append(Note(f"launches without a readout are left out: {unmeasured}"))
     return found
 
 

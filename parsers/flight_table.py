@@ -18,6 +18,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TAGS, TEXT_COLUMNS
 from fieldkit.logtext import decode, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.safe_text import printable
 
 SEPARATORS = (",", ";", "\t")
 OURS = ("flight_id", "rocket", "config", "motor", "date_time")
@@ -114,11 +115,11 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
             spoken_for = any(_plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
             heading = _heading(name, strict=not spoken_for)
         except BadValue as error:
-            raise DamagedLog(f"{error}, or another name", row=row, column=name.strip()) from error
+            raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
         key = heading.field or heading.spelled.lower()
         if key and key in seen:
-            found = f"found a second column for the same as {seen[key]}, expected one"
-            raise DamagedLog(found, row=row, column=heading.spelled)
+            found = f"found a second column for the same as {printable(seen[key])}, expected one"
+            raise DamagedLog(found, row=row, column=printable(heading.spelled))
         seen[key] = heading.spelled
         headings.append(heading)
     return headings
@@ -218,10 +219,14 @@ def _number(cell: str, heading: Heading, mark: str) -> float:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
         raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected one without doubt")
     if len(cell) > 40:
-        raise BadValue(f"found {shown(cell)}, expected a number")
+        raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
     if not heading.unit and cell[-1].isdigit():
         raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
-    return units.parse(cell, column.quantity, heading.unit)
+    try:
+        return units.parse(cell, column.quantity, heading.unit)
+    except BadValue:
+        known = f"{heading.unit}, or with a unit of {column.quantity}" if heading.unit else column.unit
+        raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
 
 
 def _date(cell: str) -> datetime | None:
