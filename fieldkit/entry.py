@@ -12,7 +12,7 @@ from difflib import get_close_matches
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, TAGS, TEXT_COLUMNS, Column, Flight
-from fieldkit.sanity import check, contradictions
+from fieldkit.sanity import check, doubts
 
 NOTHING = "-"
 """Typed for "not recorded" where an empty answer would take what is offered."""
@@ -121,16 +121,8 @@ def answer_text(flight: Flight, name: str) -> str:
 
 def oddities(flight: Flight, name: str) -> list[str]:
     """What is odd about one answer, alone and beside the others, a phrase each."""
-    column = BY_NAME.get(name)
-    value = getattr(flight, name)
-    if column is None or value is None:
-        return []
-    odd = set(contradictions(flight)) - set(contradictions(flight.with_changes(**{name: None})))
-    if not column.low <= value <= column.high:
-        scale = units.unit(column.quantity, column.unit)
-        low, high = scale.from_si(column.low), scale.from_si(column.high)
-        odd.add(f"{answer_text(flight, name)} is outside the usual {low:.6g} to {high:.6g} {column.unit}")
-    return sorted(odd)
+    without = doubts(flight.with_changes(**{name: None})) if name in BY_NAME else doubts(flight)
+    return [phrase for phrase in doubts(flight) if phrase not in without]
 
 
 def _number(column: Column, text: str, unit: str) -> float | None:

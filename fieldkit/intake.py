@@ -1,7 +1,7 @@
 """Files into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
@@ -42,16 +42,20 @@ def bring_in(
     for path, content, intake in zip(paths, contents, intakes, strict=True):
         rejected += intake.rejected
         notes += intake.notes
-        for flight in intake.flights:
+        for flight, row in zip(intake.flights, intake.rows, strict=True):
             try:
-                arrival, remarks = _with_log(Arrival(flight, content, str(path)), path.parent, check_motor)
+                arrival, remarks = _with_log(
+                    Arrival(flight, content, str(path), row), path.parent, check_motor
+                )
             except BadValue as error:
-                rejected.append(Rejected(str(path), None, "log", f"flight {flight.flight_id}: {error}"))
+                rejected.append(Rejected(str(path), row, "log", str(error)))
             else:
                 arrivals.append(arrival)
-                notes += [f"{path}, flight {flight.flight_id}: {remark}" for remark in remarks]
+                notes += [str(DamagedLog(text, row=row, column="log", source=str(path))) for text in remarks]
     added = ledger.add(arrivals, dry_run=dry_run)
-    rejected += [Rejected(one.arrival.source, None, "flight_id", one.error) for one in added.conflicts]
+    rejected += [
+        Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts
+    ]
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
 
 
@@ -81,8 +85,8 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     try:
         found = read(content, flight.log, check_motor).flights
     except (UnknownFormat, DamagedLog) as error:
-        return Arrival(flight, content, arrival.source), [f"kept but not read: {error}"]
-    return Arrival(_filled(flight, found), content, arrival.source), []
+        return replace(arrival, log=content), [f"kept but not read: {error}"]
+    return replace(arrival, flight=_filled(flight, found), log=content), []
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:

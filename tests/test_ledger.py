@@ -280,6 +280,7 @@ def test_what_was_used_last_is_offered_first(ledger: Ledger) -> None:
     assert ledger.names("motor", "Comet") == ["F24-4W"]
     assert ledger.latest() == FIRST
     assert ledger.latest("Comet").flight_id == "2"
+    assert ledger.latest("Comet", "A") is None
     assert ledger.next_flight_id("Comet") == "3"
     assert ledger.next_flight_id("New") == "1"
 
@@ -333,3 +334,6 @@ def test_a_draft_is_kept_until_it_is_dropped(ledger: Ledger) -> None:
     ledger.drop_draft("add")
     assert ledger.draft("add") is None
     assert ledger.history() == []
+    ledger.keep_draft("add", {"rocket": "Astra"})
+    ledger.add([FIRST], draft="add")
+    assert ledger.draft("add") is None

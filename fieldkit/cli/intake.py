@@ -1,6 +1,6 @@
 """`fieldkit import` and `fieldkit export`: files in, files out."""
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -12,11 +12,11 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 app = typer.Typer()
 
 
-class Form(str, Enum):
+class Form(StrEnum):
     """What `export` writes."""
 
-    csv = "csv"
-    json = "json"
+    CSV = "csv"
+    JSON = "json"
 
 
 @app.command("import")
@@ -26,7 +26,9 @@ def import_(
     format: Annotated[
         str | None, typer.Option(help="The parser to read them with, where none is recognised.")
     ] = None,
-    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
+    dry_run: Annotated[
+        bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Take logs and flight tables into the ledger; what is there already changes nothing."""
@@ -71,7 +73,7 @@ def export(
 
     with open_ledger(context) as ledger:
         flights = ledger.flights(rocket)
-    as_json = format is Form.json or (format is None and file is not None and file.suffix.lower() == ".json")
+    as_json = format is Form.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
     documents = {"flights": [document(flight) for flight in flights]}
     text = json.dumps(documents, indent=2, allow_nan=False) + "\n" if as_json else csv_table(flights)
     if file is None:

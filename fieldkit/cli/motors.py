@@ -1,5 +1,6 @@
 """`fieldkit motors`: finding a motor, knowing it, and adding one's own."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -19,7 +20,9 @@ MOST = 40
 
 @app.command()
 def motors(
-    search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")] = None,
+    search: Annotated[
+        list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")
+    ] = None,
     about: Annotated[bool, typer.Option("--about", help="Say where the motors are from.")] = False,
     import_: Annotated[
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
@@ -62,7 +65,15 @@ def _about(json: bool) -> None:
         print_json(about)
         return
     for key, value in about.items():
-        say(f"{key.replace('_', ' ')}: {value}")
+        said = "; ".join(_counted(*item) for item in value.items()) if isinstance(value, Mapping) else value
+        say(f"{key.replace('_', ' ')}: {said}")
+
+
+def _counted(what: str, value: object) -> str:
+    """One of several facts: names are counted, `[read, kept]` is kept of read."""
+    if isinstance(value, list) and all(isinstance(item, int) for item in value):
+        return f"{what} {' of '.join(map(str, reversed(value)))}"
+    return f"{what} {len(value) if isinstance(value, list) else value}"
 
 
 def _list(found: "list[Motor]") -> None:

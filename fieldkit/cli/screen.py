@@ -38,7 +38,9 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for header in headers:
         right = header in numbers
-        table.add_column(Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis")
+        table.add_column(
+            Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis"
+        )
     for row in rows:
         table.add_row(*(Text(printable(cell)) for cell in row))
     Console(highlight=False).print(table)
@@ -50,7 +52,10 @@ def card(flight: "Flight", id: str) -> list[tuple[str, str]]:
     from fieldkit.flight import COLUMNS
 
     texts = ("rocket", "config", "motor", "date_time", "site", "tags")
-    lines = [("Flight", id), *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts)]
+    lines = [
+        ("Flight", id),
+        *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
+    ]
     for column in COLUMNS:
         lines.append((column.title, in_both_units(column.name, flight.number(column.name))))
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]

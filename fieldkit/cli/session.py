@@ -35,13 +35,18 @@ class MotorCheck:
     def __init__(self) -> None:
         self._catalogue: Catalogue | None = None
 
+    @property
+    def catalogue(self) -> "Catalogue":
+        """The motors known here."""
+        self._catalogue = self._catalogue or known_motors()
+        return self._catalogue
+
     def __call__(self, name: str) -> str | None:
         """A complaint in one line, or None where there is such a motor, or several."""
         from fieldkit.errors import UnknownMotor
 
-        self._catalogue = self._catalogue or known_motors()
         try:
-            self._catalogue.resolve(name)
+            self.catalogue.resolve(name)
         except UnknownMotor as error:
             return str(error)
         return None

@@ -188,10 +188,11 @@ def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
     return list(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
 
 
-def latest(connection: Connection, rocket: str | None) -> Flight | None:
+def latest(connection: Connection, rocket: str | None, config: str | None) -> Flight | None:
     """The flight entered last."""
-    query = select(func.max(flights.c.entry))
-    entry = connection.scalar(query if rocket is None else query.where(flights.c.rocket == rocket))
+    wanted = {flights.c.rocket: rocket, flights.c.config: config}
+    where = [column == value for column, value in wanted.items() if value is not None]
+    entry = connection.scalar(select(func.max(flights.c.entry)).where(*where))
     return load(connection, entries=[entry])[0].flight if entry else None
 
 

@@ -63,13 +63,14 @@ class Ledger:
         log: bytes | None = None,
         source: str = "",
         command: str = "import",
+        draft: str | None = None,
         dry_run: bool = False,
     ) -> Added:
         """Take flights in; `log` and `source` are those of each that does not arrive with its own.
 
         A flight that is there already, as it is now or as it once came in, is a duplicate and changes
-        nothing. One that is there with other content, or cannot be kept, is a conflict. A dry run says
-        what would happen.
+        nothing. One that is there with other content, or cannot be kept, is a conflict. `draft` is one that
+        these flights finish, dropped with them. A dry run says what would happen.
         """
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, log, source) for one in flights]
         with self._changing(keep=not dry_run) as pen:
@@ -77,6 +78,8 @@ class Ledger:
             if added.new:
                 files = ", ".join(dict.fromkeys(one.source for one in arrivals if one.source))
                 pen.sign(command, _listed(added.new) + (f" from {files}" if files else ""))
+            if draft:
+                drafts.drop(pen.connection, draft)
         return added
 
     def holds(self, flight: Flight) -> bool:
@@ -114,10 +117,10 @@ class Ledger:
         with self._reading() as connection:
             return book.names(connection, field, rocket)
 
-    def latest(self, rocket: str | None = None) -> Flight | None:
+    def latest(self, rocket: str | None = None, config: str | None = None) -> Flight | None:
         """The flight entered last, whose set-up the next one is likely to share."""
         with self._reading() as connection:
-            return book.latest(connection, rocket)
+            return book.latest(connection, rocket, config)
 
     def next_flight_id(self, rocket: str) -> str:
         """The next free number, as a flight_id, for a rocket."""

@@ -10,11 +10,12 @@ from fieldkit.flight import Flight
 
 @dataclass(frozen=True, slots=True)
 class Arrival:
-    """A flight on its way in, with the original bytes it was read from and the name of their file."""
+    """A flight on its way in, with the original bytes it was read from, and their file and row."""
 
     flight: Flight
     log: bytes | None = None
     source: str = ""
+    row: int | None = None
 
 
 @dataclass(frozen=True, slots=True)
