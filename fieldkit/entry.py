@@ -11,7 +11,17 @@ from difflib import get_close_matches
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, TAGS, TEXT_COLUMNS, Column, Flight
+from fieldkit.flight import (
+    BY_NAME,
+    COLUMNS,
+    READOUTS,
+    TAGS,
+    TEXT_COLUMNS,
+    Column,
+    Flight,
+    read_date,
+    read_tags,
+)
 from fieldkit.sanity import check, doubts
 
 NOTHING = "-"
@@ -81,10 +91,8 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
     if name in BY_NAME:
         return _number(BY_NAME[name], text, unit)
     if name == "tags":
-        return tuple(dict.fromkeys(tag.strip() for tag in text.replace(",", ";").split(";") if tag.strip()))
-    if name == "date_time":
-        return _moment(text)
-    return text
+        return read_tags(text)
+    return read_date(text) if name == "date_time" else text
 
 
 def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:
@@ -96,7 +104,7 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
     extra = dict(flight.extra)
     for name, text in changes.items():
         if name in extra:
-            extra[name] = text
+            extra = {key: text if key == name else old for key, old in extra.items() if text or key != name}
             continue
         field, unit = field_of(name)
         try:
@@ -139,10 +147,3 @@ def _example(column: Column) -> str:
     scale = units.unit(column.quantity, column.unit)
     middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
     return f"{scale.from_si(middle):.3g}{column.unit}"
-
-
-def _moment(text: str) -> datetime | None:
-    try:
-        return datetime.fromisoformat(text).replace(tzinfo=None) if text not in ("", NOTHING) else None
-    except ValueError:
-        raise BadValue(f"found {text!r}, expected a date and time such as 2026-05-01T10:30") from None

@@ -81,7 +81,7 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     try:
         content = path.read_bytes()
     except OSError as error:
-        return arrival, [f"log {flight.log!r} cannot be read ({error.strerror}), taken without it"]
+        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
     try:
         found = read(content, flight.log, check_motor).flights
     except (UnknownFormat, DamagedLog) as error:

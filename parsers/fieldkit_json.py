@@ -6,12 +6,11 @@ A flight's row is its place in the list, counted from 1.
 """
 
 import json
-import math
-from datetime import datetime
+import sys
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import COLUMNS, TEXT_COLUMNS
+from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
 from fieldkit.logtext import decode, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 
@@ -59,7 +58,7 @@ def _reading(row: int, flight: object) -> Found:
 def _number(name: str, value: object) -> float | None:
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not math.isfinite(value):
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
         raise BadValue(f"found {shown(str(value))}, expected a number or null")
     column = HEADERS[name]
     return units.unit(column.quantity, column.unit).to_si(float(value))
@@ -71,17 +70,8 @@ def _text(name: str, value: object) -> object:
     if not isinstance(value, str):
         raise BadValue(f"found {shown(str(value))}, expected a text")
     if name == "tags":
-        return tuple(dict.fromkeys(tag.strip() for tag in value.split(";") if tag.strip()))
-    if name == "date_time":
-        return _moment(value)
-    return value
-
-
-def _moment(value: str) -> datetime | None:
-    try:
-        return datetime.fromisoformat(value).replace(tzinfo=None) if value else None
-    except ValueError:
-        raise BadValue(f"found {shown(value)}, expected a date such as 2026-05-01T10:30") from None
+        return read_tags(value)
+    return read_date(value) if name == "date_time" else value
 
 
 PARSER = Parser("fieldkit's own flights (JSON)", recognises, read)

@@ -48,8 +48,10 @@ def add(context: typer.Context, resume: bool, **given: str | None) -> None:
     """
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
-        flight = _from_options(changes) if changes else _from_answers(ledger, resume=resume)
-        _add(ledger, flight, draft=not changes)
+        if changes:
+            _add(ledger, _from_options(changes), None)
+        else:
+            _add(ledger, *_from_answers(ledger, resume=resume))
 
 
 def _options() -> list[inspect.Parameter]:
@@ -91,8 +93,11 @@ def _from_options(changes: dict[str, str]) -> "Flight":
     return flight
 
 
-def _from_answers(ledger: "Ledger", *, resume: bool) -> "Flight":
-    """Ask for a flight, or go on with one. Exits with 1 when a person stops halfway; the draft stays."""
+def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | None]":
+    """Ask for a flight, or go on with one; the flight, and the name of the draft that it finishes.
+
+    Exits with 1 when a person stops halfway; the draft stays.
+    """
     import sys
 
     from fieldkit.cli.prompts import DRAFT, UNITS, Talk, converse, offer
@@ -113,7 +118,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "Flight":
         if question.offered and question.name not in talk.answers and talk.flight.rocket:
             value = read_answer(question.name, offer(talk, question))
             talk.flight = talk.flight.with_changes(**{question.name: value})
-    return talk.flight
+    return talk.flight, DRAFT if talk.keeps else None
 
 
 def _take_up(talk: "Talk", draft: dict[str, str] | None, *, resume: bool) -> None:
@@ -153,11 +158,10 @@ def _listen_to_pipe(_prompt: str) -> str | None:
     return sys.stdin.readline() or None
 
 
-def _add(ledger: "Ledger", flight: "Flight", *, draft: bool) -> None:
+def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     """Give a flight a number and a time where it has none, and put it in the ledger."""
     from datetime import datetime
 
-    from fieldkit.cli.prompts import DRAFT
     from fieldkit.errors import BadValue
 
     if not flight.rocket:
@@ -168,7 +172,7 @@ def _add(ledger: "Ledger", flight: "Flight", *, draft: bool) -> None:
         flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
         date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),
     )
-    added = ledger.add([flight], command="add", draft=DRAFT if draft else None)
+    added = ledger.add([flight], command="add", draft=draft)
     if added.conflicts:
         raise BadValue(added.conflicts[0].error)
     if added.duplicates:

@@ -44,7 +44,7 @@ def flights(
                 flight.config,
                 flight.motor,
                 in_both_units("apogee", flight.apogee),
-                " ".join(flight.tags),
+                "; ".join(flight.tags),
             )
             for id, flight in zip(ids, chosen, strict=True)
         ]
@@ -98,15 +98,19 @@ def edit(
 @app.command()
 def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Put tags on a flight; one that marks an anomaly keeps it from teaching the model."""
+    from fieldkit.flight import read_tags
+
     with open_ledger(context) as ledger:
-        say(f"{flight}: {' '.join(ledger.tag(flight, *tags).tags)}")
+        say(f"{flight}: {'; '.join(ledger.tag(flight, *read_tags(';'.join(tags))).tags)}")
 
 
 @app.command()
 def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
     """Take tags off a flight."""
+    from fieldkit.flight import read_tags
+
     with open_ledger(context) as ledger:
-        say(f"{flight}: {' '.join(ledger.untag(flight, *tags).tags) or 'no tags'}")
+        say(f"{flight}: {'; '.join(ledger.untag(flight, *read_tags(';'.join(tags))).tags) or 'no tags'}")
 
 
 @app.command()

@@ -76,7 +76,7 @@ class Ledger:
         with self._changing(keep=not dry_run) as pen:
             added = book.add(pen, arrivals)
             if added.new:
-                files = ", ".join(dict.fromkeys(one.source for one in arrivals if one.source))
+                files = ", ".join(dict.fromkeys(Path(one.source).name for one in arrivals if one.source))
                 pen.sign(command, _listed(added.new) + (f" from {files}" if files else ""))
             if draft:
                 drafts.drop(pen.connection, draft)
