@@ -33,9 +33,7 @@ def bring_in(
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
     contents = [_content(path) for path in paths]
-    intakes = read_together(
-        zip(map(str, paths), contents, strict=True), check_motor=check_motor, format=format
-    )
+    intakes = read_together(zip(map(str, paths), contents, strict=True), check_motor=check_motor, format=format)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
@@ -44,18 +42,14 @@ def bring_in(
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
             try:
-                arrival, remarks = _with_log(
-                    Arrival(flight, content, str(path), row), path.parent, check_motor
-                )
+                arrival, remarks = _with_log(Arrival(flight, content, str(path), row), path.parent, check_motor)
             except BadValue as error:
                 rejected.append(Rejected(str(path), row, "log", str(error)))
             else:
                 arrivals.append(arrival)
                 notes += [str(DamagedLog(text, row=row, column="log", source=str(path))) for text in remarks]
     added = ledger.add(arrivals, dry_run=dry_run)
-    rejected += [
-        Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts
-    ]
+    rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
 
 

@@ -38,9 +38,7 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for header in headers:
         right = header in numbers
-        table.add_column(
-            Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis"
-        )
+        table.add_column(Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis")
     for row in rows:
         table.add_row(*(Text(printable(cell)) for cell in row))
     Console(highlight=False).print(table)

@@ -14,7 +14,7 @@ from math import erf, log, sqrt
 import numpy as np
 
 from fieldkit.loop.model import LOGARITHMIC, OBSERVED, SCATTER, Data, Model, compared, shown
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
 """Scatter of single flights in units of ordinary scatter. [1]"""
@@ -90,7 +90,7 @@ def tangent(model: Model, at: Float[Array, "term"]) -> Tangent:
     steps = np.where(at + STEP * sds > highs, -STEP * sds, STEP * sds)
     upright = [scatter for scatter in SCATTER if scatter.bends != "tilt"]
     values = np.concatenate([at[None] + np.vstack([np.zeros(count), np.diag(steps)]), np.tile(at, (len(upright), 1))])
-    bends = {scatter.bends: np.zeros((len(values), flights)) for scatter in upright}
+    bends: dict[str, Array] = {scatter.bends: np.zeros((len(values), flights)) for scatter in upright}
     for row, scatter in enumerate(upright):
         bends[scatter.bends][1 + count + row] = scatter.sd
     readings = _stacked(shown(model, values, bends))
@@ -144,7 +144,7 @@ def solve(model: Model, data: Data, near: Tangent) -> Fit:
     return Fit(model, data, near, mean, precision, gain, noise, log_likelihood + scale_grid()[2] + cut)
 
 
-def _noise(data: Data, near: Tangent) -> tuple[Array, Array]:
+def _noise(data: Data, near: Tangent) -> tuple[Array, Flags]:
     """Covariance of each flight's readouts for every pair of scales, and which of them can be compared."""
     scatter_scale, reading_scale, _ = scale_grid()
     usable = data.seen & np.isfinite(near.values)
