@@ -13,7 +13,7 @@ from math import erf, log, sqrt
 
 import numpy as np
 
-from fieldkit.loop.model import LOGARITHMIC, OBSERVED, SCATTER, Data, Model, compared, shown
+from fieldkit.loop.model import OBSERVED, SCATTER, Data, Model, compared, shown
 from fieldkit.shapes import Array, Flags, Float
 
 SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
