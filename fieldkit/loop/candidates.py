@@ -1,7 +1,7 @@
 """What could be missing from a rocket's model: every effect, everywhere or in one group of flights, and plain
 patterns that no effect explains."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,7 +44,7 @@ def effect_candidates(model: Model) -> Iterator[Candidate]:
         if not _can_act(name, effect, model):
             continue
         starts = (effect.prior.mean, 0.02 * effect.prior.sd) if np.isfinite(effect.prior.low) else (effect.prior.mean,)
-        for where, weight in _places(effect, model):
+        for where, weight in places(effect, model):
             yield Candidate(name, where, (effect_term(name, effect, weight, where),), starts)
 
 
@@ -57,17 +57,26 @@ def _can_act(name: str, effect: Effect, model: Model) -> bool:
     return bool(np.nanmax(np.abs(column), initial=0.0) > 0)
 
 
-def _places(effect: Effect, model: Model) -> Iterator[tuple[str, Array]]:
+def places(effect: Effect, model: Model) -> Iterator[tuple[str, Array]]:
     """Groups of flights an effect may be confined to, each with the weight it has on every flight."""
     if effect.everywhere:
-        yield "", np.ones(len(model.flights))
+        yield "", place_weight(effect, model, "")
     if not effect.per:
         return
     group = groups(model.flights, model.found, effect.per)
-    kinds = [kind for kind in dict.fromkeys(group) if kind]
     if len(set(group)) > 1:
-        for kind in kinds:
-            yield kind, np.array([g == kind for g in group], float)
+        for kind in dict.fromkeys(group):
+            if kind:
+                yield kind, place_weight(effect, model, kind)
+
+
+def place_weight(effect: Effect, model: Model, where: str) -> Float[Array, "flight"]:
+    """How strongly an effect acts on each flight: only in its place, and growing if it grows."""
+    flights = len(model.flights)
+    weight = np.arange(flights, dtype=float) if effect.grows else np.ones(flights)
+    if not where:
+        return weight
+    return weight * np.array([group == where for group in groups(model.flights, model.found, effect.per)])
 
 
 def pattern_candidates(model: Model) -> Iterator[Candidate]:
@@ -95,8 +104,3 @@ def _odd(name: str, weight: Float[Array, "flight"]) -> tuple[Term, ...]:
         Term(f"drag of {name}", "drag", 0.0, 0.15, weight),
         Term(f"thrust of {name}", "thrust", 0.0, 0.06, weight),
     )
-
-
-def joined(first: Sequence[Term], second: Candidate) -> tuple[Term, ...]:
-    """The terms of an accepted effect and of one more."""
-    return (*first, *second.terms)

@@ -13,7 +13,7 @@ from math import erf, log, sqrt
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, SCATTER, Data, Model, compared, shown
+from fieldkit.loop.model import OBSERVED, SCATTER, Data, Model, compared, reading_sd, shown
 from fieldkit.shapes import Array, Flags, Float
 
 SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
@@ -218,6 +218,12 @@ def _own_variance(result: Fit) -> Array:
     """Variance of a flight's compared apogee about its expectation: scatter and reading. [scale flight]"""
     scatter_scale, reading_scale, _ = scale_grid()
     spread = result.tangent.scatter_slope[:, 0]
-    apogee = np.exp(result.tangent.values[:, 0])
-    reading = np.hypot(1.5 / apogee, 0.005)
+    reading = own_reading_sd(np.exp(result.tangent.values[:, 0]))
     return np.asarray(scatter_scale[:, None] ** 2 * (spread**2).sum(axis=-1) + (reading_scale[:, None] * reading) ** 2)
+
+
+def own_reading_sd(apogee: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
+    raw = np.full((*apogee.shape, len(OBSERVED)), 1.0)
+    raw[..., 0] = apogee
+    return reading_sd(raw)[..., 0]

@@ -6,7 +6,7 @@ of an effect); what differs from flight to flight is scatter, drawn anew for eac
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -87,6 +87,11 @@ class Model:
     def with_terms(self, *terms: Term) -> "Model":
         """The same model with more unknowns."""
         return Model(self.flights, self.found, self.area, (*self.terms, *terms))
+
+    def part(self, rows: slice) -> "Model":
+        """The same unknowns acting on some of the flights."""
+        terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
+        return Model(self.flights[rows], self.found[rows], self.area[rows], terms)
 
 
 def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:

@@ -2,8 +2,6 @@
 
 from collections.abc import Sequence
 
-import numpy as np
-
 from fieldkit.flight import Flight
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.effect import Effect, Prior
@@ -11,8 +9,8 @@ from fieldkit.simulator.state import Setup
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """Drag, more by this share for each flight before; flights come in the order they were flown."""
-    return setup.with_changes(drag_area=setup.drag_area * (1 + strength * np.arange(len(flights))))
+    """Drag, more by this share."""
+    return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
 
 
 EFFECT = Effect(
@@ -23,4 +21,5 @@ EFFECT = Effect(
     source="a rough finish alone adds a tenth to a third of Cd (Hoerner, Fluid-Dynamic Drag, 1965)",
     tell_apart="mend and polish the rocket and fly the same motor again",
     setup=setup,
+    grows=True,
 )
