@@ -102,7 +102,7 @@ def predict(
     values, scales = sample(result, draws, rng)
     ahead = slice(len(flown), None)
     part = model.part(ahead)
-    scatter = {
+    scatter: dict[str, Array] = {
         kind.bends: rng.normal(size=(draws, len(planned))) * kind.sd * scales[:, :1]
         for kind in SCATTER
         if kind.bends != "tilt"
