@@ -200,6 +200,7 @@ def test_the_unit_typed_last_is_the_next_ones(file: Path) -> None:
 
 def test_a_question_mark_explains(add: Add) -> None:
     assert "Highest point above the pad." in add(["Astra", "A", "F24-4W", "?", "100"])[2]
+    assert "so far Astra\n" in add(["?", "Astra", "A", "F24-4W", "100"])[2]
 
 
 def test_answers_that_end_too_soon_add_nothing(add: Add, file: Path) -> None:
@@ -240,8 +241,8 @@ def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file:
 @pytest.mark.parametrize(
     ("options", "found"),
     [
-        (["--apogee", "100"], "--rocket: found nothing"),
-        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "--motor: 'ZZ99': found no such motor"),
+        (["--apogee", "100"], "rocket: found nothing"),
+        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "motor: 'ZZ99': found no such motor"),
         (["--rocket", "Astra", "--apogee", "1oo"], "apogee: found"),
         (["--rocket", "Astra"], "no readout"),
     ],

@@ -51,7 +51,7 @@ def converse(talk: Talk) -> bool:
         if text.strip() == BACK:
             place = max(0, place - 1)
         elif text.strip() == "?":
-            complain(question.help)
+            _explain(talk, question)
         elif question.name == "motor" and text.strip().startswith("?"):
             _search(talk, text.strip()[1:])
         else:
@@ -152,6 +152,15 @@ def _several(motor: str) -> bool:
     from fieldkit.motors import is_cluster
 
     return is_cluster(motor)
+
+
+def _explain(talk: Talk, question: Question) -> None:
+    """What a question is about, and what was answered to it so far."""
+    complain(question.help)
+    if question.name in ("rocket", "config", "motor", "site"):
+        rocket = None if question.name in ("rocket", "site") else talk.flight.rocket
+        if known := talk.ledger.names(question.name, rocket):
+            complain(f"  so far {', '.join(known)}")
 
 
 def _search(talk: Talk, text: str) -> None:
