@@ -50,9 +50,7 @@ def _asked(name: str, *, offered: bool = False) -> Question:
 
 QUESTIONS = (
     Question("rocket", "Rocket", "Its name.", offered=True),
-    Question(
-        "config", "Configuration", "What distinguishes this build of it, such as A or ballast.", offered=True
-    ),
+    Question("config", "Configuration", "What distinguishes this build of it, such as A or ballast.", offered=True),
     Question("motor", "Motor", "As printed, F24-4W; ?F24 searches.", offered=True),
     *(_asked(column.name) for column in READOUTS),
     Question("tags", "Tags", f"Apart by ;, free or of these: {', '.join(TAGS)}."),
@@ -80,9 +78,7 @@ def field_of(name: str) -> tuple[str, str]:
             return column.name, ending[1:]
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
     near = get_close_matches(plain, known, n=3, cutoff=0.5)
-    raise BadValue(
-        f"no column {name!r}, {'did you mean ' + ' or '.join(near) if near else 'see flights --json'}"
-    )
+    raise BadValue(f"no column {name!r}, {'did you mean ' + ' or '.join(near) if near else 'see flights --json'}")
 
 
 def read_answer(name: str, text: str, unit: str = "") -> object:

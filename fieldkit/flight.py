@@ -54,7 +54,13 @@ def _column(name: str, quantity: str, unit: str, title: str, low: float, high: f
 
 SETUP = (
     _column(
-        "dry_mass", "mass", "g", "Dry mass", 5, 50000, "Weighed at the pad with recovery and payload, no motor."
+        "dry_mass",
+        "mass",
+        "g",
+        "Dry mass",
+        5,
+        50000,
+        "Weighed at the pad with recovery and payload, no motor.",
     ),
     _column("diameter", "length", "mm", "Diameter", 8, 400, "Largest body diameter: the reference area of Cd."),
     _column("delay", "time", "s", "Ejection delay", 0, 20, "From burnout to the ejection charge."),
@@ -63,7 +69,13 @@ CONDITIONS = (
     _column("site_elevation", "length", "m", "Site elevation", -430, 5000, "Pad above sea level."),
     _column("temperature", "temperature", "c", "Temperature", -40, 50, "Air at the pad."),
     _column(
-        "pressure", "pressure", "hpa", "Pressure", 800, 1060, "Reduced to sea level (QNH), as weather reports say."
+        "pressure",
+        "pressure",
+        "hpa",
+        "Pressure",
+        800,
+        1060,
+        "Reduced to sea level (QNH), as weather reports say.",
     ),
     _column("humidity", "fraction", "%", "Humidity", 0, 100, "Relative humidity at the pad."),
     _column("wind", "speed", "m/s", "Wind", 0, 20, "Mean wind at the pad."),
@@ -74,13 +86,33 @@ READOUTS = (
     _column("apogee", "length", "m", "Apogee", 5, 10000, "Highest point above the pad."),
     _column("top_speed", "speed", "m/s", "Top speed", 3, 700, "Highest speed, reached as thrust ends."),
     _column("burn_time", "time", "s", "Burn time", 0.1, 15, "From lift-off to top speed."),
-    _column("peak_accel", "acceleration", "g", "Peak acceleration", 0.5, 60, "Strongest acceleration under thrust."),
     _column(
-        "avg_accel", "acceleration", "g", "Average acceleration", 0.1, 40, "Top speed over burn time, net of gravity."
+        "peak_accel",
+        "acceleration",
+        "g",
+        "Peak acceleration",
+        0.5,
+        60,
+        "Strongest acceleration under thrust.",
+    ),
+    _column(
+        "avg_accel",
+        "acceleration",
+        "g",
+        "Average acceleration",
+        0.1,
+        40,
+        "Top speed over burn time, net of gravity.",
     ),
     _column("coast_to_apogee", "time", "s", "Coast to apogee", 0.1, 60, "From top speed to apogee."),
     _column(
-        "apogee_to_eject", "time", "s", "Apogee to ejection", -10, 20, "Negative when ejection came before apogee."
+        "apogee_to_eject",
+        "time",
+        "s",
+        "Apogee to ejection",
+        -10,
+        20,
+        "Negative when ejection came before apogee.",
     ),
     _column("eject_altitude", "length", "m", "Ejection altitude", 0, 10000, "Height above the pad at ejection."),
     _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Under the parachute or streamer."),

@@ -54,9 +54,7 @@ def bring_in(
                 arrivals.append(arrival)
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
     added = ledger.add(arrivals, dry_run=dry_run)
-    rejected += [
-        Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts
-    ]
+    rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
 
 

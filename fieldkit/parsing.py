@@ -122,9 +122,7 @@ def _format_of(log: bytes, format: str | None, source: str) -> str:
     if not claims:
         raise UnknownFormat(f"{place}no parser recognises this log; tried {names}")
     if len(claims) > 1:
-        raise UnknownFormat(
-            f"{place}{' and '.join(claims)} both recognise this log; choose one with --format"
-        )
+        raise UnknownFormat(f"{place}{' and '.join(claims)} both recognise this log; choose one with --format")
     return claims[0]
 
 
@@ -237,9 +235,7 @@ def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
     return replace(reading, stated={**known, **reading.stated})
 
 
-def _keep(
-    flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]
-) -> list[Note]:
+def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]) -> list[Note]:
     """Add a flight to those kept and say what is odd about it. Raises DamagedLog if its name is taken."""
     name = (flight.rocket, flight.flight_id)
     if name not in kept:
@@ -247,9 +243,7 @@ def _keep(
         return [Note(phrase, row) for phrase in doubts(flight)]
     first, first_row = kept[name]
     if first != flight:
-        found = (
-            f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
-        )
+        found = f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
         raise DamagedLog(found, row=row, column="flight_id")
     return [Note(f"repeats row {first_row}", row)]
 
@@ -281,9 +275,7 @@ def _flight(reading: Reading) -> Flight:
             try:
                 check(BY_NAME[name], value)
             except BadValue as error:
-                raise DamagedLog(
-                    str(error), row=reading.row, column=reading.columns.get(name, name)
-                ) from error
+                raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
     return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
 
 

@@ -51,9 +51,7 @@ def read(log: bytes) -> list[Found]:
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
     mark = _decimal_mark(_numbers(headings, table), separator)
-    found: list[Found] = [
-        _reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)
-    ]
+    found: list[Found] = [_reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)]
     return found or [Note("found a header and no flights", header_row)]
 
 
@@ -104,9 +102,7 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
     certain = {_heading(name, strict=False).field for name in spelled}
     if not certain - {""}:
-        raise DamagedLog(
-            f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1
-        )
+        raise DamagedLog(f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1)
     headings: list[Heading] = []
     seen: dict[str, str] = {"": ""}
     for name in spelled:
@@ -132,9 +128,7 @@ def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, lis
     """The last row of a file that ends within a line: torn, if cells are missing from it."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
-    return row, DamagedLog(
-        f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row
-    )
+    return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
 
 
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
@@ -142,9 +136,7 @@ _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals or one above a thousand."""
 
 
-def _numbers(
-    headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]
-) -> Iterator[str]:
+def _numbers(headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
     """Every cell of the columns that hold numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):

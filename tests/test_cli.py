@@ -292,9 +292,7 @@ def test_two_rockets_with_one_flight_id_are_told_apart(full: Run, table: Path) -
 
 
 def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
-    assert (
-        full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1").status == 0
-    )
+    assert full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1").status == 0
     said = full("show", "1", "--json").document
     assert abs(said["apogee_m"] - 281.3304) < 1e-9
     assert abs(said["top_speed_mps"] - 62.5856) < 1e-9

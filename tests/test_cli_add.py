@@ -270,9 +270,7 @@ def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tup
     """Talk to `fieldkit add` in a terminal of its own, kill it once it says these words; all it said."""
     controller, terminal = pty.openpty()
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(file), "add"]
-    adding = subprocess.Popen(
-        command, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True
-    )
+    adding = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True)
     os.close(terminal)
     os.write(controller, "".join(f"{answer}\n" for answer in answers).encode())
     said, deadline = "", time.monotonic() + 15

@@ -35,9 +35,7 @@ with Ledger.open(sys.argv[1]) as ledger:
 def test_a_killed_process_loses_at_most_the_command_in_flight(tmp_path: Path) -> None:
     moments = {tmp_path / "a.db": 0.0, tmp_path / "b.db": 0.013, tmp_path / "c.db": 0.041}
     command = [sys.executable, "-c", ADDS]
-    running = {
-        file: subprocess.Popen([*command, file], stdout=subprocess.PIPE, text=True) for file in moments
-    }
+    running = {file: subprocess.Popen([*command, file], stdout=subprocess.PIPE, text=True) for file in moments}
     for file, moment in moments.items():
         adding = running[file]
         assert adding.stdout

@@ -24,16 +24,12 @@ class Form(StrEnum):
 def import_(
     context: typer.Context,
     files: Annotated[list[Path], typer.Argument(help="Logs and flight tables.", show_default=False)],
-    format: Annotated[
-        str | None, typer.Option(help="The parser to read them with, where none is recognised.")
-    ] = None,
+    format: Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")] = None,
     given: Annotated[
         list[str] | None,
         typer.Option("--set", metavar="COLUMN=VALUE", help="What the files leave open: rocket=Astra."),
     ] = None,
-    dry_run: Annotated[
-        bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")
-    ] = False,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Take logs and flight tables into the ledger; what is there already changes nothing."""

@@ -38,9 +38,7 @@ def history(
         name = ledger.name
     if json:
         keys = ("number", "command", "what", "undone")
-        documents = [
-            {"at": change.at.isoformat()} | {key: getattr(change, key) for key in keys} for change in changes
-        ]
+        documents = [{"at": change.at.isoformat()} | {key: getattr(change, key) for key in keys} for change in changes]
         print_json({"changes": documents})
     elif changes:
         rows = [

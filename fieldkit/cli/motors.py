@@ -20,9 +20,7 @@ MOST = 40
 
 @app.command()
 def motors(
-    search: Annotated[
-        list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")
-    ] = None,
+    search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")] = None,
     about: Annotated[bool, typer.Option("--about", help="Say where the motors are from.")] = False,
     import_: Annotated[
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")

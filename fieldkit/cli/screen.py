@@ -38,9 +38,7 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for header in headers:
         right = header in numbers
-        table.add_column(
-            Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis"
-        )
+        table.add_column(Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis")
     for row in rows:
         table.add_row(*(Text(printable(cell)) for cell in row))
     Console(highlight=False).print(table)
@@ -71,7 +69,7 @@ def in_both_units(name: str, value: float | None) -> str:
     if value is None:
         return ""
     scale = units.unit(column.quantity, column.unit)
-    text = f"{scale.from_si(value):.6g} {_spelled(column.unit)}"
+    text = f"{scale.from_si(value):.5g} {_spelled(column.unit)}"
     other = OTHER_UNITS.get(column.unit) if column.quantity != "acceleration" else None
     if other is None:
         return text

@@ -106,9 +106,7 @@ def history(connection: Connection) -> list[Change]:
             what=what,
             undone=target is None and number not in in_force,
         )
-        for number, at, command, what, target in connection.execute(
-            select(*columns).order_by(journal.c.number)
-        )
+        for number, at, command, what, target in connection.execute(select(*columns).order_by(journal.c.number))
     ]
 
 

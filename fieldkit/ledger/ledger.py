@@ -157,9 +157,7 @@ class Ledger:
     def remove(self, *ids: str) -> list[Flight]:
         """Take flights out and return them; `undo` brings them back."""
         with self._changing() as pen:
-            gone = list(
-                {held.entry: held for held in (book.resolve(pen.connection, id) for id in ids)}.values()
-            )
+            gone = list({held.entry: held for held in (book.resolve(pen.connection, id) for id in ids)}.values())
             for held in gone:
                 book.remove(pen, held)
             if gone:

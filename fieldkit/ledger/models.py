@@ -28,9 +28,7 @@ def keep_version(pen: Pen, rocket: str, payload: Mapping[str, Any], *, activate:
 def versions(connection: Connection, rocket: str) -> list[Version]:
     """The models of a rocket, oldest first."""
     used = and_(kept.c.rocket == active_versions.c.rocket, kept.c.number == active_versions.c.number)
-    query = select(kept, active_versions.c.number.label("used")).join_from(
-        kept, active_versions, used, isouter=True
-    )
+    query = select(kept, active_versions.c.number.label("used")).join_from(kept, active_versions, used, isouter=True)
     return [
         Version(row.rocket, row.number, datetime.fromisoformat(row.at), row.payload, row.used is not None)
         for row in connection.execute(query.where(kept.c.rocket == rocket).order_by(kept.c.number))
@@ -76,8 +74,6 @@ def predictions(connection: Connection, rocket: str | None, flight_id: str | Non
     if flight_id is not None:
         query = query.where(made.c.flight_id == flight_id)
     return [
-        Prediction(
-            row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, row.payload
-        )
+        Prediction(row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, row.payload)
         for row in connection.execute(query)
     ]

@@ -51,9 +51,7 @@ def location(where: str | Path | None) -> URL:
     try:
         url = make_url(where)
     except ArgumentError:
-        raise LedgerError(
-            f"found the ledger {where!r}, expected a path or a URL such as sqlite:///FILE"
-        ) from None
+        raise LedgerError(f"found the ledger {where!r}, expected a path or a URL such as sqlite:///FILE") from None
     dialect = url.get_backend_name()
     if dialect not in _DRIVERS:
         raise LedgerError(f"found a ledger on {dialect}, expected sqlite or postgresql")

@@ -1,0 +1,177 @@
+"""The burn: from lift-off to burnout by Runge-Kutta in time, stepped along the thrust curve."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.pull import Pull
+from fieldkit.simulator.state import Setup
+
+STIFFEST = 0.5
+"""Largest share by which drag alone may change speed in a step. [1]"""
+
+Stages = list[Array]
+"""A figure at start, middle and end of a step."""
+
+
+@dataclass(slots=True)
+class Track:
+    """Where all draws are at one moment of the ascent, and the highlights so far. SI units.
+
+    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from
+    ignition, `flying` from lift-off.
+    """
+
+    time: Array
+    flying: Array
+    position: Array
+    velocity: Array
+    top_speed: Array
+    top_speed_time: Array
+    peak_accel: Array
+    rail_speed: Array
+    highest: Array
+    highest_time: Array
+
+
+def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
+    """When thrust first exceeds weight; inf where it never does. [s]"""
+    burns, motor = setup.burns, setup.motor
+    weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
+    needed = weight * setup.burn_stretch / setup.thrust_factor
+    result = np.full(needed.shape, np.inf)
+    for knot in range(len(burns.rise_time) - 1):
+        before, after = burns.rise_thrust[knot][motor], burns.rise_thrust[knot + 1][motor]
+        crosses = (after > needed) & np.isinf(result)
+        if crosses.any():
+            share = np.clip((needed - before) / np.where(after > before, after - before, np.inf), 0.0, 1.0)
+            start, end = burns.rise_time[knot][motor], burns.rise_time[knot + 1][motor]
+            result = np.where(crosses, start + share * (end - start), result)
+        if not np.isinf(result).any():
+            break
+    return np.asarray(result * setup.burn_stretch)
+
+
+def _highlight(track: Track, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
+    """Keep top speed and its moment, from the cubic through speed and its slope at both ends of a step."""
+    (speed0, slope0), (speed1, slope1) = before, after
+    turns = (slope0 > 0) & (slope1 <= 0) & (dt > 0)
+    ends_higher = speed1 > track.top_speed
+    track.top_speed_time = np.where(ends_higher, track.time, track.top_speed_time)
+    track.top_speed = np.where(ends_higher, speed1, track.top_speed)
+    if not turns.any():
+        return
+    rise, lift0, lift1 = speed1 - speed0, slope0 * dt, slope1 * dt
+    cubic, square = lift0 + lift1 - 2 * rise, 3 * rise - 2 * lift0 - lift1
+    root = np.sqrt(np.maximum(square**2 - 3 * cubic * lift0, 0.0))
+    place = np.clip(lift0 / np.where(turns, root - square, 1.0), 0.0, 1.0)
+    peak = speed0 + place * (lift0 + place * (square + place * cubic))
+    higher = turns & (peak > track.top_speed)
+    track.top_speed_time = np.where(higher, track.time - (1 - place) * dt, track.top_speed_time)
+    track.top_speed = np.where(higher, peak, track.top_speed)
+
+
+def _speed(velocity: Array) -> Array:
+    return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1]))
+
+
+def _along(velocity: Array, pull: Array) -> Array:
+    """Rate of change of speed. [m/s^2]"""
+    if len(velocity) == 1:
+        return np.asarray(pull[0])
+    return np.asarray((velocity * pull).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
+
+
+def burn(setup: Setup, *, highlights: bool = True) -> Track:
+    """The ascent from lift-off to burnout; all entries of the set-up are flat, [draw] or [1].
+
+    Without `highlights` top speed, peak acceleration and rail speed are not looked for.
+    """
+    burns, motor, stretch = setup.burns, setup.motor, setup.burn_stretch
+    pull = Pull(setup, burning=True)
+    zero = np.zeros(setup.draws)
+    start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
+    latest = start[np.isfinite(start)].max(initial=0.0)
+    fixed_mass = setup.dry_mass + burns.casing_mass[motor]
+    factor = setup.thrust_factor / stretch
+    at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
+    track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
+    slope = zero
+    for step in range(len(burns.edge) - 1):
+        first, last = burns.edge[step][motor] * stretch, burns.edge[step + 1][motor] * stretch
+        dt = last - first
+        if not (dt > 0).any():
+            break
+        thrust: Stages = [stage[motor] * factor for stage in burns.thrust[step]]
+        mass: Stages = [fixed_mass + burns.propellant_mass[motor] * (1 - stage[motor]) for stage in burns.spent[step]]
+        if first.min() < latest:
+            place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
+            thrust, mass, dt = _between(thrust, place, 1.0), _between(mass, place, 1.0), dt * (1 - place)
+        before = track.position, track.velocity
+        parts = _parts(setup, track, dt, thrust, mass)
+        for part in range(parts):
+            piece = part / parts, (part + 1) / parts
+            _step(track, pull, dt / parts, _between(thrust, *piece), _between(mass, *piece))
+        if highlights:
+            _leave_rail(track, setup, *before)
+            slope_before = slope
+            slope = _along(track.velocity, pull(track.position, track.velocity, thrust[2], mass[2]))
+            track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
+            _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
+    return track
+
+
+def _between(values: Stages, start: Array | float, end: Array | float) -> Stages:
+    """Start, middle and end of a part of a step over which a figure is a quadratic; places in [0, 1]."""
+    if isinstance(start, float) and start == 0.0 and end == 1.0:
+        return values
+    at_start, at_middle, at_end = values
+    linear, square = 4 * at_middle - 3 * at_start - at_end, 2 * (at_start + at_end) - 4 * at_middle
+    places = (start, 0.5 * (start + end), end)
+    return [np.asarray(at_start + at * (linear + at * square)) for at in places]
+
+
+def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> int:
+    """Into how many parts a step must be cut where drag is stiff: light, wide and fast. [1]
+
+    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that.
+    """
+    speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
+    stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
+    return int(np.clip(np.ceil(np.max(stiffness) / STIFFEST), 1, 64))
+
+
+def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:
+    """One classical Runge-Kutta step of position and velocity."""
+    x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
+    a1 = pull(x, v, thrust[0], mass[0])
+    v2 = v + half * a1
+    a2 = pull(x + half * v, v2, thrust[1], mass[1])
+    v3 = v + half * a2
+    a3 = pull(x + half * v2, v3, thrust[1], mass[1])
+    v4 = v + dt * a3
+    a4 = pull(x + dt * v3, v4, thrust[2], mass[2])
+    a2 += a3
+    track.position = x + dt * (v + sixth * (a1 + a2))
+    a2 *= 2
+    a2 += a1
+    a2 += a4
+    track.velocity = v + sixth * a2
+    track.time = track.time + dt
+    track.flying = track.flying + dt
+    if (track.velocity[0] < 0).any():
+        higher = track.position[0] > track.highest
+        track.highest_time = np.where(higher, track.time, track.highest_time)
+        track.highest = np.where(higher, track.position[0], track.highest)
+
+
+def _leave_rail(track: Track, setup: Setup, position: Array, velocity: Array) -> None:
+    """Keep the speed at the end of the rail: v^2 is close to linear in the path there."""
+    before, after = _speed(position), _speed(track.position)
+    leaves = (after >= setup.rail_length) & (before < setup.rail_length)
+    if not leaves.any():
+        return
+    share = (setup.rail_length - before) / np.where(leaves, after - before, 1.0)
+    square = _speed(velocity) ** 2 * (1 - share) + _speed(track.velocity) ** 2 * share
+    track.rail_speed = np.where(leaves, np.sqrt(np.maximum(square, 0.0)), track.rail_speed)

@@ -1,0 +1,169 @@
+"""The coast: from burnout to apogee, by upward speed.
+
+There is no event to search for: upward speed only ever falls, so it is the independent variable and the
+last step ends exactly at apogee. A straight-up coast in which drag is the only force has a closed form in
+a layer of even density; otherwise Runge-Kutta steps are taken.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.burn import Track
+from fieldkit.simulator.pull import Pull
+from fieldkit.simulator.state import Setup
+
+LAYER = 50.0
+"""Thickest layer of even density in the closed form. [m]"""
+SPEED_STEP = 12.0
+"""Longest step of upward speed otherwise. [m/s]"""
+OPENING_TIME = 0.2
+"""From the ejection charge to an open parachute; an assumption. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Apogee:
+    """The highest point, one entry a draw: when, how high, how far and how fast sideways. SI units.
+
+    `eject_height` is where the ejection charge fired if that was before apogee, else nan.
+    """
+
+    time: Float[Array, "draw"]
+    height: Float[Array, "draw"]
+    drift: Float[Array, "draw"]
+    sideways: Float[Array, "draw"]
+    eject_height: Float[Array, "draw"]
+    eject_speed: Float[Array, "draw"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """Time, height, upward speed and upward acceleration of all draws, drift and sideways speed."""
+
+    time: Array
+    height: Array
+    upward: Array
+    pull: Array
+    drift: Array
+    sideways: Array
+
+
+def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"]) -> Apogee:
+    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]"""
+    closed = track.position.shape[0] == 1 and not setup.forces
+    points = _layers(setup, track) if closed else _steps(setup, track)
+    last = next(points)
+    fires = np.maximum(eject_time, track.time)
+    ever = bool(np.isfinite(fires).any())
+    eject = [np.full(len(fires), np.nan) for _ in range(4)]
+    for point in points:
+        if ever:
+            _mark(eject[:2], last, point, fires)
+            _mark(eject[2:], last, point, fires + OPENING_TIME)
+        last = point
+    early = np.isfinite(eject[0])
+    height, time = last.height, last.time
+    if early.any():
+        height, time = _under_parachute(setup, eject, fires, height, time)
+    fell = track.velocity[0] <= 0
+    if fell.any():
+        height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
+        time = np.where(fell, track.highest_time, time)
+    return Apogee(time, height, last.drift, last.sideways, eject[0], np.where(early, eject[1], np.nan))
+
+
+def _layers(setup: Setup, track: Track) -> Iterator[_Point]:
+    """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
+
+    Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
+    """
+    burns, motor, g = setup.burns, setup.motor, setup.gravity
+    mass = setup.dry_mass + burns.casing_mass[motor]
+    even = (0.5 * setup.drag_area * setup.air.density) / mass
+    time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
+    zero = np.zeros(len(time))
+    thin = even * setup.air.thinning(height)
+    yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+    count = _count(np.max(np.log1p(thin / g * upward**2) / thin, initial=0.0) / (2 * LAYER))
+    fall = upward / count
+    for layer in range(count):
+        slower = upward - fall if layer < count - 1 else np.zeros(len(time))
+        middle = 0.5 * (upward + slower)
+        thin = even * setup.air.thinning(height + 0.5 * middle * fall / (g + thin * middle**2))
+        square = thin / g
+        gain = 0.5 / thin * np.log1p((upward + slower) * fall * square / (1 + slower**2 * square))
+        root = np.sqrt(square)
+        time = time + np.arctan(root * fall / (1 + square * upward * slower)) / (g * root)
+        height, upward = height + gain, slower
+        yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+
+
+def _count(wanted: float) -> int:
+    """Between two and a hundred layers or steps."""
+    return int(np.clip(np.ceil(wanted), 2, 100))
+
+
+def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
+    """Classical Runge-Kutta in upward speed of time, position and sideways speed."""
+    burns, motor = setup.burns, setup.motor
+    pull = Pull(setup, burning=False)
+    mass = setup.dry_mass + burns.casing_mass[motor]
+    upward = np.maximum(track.velocity[0], 0.0)
+    axes = len(track.position)
+    count = _count(4 + np.max(upward, initial=0.0) / SPEED_STEP)
+    step = -upward / count
+
+    def rates(y: Array, at: Array) -> Array:
+        """Derivatives of (position, sideways velocity, time) by upward speed."""
+        velocity = np.concatenate([at[None], y[axes : 2 * axes - 1]])
+        pulled = pull(y[:axes], velocity, 0.0, mass)
+        return np.asarray(np.concatenate([velocity, pulled[1:], np.ones((1, len(at)))]) / pulled[0])
+
+    y = np.concatenate([track.position, track.velocity[1:], track.time[None]])
+    sideways = slice(axes, 2 * axes - 1)
+    zero = np.zeros(len(upward))
+
+    def point(y: Array, at: Array) -> _Point:
+        slope = pull(y[:axes], np.concatenate([at[None], y[sideways]]), 0.0, mass)[0]
+        drift, across = (y[1], y[2]) if axes == 2 else (zero, zero)
+        return _Point(y[-1], y[0], at, slope, drift, across)
+
+    yield point(y, upward)
+    for number in range(count):
+        half = upward + 0.5 * step
+        after = upward + step if number < count - 1 else zero
+        k1 = rates(y, upward)
+        k2 = rates(y + 0.5 * step * k1, half)
+        k3 = rates(y + 0.5 * step * k2, half)
+        k4 = rates(y + step * k3, after)
+        y, upward = y + step / 6 * (k1 + 2 * (k2 + k3) + k4), after
+        yield point(y, upward)
+
+
+def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> None:
+    """Keep height and upward speed at a moment, from the cubic of speed in time between two points."""
+    inside = (moment >= before.time) & (moment < after.time)
+    if not inside.any():
+        return
+    dt = np.where(inside, after.time - before.time, 1.0)
+    s = np.where(inside, (moment - before.time) / dt, 0.0)
+    rise, lift0, lift1 = after.upward - before.upward, before.pull * dt, after.pull * dt
+    square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
+    upward = before.upward + s * (lift0 + s * (square + s * cubic))
+    gain = dt * s * (before.upward + s * (lift0 / 2 + s * (square / 3 + s * cubic / 4)))
+    marks[0] = np.where(inside, before.height + gain, marks[0])
+    marks[1] = np.where(inside, upward, marks[1])
+
+
+def _under_parachute(setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array) -> tuple[Array, Array]:
+    """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
+    g, terminal = setup.gravity, setup.descent_speed
+    opened, climbing = np.isfinite(eject[2]), eject[3]
+    gain = terminal**2 / (2 * g) * np.log1p((climbing / terminal) ** 2)
+    stop = terminal / g * np.arctan(climbing / terminal)
+    return (
+        np.where(opened, eject[2] + gain, height),
+        np.where(opened, fires + OPENING_TIME + stop, time),
+    )

@@ -1,0 +1,121 @@
+"""Thrust curves on the steps of the integrator.
+
+A curve is piecewise linear. Every knot of it ends a step, so that inside a step the thrust is smooth, and a
+segment longer than a fraction of the burn is split.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Protocol
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+
+STEPS = 12
+"""No step is longer than the burn over this."""
+
+
+class Curve(Protocol):
+    """What the simulator needs to know of a motor."""
+
+    @property
+    def time(self) -> Array:
+        """Knots. [s]"""
+
+    @property
+    def thrust(self) -> Array:
+        """At the knots. [N]"""
+
+    @property
+    def burnout(self) -> float:
+        """When the burn ends and the delay begins, from ignition. [s]"""
+
+    @property
+    def propellant_mass(self) -> float:
+        """Burnt in flight. [kg]"""
+
+    @property
+    def casing_mass(self) -> float:
+        """What stays of the motor. [kg]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Burns:
+    """Several motors on the integrator's steps; shorter burns end in steps of no length.
+
+    `thrust` [N] and `spent` (share of the propellant burnt, [1]) stand at start, middle and end of each
+    step. `rise_time` and `rise_thrust` are the knots up to the highest, for lift-off. Rows are steps first,
+    so that one step of all motors lies together.
+    """
+
+    edge: Float[Array, "step+1 motor"]
+    thrust: Float[Array, "step 3 motor"]
+    spent: Float[Array, "step 3 motor"]
+    rise_time: Float[Array, "knot motor"]
+    rise_thrust: Float[Array, "knot motor"]
+    burnout: Float[Array, "motor"]
+    propellant_mass: Float[Array, "motor"]
+    casing_mass: Float[Array, "motor"]
+
+
+def _edges(time: Array, steps: int) -> Array:
+    """Step edges of one curve: every knot, and splits between those that lie far apart."""
+    longest = (time[-1] - time[0]) / steps
+    pieces = [np.linspace(a, b, int(np.ceil((b - a) / longest - 1e-9)) + 1)[1:] for a, b in pairwise(time)]
+    return np.concatenate([time[:1], *pieces])
+
+
+def _impulse(time: Array, thrust: Array, at: Array) -> Array:
+    """Impulse delivered by some moments. [N s]"""
+    total = np.concatenate([[0], np.cumsum(np.diff(time) * 0.5 * (thrust[1:] + thrust[:-1]))])
+    segment = np.clip(np.searchsorted(time, at, side="right") - 1, 0, len(time) - 2)
+    since = at - time[segment]
+    slope = np.diff(thrust)[segment] / np.diff(time)[segment]
+    return np.asarray(total[segment] + since * (thrust[segment] + 0.5 * slope * since))
+
+
+def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
+    """The curve with knots at the same moment pulled apart by a microsecond."""
+    time = time.copy()
+    for knot in range(1, len(time)):
+        time[knot] = max(time[knot], time[knot - 1] + 1e-6)
+    return time, thrust
+
+
+def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
+    """Rows as the last axis, the shorter ones filled up, with their own last entry where no `fill` is given."""
+    longest = max(len(row) for row in rows)
+    tails = [
+        np.broadcast_to(row[-1] if fill is None else np.asarray(fill), (longest - len(row), *row.shape[1:]))
+        for row in rows
+    ]
+    return np.stack([np.concatenate([row, tail]) for row, tail in zip(rows, tails, strict=True)], axis=-1)
+
+
+def burns(motors: Sequence[Curve], *, steps: int = STEPS, linear_burn: bool = False) -> Burns:
+    """The motors on at least `steps` steps each.
+
+    Propellant burns off in proportion to the impulse delivered or, with `linear_burn`, to time.
+    """
+    rows = []
+    for motor in motors:
+        time, thrust = _strictly_increasing(np.asarray(motor.time, float), np.asarray(motor.thrust, float))
+        edge = _edges(time, steps)
+        nodes = np.stack([edge[:-1], 0.5 * (edge[:-1] + edge[1:]), edge[1:]], axis=1)
+        spent = nodes / time[-1] if linear_burn else _impulse(time, thrust, nodes)
+        spent = spent / spent[-1, -1]
+        rise = slice(0, int(np.argmax(thrust)) + 1)
+        rows.append((edge, np.interp(nodes, time, thrust), spent, time[rise], thrust[rise]))
+    edges, pushes, shares, rise_times, rise_thrusts = (list(values) for values in zip(*rows, strict=True))
+    return Burns(
+        edge=_side_by_side(edges),
+        thrust=_side_by_side(pushes, 0.0),
+        spent=_side_by_side(shares, 1.0),
+        rise_time=_side_by_side(rise_times),
+        rise_thrust=_side_by_side(rise_thrusts),
+        burnout=np.array([motor.burnout for motor in motors], float),
+        propellant_mass=np.array([motor.propellant_mass for motor in motors], float),
+        casing_mass=np.array([motor.casing_mass for motor in motors], float),
+    )
