@@ -79,6 +79,21 @@ def test_help_wakes_nothing_heavy() -> None:
     assert "--apogee-m" in done.stdout
 
 
+def test_keeping_records_waits_for_no_arrays(table: Path, tmp_path: Path) -> None:
+    code = (
+        "import sys; from fieldkit.cli.main import main\n"
+        "ledger = ['--ledger', sys.argv[1]]\n"
+        "main([*ledger, 'flights']); main([*ledger, 'tag', '1', 'mine']); main([*ledger, 'undo'])\n"
+        "print(*({'numpy', 'scipy', 'alembic', 'fieldkit.motors'} & set(sys.modules)), file=sys.stderr)"
+    )
+    assert main(["--ledger", str(tmp_path / "l.db"), "import", str(table)]) == 0
+    plain = {name: value for name, value in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
+    command = [sys.executable, "-c", code, str(tmp_path / "l.db")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain)
+    assert done.stderr == "\n"
+    assert "undone: tag 1 mine" in done.stdout
+
+
 def test_every_group_of_commands_is_listed(run: Run) -> None:
     text = run("--help").out
     assert len(GROUPS) >= 5
