@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import card, complain, say
+from fieldkit.cli.screen import complain, print_card
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
@@ -174,6 +174,5 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     if added.duplicates:
         complain("it is in the ledger already")
         return
-    for title, value in card(flight, added.new[0]):
-        say(f"{title:18} {value}")
+    print_card(flight, added.new[0])
     complain("added; `fieldkit undo` takes it back")

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import card, complain, in_both_units, print_json, print_table, say
+from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 app = typer.Typer()
@@ -62,10 +62,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
     if json:
         print_json(document(found))
         return
-    lines = card(found, id)
-    width = max(len(title) for title, _ in lines)
-    for title, value in lines:
-        say(f"{title:{width}}  {value}")
+    print_card(found, id)
 
 
 @app.command()
