@@ -35,7 +35,7 @@ def bring_in(
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
     names = [_name(path) for path in paths]
-    contents = [_content(path) for path in paths]
+    contents = [read_file(path) for path in paths]
     intakes = read_together(zip(names, contents, strict=True), check_motor=check_motor, format=format)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
@@ -69,7 +69,8 @@ def _completed(flight: Flight, defaults: Mapping[str, object]) -> Flight:
     return flight.with_changes(**{f: v for f, v in defaults.items() if getattr(flight, f) in empty})
 
 
-def _content(path: Path) -> bytes:
+def read_file(path: Path) -> bytes:
+    """The bytes of a log or a table. Raises DamagedLog that says why they cannot be read."""
     try:
         return path.read_bytes()
     except OSError as error:

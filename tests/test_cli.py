@@ -67,13 +67,18 @@ def full(run: Run, table: Path) -> Run:
     return run
 
 
+def plain() -> dict[str, str]:
+    """The environment of a flyer, who checks no shapes."""
+    return {name: value for name, value in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
+
+
 def test_help_wakes_nothing_heavy() -> None:
     code = (
         "import sys; from fieldkit.cli.main import main; main(['--help']); main(['add', '--help'])\n"
         "heavy = {'numpy', 'scipy', 'sqlalchemy', 'alembic', 'torch', 'textual', 'onnxruntime'}\n"
         "print(*(heavy & set(sys.modules)), sep='', end='', file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=plain())
     assert done.stderr == ""
     assert "import" in done.stdout
     assert "--apogee-m" in done.stdout
@@ -87,9 +92,8 @@ def test_keeping_records_waits_for_no_arrays(table: Path, tmp_path: Path) -> Non
         "print(*({'numpy', 'scipy', 'alembic', 'fieldkit.motors'} & set(sys.modules)), file=sys.stderr)"
     )
     assert main(["--ledger", str(tmp_path / "l.db"), "import", str(table)]) == 0
-    plain = {name: value for name, value in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
     command = [sys.executable, "-c", code, str(tmp_path / "l.db")]
-    done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain)
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain())
     assert done.stderr == "\n"
     assert "undone: tag 1 mine" in done.stdout
 

@@ -12,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.add import NUMBERS, TEXTS
 from fieldkit.cli.main import main
 from fieldkit.cli.prompts import DRAFT, Talk, converse
 from fieldkit.cli.session import MotorCheck
@@ -209,9 +208,11 @@ def test_answers_that_end_too_soon_add_nothing(add: Add, file: Path) -> None:
     assert held(file) == []
 
 
-def test_every_column_is_an_option() -> None:
-    assert set(TEXTS) == set(TEXT_COLUMNS) - {"log"}
-    assert list(NUMBERS) == [column.header for column in COLUMNS]
+def test_every_column_is_an_option(add: Add, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERMINAL_WIDTH", "200")
+    text = add([], "--help")[1]
+    for header in {*TEXT_COLUMNS, *(column.header for column in COLUMNS)} - {"log"}:
+        assert f"--{header.replace('_', '-')}" in text
 
 
 def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file: Path) -> None:

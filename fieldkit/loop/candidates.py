@@ -76,7 +76,8 @@ def place_weight(effect: Effect, model: Model, where: str) -> Float[Array, "flig
     weight = np.arange(flights, dtype=float) if effect.grows else np.ones(flights)
     if not where:
         return weight
-    return weight * np.array([group == where for group in groups(model.flights, model.found, effect.per)])
+    inside = [group == where for group in groups(model.flights, model.found, effect.per)]
+    return np.asarray(weight * np.array(inside, float))
 
 
 def pattern_candidates(model: Model) -> Iterator[Candidate]:

@@ -16,7 +16,7 @@ from fieldkit.loop.fit import Fit, LeftOut, fit, leave_one_out
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, mixed, score
 from fieldkit.shapes import Array, Flags, Float
-from fieldkit.simulator.effect import Effect
+from fieldkit.simulator.effect import Effect, effects
 
 DECISIVE = 0.9
 """Posterior probability that something is missing, from which on it is said. [1]"""
@@ -24,7 +24,8 @@ APART = 2.0
 """Difference of log evidence up to which effects are named together. [nat]"""
 PATTERN_SHARE = 0.1
 """Share of the prior odds that patterns without an explanation have beside the effects. [1]"""
-PROGRESS = Callable[[str, float], None]
+Progress = Callable[[str, float], None]
+"""Told what is being tried and the share done."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +40,12 @@ class Trial:
     def log_evidence(self) -> float:
         """Of the observed readouts. [nat]"""
         return self.fit.log_evidence
+
+    @property
+    def unit(self) -> str:
+        """Of the strength; empty for a pattern."""
+        bends = self.candidate.terms[0].bends if self.candidate.terms else ""
+        return bends.unit if isinstance(bends, Effect) else ""
 
     @property
     def fold_evidence(self) -> Float[Array, "flight"]:
@@ -83,6 +90,12 @@ class Diagnosis:
     forecasts_before: Forecasts
     forecasts_after: Forecasts
 
+    @property
+    def advice(self) -> list[str]:
+        """What to fly or write down to tell the effects named together apart."""
+        names = [name for name in (*self.effect.split("+"), *self.also) if name in effects()]
+        return [effects()[name].tell_apart for name in names] if self.also else []
+
 
 def try_candidate(model: Model, data: Data, candidate: Candidate, near: Fit) -> Trial:
     """Fit a candidate from each of its starts, beginning where a smaller model ended, and keep the best."""
@@ -94,7 +107,7 @@ def try_candidate(model: Model, data: Data, candidate: Candidate, near: Fit) -> 
     return Trial(candidate, best, leave_one_out(best))
 
 
-def diagnose(model: Model, data: Data, progress: PROGRESS | None = None) -> Diagnosis:
+def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach."""
     tell = progress or (lambda text, share: None)
     base_fit = fit(model, data)

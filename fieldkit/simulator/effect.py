@@ -37,9 +37,10 @@ class Effect:
 
     `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
     (`squared`), it is the square that is fitted and the prior speaks of. `per` names the column of a flight
-    whose groups may differ in strength ("motor", "config", "site"). `needs` is the column without which
-    the effect cannot act. One that `grows` acts with its strength times the flights flown before. `explains` tells a flyer what it is, `tell_apart` what to fly or write down to
-    be sure of it.
+    whose groups may differ in strength ("motor", "config", "site"), `everywhere` says whether it may also
+    act on all flights alike. `needs` is the column without which the effect cannot act. One that `grows`
+    acts with its strength times the flights flown before. `explains` tells a flyer what it is, `tell_apart`
+    what to fly or write down to be sure of it.
     """
 
     title: str
