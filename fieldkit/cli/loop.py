@@ -44,6 +44,7 @@ def model(
     ] = None,
 ) -> None:
     """List the model versions of a rocket, or go back to one."""
+    from fieldkit.loop.candidates import Place
     from fieldkit.loop.desk import which_rocket
 
     with open_ledger(context) as ledger:
@@ -55,6 +56,6 @@ def model(
     for version in versions:
         payload = version.payload
         errors = f"{payload['before']['mae_m']:.1f} -> {payload['after']['mae_m']:.1f} m"
-        added = "+".join(" of ".join(filter(None, (e["effect"], e["where"]))) for e in payload["effects"])
+        added = "+".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
         rows.append((str(version.number), f"{version.at:%Y-%m-%d}", added, errors, "in use" if version.active else ""))
     print_table(("version", "made", "adds", "unseen flights", ""), rows)

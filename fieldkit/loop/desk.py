@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any, Literal
 
 import numpy as np
@@ -10,9 +11,10 @@ import numpy as np
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
+from fieldkit.loop.candidates import Place
 from fieldkit.loop.diagnose import Diagnosis, Progress, diagnose, strength
 from fieldkit.loop.model import observe
-from fieldkit.loop.predict import Place, Prediction, median, predict, rocket_model
+from fieldkit.loop.predict import Prediction, median, predict, rocket_model
 from fieldkit.motors import Catalogue, Found
 
 Which = Literal["before", "after"]
@@ -53,7 +55,9 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
     version = ledger.active_version(rocket) if which == "after" else None
     if version is None:
         return ()
-    return tuple(Place(entry["effect"], entry.get("where", "")) for entry in version.payload["effects"])
+    return tuple(
+        Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in version.payload["effects"]
+    )
 
 
 def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
@@ -150,7 +154,7 @@ def close_loop(
 
 
 def _keep(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    places = tuple(Place(trial.candidate.effect, trial.candidate.where) for trial in diagnosis.accepted)
+    places = tuple(trial.candidate.place for trial in diagnosis.accepted)
     if places == accepted_places(ledger, rocket):
         return
     if not places:
@@ -164,8 +168,7 @@ def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
     payload: dict[str, Any] = {
         "effects": [
             {
-                "effect": trial.candidate.effect,
-                "where": trial.candidate.where,
+                **asdict(trial.candidate.place),
                 **dict(zip(("mean", "sd"), strength(trial), strict=True)),
                 "unit": trial.unit,
             }
@@ -190,7 +193,7 @@ def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[s
             "effect": item.effect,
             "evidence": item.log_bayes,
             "parameters": {
-                item.best.candidate.name: {
+                str(item.best.candidate.place): {
                     **dict(zip(("mean", "sd"), strength(item.best), strict=True)),
                     "unit": item.best.unit,
                 }

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.loop.candidates import effect_term, place_weight
+from fieldkit.loop.candidates import Place, effect_term
 from fieldkit.loop.fit import Fit, fit, own_reading_sd, scale_grid
 from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
 from fieldkit.motors import Found
@@ -20,17 +20,6 @@ from fieldkit.simulator.effect import effects
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
 LEVELS = (0.05, 0.5, 0.95)
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """An accepted effect and the group of flights it acts in, empty for all."""
-
-    effect: str
-    where: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.effect} of {self.where}" if self.where else self.effect
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,15 +64,7 @@ def median(values: Float[Array, "draw"]) -> float | None:
 def rocket_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
     """The model of a rocket with the effects that were accepted into it."""
     model = base_model(flights, found)
-    known = effects()
-    terms = [
-        effect_term(
-            place.effect, known[place.effect], place_weight(known[place.effect], model, place.where), place.where
-        )
-        for place in accepted
-        if place.effect in known
-    ]
-    return model.with_terms(*terms)
+    return model.with_terms(*(effect_term(place, model) for place in accepted if place.effect in effects()))
 
 
 def model_name(accepted: Sequence[Place]) -> str:

@@ -57,8 +57,8 @@ def report(rocket: str, diagnosis: Diagnosis, patterns: list[Pattern]) -> Iterat
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = strength(item.best)
-            where = f" of {item.best.candidate.where}" if item.best.candidate.where else ""
-            yield f"  {item.effect + where:34.34}{item.log_bayes:+6.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            place = str(item.best.candidate.place)
+            yield f"  {place:34.34}{item.log_bayes:+6.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield f"  verdict: {diagnosis.effect} ({diagnosis.confidence:.0%} sure): {diagnosis.why}"
     if diagnosis.also:
