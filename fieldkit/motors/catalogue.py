@@ -1,0 +1,125 @@
+"""The motors fieldkit knows: those of ThrustCurve.org, shipped with it, and the flyer's own files."""
+
+import gzip
+import json
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from functools import cache, partial
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fieldkit.motors import search
+from fieldkit.motors.motor import PLUGGED, Motor, normalised
+from fieldkit.motors.search import Found, Listing, Shelf
+
+DATA = Path(__file__).with_name("catalogue.json.gz")
+"""What `tools/motors.py` makes of the data of ThrustCurve.org."""
+
+
+@dataclass(frozen=True, slots=True)
+class Catalogue:
+    """Motors by name. `about` says where they are from, and how many were left out and why."""
+
+    shelf: Shelf
+    about: Mapping[str, Any]
+
+    def __len__(self) -> int:
+        return sum(map(len, self.shelf.values()))
+
+    @property
+    def motors(self) -> list[Motor]:
+        """Every motor, each curve built when first asked for."""
+        return [listing.motor() for listings in self.shelf.values() for listing in listings]
+
+    def find(self, text: str, maker: str = "") -> Found:
+        """The one motor that a text means; see `fieldkit.motors.search.find`."""
+        return search.find(self.shelf, text, maker)
+
+    def resolve(self, text: str, maker: str = "") -> Found:
+        """The motor that a text most likely means; see `fieldkit.motors.search.resolve`."""
+        return search.resolve(self.shelf, text, maker)
+
+    def search(self, text: str) -> list[Motor]:
+        """Every motor that a text could mean, best first; see `fieldkit.motors.search.search`."""
+        return search.search(self.shelf, text)
+
+    def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
+        """The same catalogue with the flyer's own motors, which win over any other of their name."""
+        shelf = dict(self.shelf)
+        for motor in motors:
+            shelf[motor.name] = (_own(motor), *shelf.get(motor.name, ()))
+        return Catalogue(MappingProxyType(shelf), self.about)
+
+
+@cache
+def catalogue() -> Catalogue:
+    """The catalogue that is shipped, read once; a curve is read when its motor is first asked for."""
+    data = json.loads(gzip.decompress(DATA.read_bytes()))
+    entries = [dict(zip(data["columns"], row, strict=True)) for row in data.pop("motors")]
+    build = cache(lambda number: _motor(entries[number], data["source"]))
+    shelf: dict[str, list[Listing]] = {}
+    for number, entry in enumerate(entries):
+        shelf.setdefault(entry["name"], []).append(_shipped(entry, partial(build, number)))
+    return Catalogue(MappingProxyType(shelf), MappingProxyType(data))
+
+
+def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
+    return Listing(
+        entry["maker"],
+        entry["name"],
+        entry["designation"],
+        entry["diameter_mm"] / 1e3,
+        _delays(entry),
+        entry["available"],
+        " ".join((entry["case"], entry["propellant"])),
+        motor,
+    )
+
+
+def _delays(entry: Mapping[str, Any]) -> tuple[float, ...]:
+    return tuple([PLUGGED if delay == "P" else float(delay) for delay in entry["delays"]])
+
+
+def _own(motor: Motor) -> Listing:
+    return Listing(
+        motor.maker,
+        motor.name,
+        motor.designation,
+        motor.diameter,
+        motor.delays,
+        motor.available,
+        " ".join((motor.case, motor.propellant)),
+        lambda: motor,
+        own=True,
+    )
+
+
+def _motor(entry: Mapping[str, Any], source: str) -> Motor:
+    time, thrust = np.array(entry["curve"].split(), dtype=float).reshape(-1, 2).T.copy()
+    thrust = normalised(time, thrust, entry["total_impulse_ns"])
+    time.setflags(write=False)
+    thrust.setflags(write=False)
+    return Motor(
+        maker=entry["maker"],
+        name=entry["name"],
+        designation=entry["designation"],
+        impulse_class=entry["class"],
+        kind=entry["kind"],
+        diameter=entry["diameter_mm"] / 1e3,
+        length=entry["length_mm"] / 1e3,
+        total_impulse=float(entry["total_impulse_ns"]),
+        propellant_mass=entry["propellant_g"] / 1e3,
+        casing_mass=entry["casing_g"] / 1e3,
+        delays=_delays(entry),
+        available=entry["available"],
+        time=time,
+        thrust=thrust,
+        source=source,
+        case=entry["case"],
+        propellant=entry["propellant"],
+        url=entry["url"],
+        estimated=tuple(entry["estimated"]),
+    )

@@ -1,0 +1,140 @@
+"""A motor as a file gives it, checked and turned into a `Motor`: what `.eng` and `.rse` have in common."""
+
+import math
+import re
+from dataclasses import dataclass, field
+
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.motors.motor import BURNING, PLUGGED, Motor, impulse, impulse_class, knots, normalised
+from fieldkit.motors.names import maker_of, parse
+
+_EXHAUST = (20.0, 200_000.0)
+"""Impulse per propellant mass outside of which a mass must be in another unit. [m/s]"""
+_LARGEST = 1e7
+"""No length, mass, time or thrust in a motor file is beyond it, whatever its unit."""
+_ROCKSIM_PLUGGED = 1000.0
+"""The delay by which RockSim marks a motor without an ejection charge. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """A line of a file: where a draft's values were found."""
+
+    source: str
+    row: int
+
+    def damaged(self, found: str, column: str | None = None) -> DamagedLog:
+        """The error that names this line."""
+        return DamagedLog(found, row=self.row, column=column, source=self.source)
+
+    def number(self, text: str, column: str, unit: str) -> float:
+        """A number that is finite and of this world. Raises DamagedLog."""
+        try:
+            value = float(text)
+        except ValueError:
+            value = math.nan
+        if not abs(value) <= _LARGEST:
+            raise self.damaged(f"found {text!r}, expected a number ({unit})", column)
+        return value
+
+    def above(self, text: str, column: str, unit: str, least: float) -> float:
+        """A number above a bound. Raises DamagedLog."""
+        value = self.number(text, column, unit)
+        if value <= least:
+            raise self.damaged(f"found {text!r}, expected more than {least:g} {unit}", column)
+        return value
+
+
+@dataclass(slots=True)
+class Draft:
+    """The header of a motor in SI units, and the samples read so far; each knows its place in the file."""
+
+    place: Place
+    maker: str
+    designation: str
+    kind: str
+    diameter: float
+    length: float
+    delays: tuple[float, ...]
+    propellant_mass: float
+    loaded_mass: float
+    samples: list[tuple[Place, float, float]] = field(default_factory=list)
+
+    def add(self, place: Place, time: float, thrust: float) -> None:
+        """One sample [s, N]. Raises DamagedLog for a step back in time or a negative value."""
+        if self.samples and time < self.samples[-1][1]:
+            raise place.damaged(
+                f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase"
+            )
+        if time < 0 or thrust < 0:
+            raise place.damaged(f"found {time:g} s, {thrust:g} N, expected neither below zero")
+        self.samples.append((place, time, thrust))
+
+    def motor(self) -> Motor:
+        """The motor. Raises DamagedLog for a curve that is cut short, or masses that cannot be."""
+        if not self.samples:
+            raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below it")
+        last, _, end = self.samples[-1]
+        if end > BURNING * max(thrust for _, _, thrust in self.samples):
+            raise last.damaged(f"found a curve that ends at {end:g} N, expected 0: the file may be cut short")
+        try:
+            time, thrust = knots([t for _, t, _ in self.samples], [f for _, _, f in self.samples])
+        except BadValue as error:
+            raise last.damaged(str(error)) from None
+        total = impulse(time, thrust)
+        self._check_masses(total)
+        name = parse(self.designation).core
+        thrust = normalised(time, thrust, total)
+        time.setflags(write=False)
+        thrust.setflags(write=False)
+        return Motor(
+            maker=maker_of(self.maker),
+            name=name or self.designation,
+            designation=self.designation,
+            impulse_class=name.rstrip("0123456789.") or impulse_class(total),
+            kind=self.kind,
+            diameter=self.diameter,
+            length=self.length,
+            total_impulse=total,
+            propellant_mass=self.propellant_mass,
+            casing_mass=self.loaded_mass - self.propellant_mass,
+            delays=self.delays,
+            available=True,
+            time=time,
+            thrust=thrust,
+            source=self.place.source,
+        )
+
+    def _check_masses(self, total: float) -> None:
+        propellant, loaded = self.propellant_mass * 1e3, self.loaded_mass * 1e3
+        if loaded <= propellant:
+            raise self.place.damaged(
+                f"found {propellant:g} g of propellant in a motor of {loaded:g} g, expected it to weigh more"
+            )
+        if not _EXHAUST[0] < total / self.propellant_mass < _EXHAUST[1]:
+            raise self.place.damaged(
+                f"found {self.propellant_mass:g} kg of propellant for {total:g} N s, "
+                "expected about 0.5 g for each: masses are kilograms in .eng and grams in .rse"
+            )
+
+
+def delays(text: str, place: Place) -> tuple[float, ...]:
+    """Delays as files write them: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L say nothing. [s]"""
+    found = []
+    for word in re.split(r"[-,;/\s]+", text.strip().upper()):
+        number = re.fullmatch(r"(\d+(?:\.\d+)?)[A-Z]?", word)
+        if word in ("P", "PLUGGED"):
+            found.append(PLUGGED)
+        elif number:
+            found.append(PLUGGED if float(number[1]) >= _ROCKSIM_PLUGGED else float(number[1]))
+        elif not re.fullmatch(r"[A-Z*]*", word):
+            raise place.damaged(f"found {word!r}, expected delays such as 4-7-10 or P", "delays")
+    return tuple(found)
+
+
+def decoded(data: bytes) -> str:
+    """Bytes of a text file as text: UTF-8 with or without its mark, else the old Windows alphabet."""
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("cp1252", "replace")

@@ -1,0 +1,200 @@
+"""A motor: what burns, what stays, when the ejection charge may fire, and the thrust in between."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from fieldkit.errors import BadValue
+from fieldkit.shapes import Array, Float
+
+PLUGGED = math.inf
+"""The delay of a motor without an ejection charge: it never fires. [s]"""
+
+BURNING = 0.05
+"""Share of the peak thrust above which a motor counts as burning, after NFPA 1125. [1]"""
+
+_RAMP = 1e-4
+"""Longest time given to a jump of a recorded curve. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Motor:
+    """One motor in SI units. Its thrust is linear between the knots `time`, `thrust`.
+
+    The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
+    thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED` among them where the
+    motor is sold so; empty where they are not recorded. `estimated` names the fields that the
+    source lacks and that were estimated. Two motors are equal when they are the same object.
+    """
+
+    maker: str
+    name: str
+    designation: str
+    impulse_class: str
+    kind: str
+    diameter: float
+    length: float
+    total_impulse: float
+    propellant_mass: float
+    casing_mass: float
+    delays: tuple[float, ...]
+    available: bool
+    time: Float[Array, "knot"] = field(repr=False)
+    thrust: Float[Array, "knot"] = field(repr=False)
+    source: str = ""
+    case: str = ""
+    propellant: str = ""
+    url: str = ""
+    estimated: tuple[str, ...] = ()
+
+    @property
+    def burning(self) -> tuple[float, float]:
+        """When the thrust first reaches and last leaves 5 % of its peak. [s]"""
+        threshold = BURNING * self.peak_thrust
+        first, last = np.flatnonzero(self.thrust >= threshold)[[0, -1]]
+        up, down = slice(first - 1, first + 1), slice(last, last + 2)
+        return (
+            float(np.interp(threshold, self.thrust[up], self.time[up])),
+            float(np.interp(threshold, self.thrust[down][::-1], self.time[down][::-1])),
+        )
+
+    @property
+    def burn_time(self) -> float:
+        """How long the thrust is above 5 % of its peak. [s]"""
+        start, end = self.burning
+        return end - start
+
+    @property
+    def thrust_end(self) -> float:
+        """When the curve ends, from ignition. [s]"""
+        return float(self.time[-1])
+
+    @property
+    def peak_thrust(self) -> float:
+        """Highest thrust. [N]"""
+        return float(self.thrust.max())
+
+    @property
+    def average_thrust(self) -> float:
+        """Total impulse over burn time. [N]"""
+        return self.total_impulse / self.burn_time
+
+    @property
+    def loaded_mass(self) -> float:
+        """Mass on the pad. [kg]"""
+        return self.propellant_mass + self.casing_mass
+
+    @property
+    def specific_impulse(self) -> float:
+        """Total impulse per mass of propellant: the mean speed of the exhaust. [m/s]"""
+        return self.total_impulse / self.propellant_mass
+
+    @property
+    def moments(self) -> tuple[float, float]:
+        """Mean [s] and variance [s^2] of time, weighted by the thrust: how late and how spread it is."""
+        mean = _integral(self.time, self.thrust, self.time) / self.total_impulse
+        return mean, _integral(self.time, self.thrust, (self.time - mean) ** 2, mean) / self.total_impulse
+
+
+def _integral(
+    time: Float[Array, "knot"],
+    thrust: Float[Array, "knot"],
+    weight: Float[Array, "knot"],
+    centre: float | None = None,
+) -> float:
+    """Integral of thrust times a weight, t or (t - centre)^2, by Simpson: exact, the product is a cubic."""
+    middle = (time[1:] + time[:-1]) / 2
+    weight_there = middle if centre is None else (middle - centre) ** 2
+    thrust_there = (thrust[1:] + thrust[:-1]) / 2
+    product = thrust * weight
+    return float(np.sum(np.diff(time) * (product[1:] + 4 * thrust_there * weight_there + product[:-1])) / 6)
+
+
+def impulse(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> float:
+    """Integral of a piecewise linear thrust. [N s]"""
+    return float(np.sum(np.diff(time) * (thrust[1:] + thrust[:-1])) / 2)
+
+
+def knots(
+    time: Sequence[float], thrust: Sequence[float]
+) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
+    """A recorded thrust curve as knots that begin at (0, 0), end at zero thrust and always increase in time.
+
+    A jump (a time given twice) becomes a ramp of at most 0.1 ms, and so does a curve that starts with
+    thrust. A curve that stops short of zero falls there within one more of its own last intervals.
+    Raises BadValue for a clock that runs backwards, a negative or endless number, or no thrust at all.
+    """
+    t, f = np.array(time, dtype=float), np.array(thrust, dtype=float)
+    if t.size < 2 or not (np.isfinite(t).all() and np.isfinite(f).all()):
+        raise BadValue("found fewer than two samples or a value that is no number, expected a thrust curve")
+    if (np.diff(t) < 0).any() or t[0] < 0 or t[-1] == 0:
+        raise BadValue("found times that run backwards or stand still, expected times that increase from 0")
+    if (f < 0).any() or not f.any():
+        raise BadValue("found negative thrust or none at all, expected thrust in newtons")
+    if t[0] > 0 or f[0] > 0:
+        t, f = np.append(0.0, t), np.append(0.0, f)
+    if f[-1] > 0:
+        steps = np.diff(t)
+        t, f = np.append(t, t[-1] + steps[steps > 0][-1]), np.append(f, 0.0)
+    fresh = np.append(True, (np.diff(t) > 0) | (np.diff(f) != 0))
+    return _spread(t[fresh]), f[fresh]
+
+
+def _spread(time: Float[Array, "knot"]) -> Float[Array, "knot"]:
+    """The same times, each repeated one moved on by a little, never past the next."""
+    distinct, place, count = np.unique(time, return_inverse=True, return_counts=True)
+    room = np.append(np.minimum(np.diff(distinct) / 2, _RAMP), _RAMP)
+    turn = np.arange(time.size) - (np.cumsum(count) - count)[place]
+    spread: Float[Array, "knot"] = time + room[place] * turn / count[place]
+    return spread
+
+
+def normalised(
+    time: Float[Array, "knot"], thrust: Float[Array, "knot"], total_impulse: float
+) -> Float[Array, "knot"]:
+    """The thrust in the same shape, with the total impulse that the motor is certified for. [N]"""
+    return thrust * (total_impulse / impulse(time, thrust))
+
+
+def impulse_class(total_impulse: float) -> str:
+    """The letter that total impulse [N s] earns: A up to 2.5, B up to 5, each class twice the one before.
+
+    Source: NFPA 1125; below A the classes are written 1/2A, 1/4A and 1/8A.
+    """
+    if total_impulse <= 1.25:
+        return "1/8A" if total_impulse <= 0.3125 else "1/4A" if total_impulse <= 0.625 else "1/2A"
+    return chr(ord("A") + max(0, math.ceil(math.log2(total_impulse / 2.5) - 1e-9)))
+
+
+def delays_text(delays: Sequence[float]) -> str:
+    """Delays as flyers write them: `4, 7, P`; a dash where none are recorded."""
+    return ", ".join("P" if delay == PLUGGED else f"{delay:g}" for delay in delays) or "-"
+
+
+def describe(motor: Motor) -> dict[str, object]:
+    """What a flyer asks of a motor, with the unit in the key: ready for JSON."""
+    start, end = motor.burning
+    return {
+        "maker": motor.maker,
+        "name": motor.name,
+        "designation": motor.designation,
+        "class": motor.impulse_class,
+        "kind": motor.kind,
+        "diameter_mm": round(motor.diameter * 1e3, 3),
+        "length_mm": round(motor.length * 1e3, 3),
+        "total_impulse_ns": round(motor.total_impulse, 4),
+        "burn_time_s": round(end - start, 4),
+        "average_thrust_n": round(motor.average_thrust, 4),
+        "peak_thrust_n": round(motor.peak_thrust, 4),
+        "propellant_g": round(motor.propellant_mass * 1e3, 4),
+        "casing_g": round(motor.casing_mass * 1e3, 4),
+        "delays": ["P" if delay == PLUGGED else delay for delay in motor.delays],
+        "available": motor.available,
+        "case": motor.case,
+        "propellant": motor.propellant,
+        "url": motor.url,
+        "estimated": list(motor.estimated),
+        "source": motor.source,
+    }

@@ -1,0 +1,147 @@
+"""How motors are written on casings, in ledgers and in a hurry: `F24-4W`, `aerotech f24`, `H128W-14A`."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from fieldkit.motors.motor import PLUGGED
+
+MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "AeroTech": ("AEROTECH", "AERO TECH", "AERO-TECH", "AT", "RCS"),
+        "Cesaroni": ("CESARONI TECHNOLOGY", "CESARONI", "CTI"),
+        "Estes": ("ESTES INDUSTRIES", "ESTES"),
+        "Quest": ("QUEST AEROSPACE", "QUEST", "Q-JET", "QJET"),
+        "Loki": ("LOKI RESEARCH", "LOKI"),
+        "AMW": ("ANIMAL MOTOR WORKS", "AMW"),
+        "KBA": ("KOSDON BY AEROTECH", "KBA"),
+        "Kosdon": ("KOSDON TRM", "KOSDON"),
+        "Apogee": ("APOGEE COMPONENTS", "APOGEE"),
+        "Alpha": ("ALPHA HYBRIDS", "ALPHA"),
+        "Contrail": ("CONTRAIL ROCKETS", "CONTRAIL"),
+        "Ellis": ("ELLIS MOUNTAIN", "ELLIS"),
+        "Gorilla": ("GORILLA ROCKET MOTORS", "GORILLA"),
+        "Hypertek": ("HYPERTEK",),
+        "Klima": ("RAKETENMODELLBAU KLIMA", "KLIMA"),
+        "PML": ("PUBLIC MISSILES, LTD.", "PUBLIC MISSILES", "PML"),
+        "PP": ("PROPULSION POLYMERS", "PP"),
+        "RATT": ("R.A.T.T. WORKS", "RATT WORKS", "RATT"),
+        "Roadrunner": ("ROADRUNNER ROCKETRY", "ROADRUNNER"),
+        "RV": ("ROCKETVISION FLIGHT-STAR", "ROCKETVISION", "RV"),
+        "SCR": ("SOUTHERN CROSS ROCKETRY", "SCR"),
+        "SkyR": ("SKY RIPPER SYSTEMS", "SKY RIPPER", "SKYR"),
+        "TSP": ("PIOTR TENDERA ROCKET MOTORS", "TSP"),
+        "WCH": ("WEST COAST HYBRIDS", "WCH"),
+    }
+)
+"""Makers as the catalogue names them, and how else flyers write them."""
+
+_MAKER_OF = {alias: maker for maker, aliases in MAKERS.items() for alias in (*aliases, maker.upper())}
+_MAKER = re.compile(
+    r"(?<![\w-])("
+    + "|".join(re.escape(a) for aliases in MAKERS.values() for a in sorted(aliases, key=len, reverse=True))
+    + r")(?!\w)[\s:,-]*"
+)
+_CASE = re.compile(r"\b(?:(PRO)|RMS)-?(24|29|38|54|75|98)(?:[-/]\w+)?\s*")
+_DIAMETER = re.compile(r"(?<![\w.])(\d+(?:\.\d+)?)\s*MM\b[\s,]*")
+_HALVES = str.maketrans(
+    {"½": "1/2", "¼": "1/4", "⅛": "1/8", "–": "-", "—": "-", "−": "-", "\N{NON-BREAKING HYPHEN}": "-"}
+)
+
+_CORE = re.compile(
+    r"(?:(?P<hp>HP)[- ]?|(?P<impulse>\d+))?"
+    r"(?P<letter>(?:1/[248])?[A-O])-?(?P<thrust>\d+(?:\.\d+)?)(?P<rest>.*)"
+)
+_DELAY = re.compile(r"(\d+(?:\.\d+)?|P)([A-Z]{0,2})")
+_ONE = r"(?:1/[248])?[A-O]\d+(?:\.\d+)?(?:[A-Z]{1,3})?(?:-(?:\d+|P)[A-Z]{0,2})?"
+_SEVERAL = re.compile(rf"(?<![\w./-])\d*{_ONE}(?![\w.]).*?(?<![\w.])\d*{_ONE}(?![\w.])")
+_COUNTED = re.compile(rf"(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)(?:HP-)?\d*{_ONE}(?!\w)")
+
+
+@dataclass(frozen=True, slots=True)
+class Name:
+    """What a written name says: `F24`, letters of the propellant, delay, maker, diameter [m].
+
+    `prefix` is what stands before the class: `216` of `216H118-12A`, `HP` of `HP-I205W`. `core` is
+    empty when the text is not a class and a thrust, such as `MICRO_MAXX_II`; `squeezed` is the whole
+    of it in letters and digits.
+    """
+
+    core: str
+    letters: str
+    delay: float | None
+    prefix: str
+    maker: str
+    diameter: float | None
+    squeezed: str
+
+
+def tidy(text: str) -> str:
+    """A name in capitals, with plain hyphens and fractions and single spaces."""
+    return " ".join(text.translate(_HALVES).upper().replace("_", "-").split())
+
+
+def squeeze(text: str) -> str:
+    """The letters and digits of a text."""
+    return re.sub(r"[^A-Z0-9]", "", text.upper())
+
+
+def maker_of(text: str) -> str:
+    """The maker that a text means, as the catalogue names it; another name as it is."""
+    return _MAKER_OF.get(tidy(text), text.strip())
+
+
+def is_cluster(text: str) -> bool:
+    """Whether a text names several motors: a cluster (`3 B6-4`), stages (`D12-0/A8-5`) or both."""
+    tidied = tidy(text)
+    return bool(_COUNTED.match(tidied) or _SEVERAL.search(tidied))
+
+
+def parse(text: str) -> Name:
+    """What a written name says; see `Name`."""
+    rest = tidy(text)
+    maker, diameter = "", None
+    if case := _CASE.search(rest):
+        maker = "Cesaroni" if case[1] else "AeroTech"
+        diameter, rest = float(case[2]) / 1e3, rest.replace(case[0], "")
+    if found := _MAKER.search(rest):
+        maker, rest = _MAKER_OF[found[1]], rest.replace(found[0], "", 1)
+    if millimetres := _DIAMETER.search(rest):
+        diameter, rest = float(millimetres[1]) / 1e3, rest.replace(millimetres[0], "", 1)
+    rest = re.sub(r"^1[ X]+(?=[A-O1])", "", rest.strip(" -,;()"))
+    rest = re.sub(r"^(1/[248]) (?=[A-O]\d)", r"\1", rest)
+    core = _CORE.fullmatch(rest)
+    if not core:
+        return Name("", "", None, "", maker, diameter, squeeze(rest))
+    letters, delay = _tail(core["rest"])
+    return Name(
+        core["letter"] + core["thrust"],
+        letters,
+        delay,
+        core["hp"] or core["impulse"] or "",
+        maker,
+        diameter,
+        squeeze(rest),
+    )
+
+
+def _tail(rest: str) -> tuple[str, float | None]:
+    """Propellant letters and delay from what follows class and thrust: `W-4`, `-4W`, `T-14A`, `-PT`.
+
+    The A of a delay that may be drilled shorter, and the s of seconds, are not propellants.
+    """
+    letters, delay = "", None
+    for position, part in enumerate(re.split(r"[-/\s()]+", rest)):
+        match = _DELAY.fullmatch(part) if position and delay is None else None
+        if match:
+            delay = PLUGGED if match[1] == "P" else float(match[1])
+            letters += "" if match[1] != "P" and match[2] in ("A", "S") else match[2]
+        else:
+            letters += squeeze(part)
+    return letters, delay
+
+
+def compatible(wanted: str, has: str) -> bool:
+    """Whether propellant letters may mean the same: equal, one not given, or one short for the other."""
+    return wanted.startswith(has) or has.startswith(wanted)

@@ -1,0 +1,54 @@
+"""The flyer's own motors: `.eng` and `.rse` files in a folder of the user's data."""
+
+from pathlib import Path
+
+from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.motors import rasp, rocksim
+from fieldkit.motors.motor import Motor
+
+SUFFIXES = (".eng", ".rse")
+
+
+def read(data: bytes, source: str) -> list[Motor]:
+    """The motors of a file, RockSim or RASP by what is in it. Raises DamagedLog."""
+    markup = data.lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n\0").startswith(b"<")
+    return rocksim.read(data, source) if markup else rasp.read(data, source)
+
+
+def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
+    """The motors of every `.eng` and `.rse` in a folder, and the errors of those that cannot be read.
+
+    A folder that is not there holds none; a damaged file does not ground the others.
+    """
+    motors: list[Motor] = []
+    errors: list[FieldkitError] = []
+    files = sorted(folder.iterdir()) if folder.is_dir() else []
+    for path in files:
+        if path.suffix.lower() in SUFFIXES:
+            try:
+                motors += _read_file(path)
+            except FieldkitError as error:
+                errors.append(error)
+    return motors, errors
+
+
+def import_file(path: Path, folder: Path) -> list[Motor]:
+    """Reads a motor file and keeps a copy in the folder; the motors of it. Raises DamagedLog.
+
+    A file of the same name is replaced: it is how a flyer corrects one.
+    """
+    motors = _read_file(path)
+    folder.mkdir(parents=True, exist_ok=True)
+    suffix = path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0]
+    (folder / f"{path.stem}{suffix}").write_bytes(path.read_bytes())
+    return motors
+
+
+def _read_file(path: Path) -> list[Motor]:
+    try:
+        data = path.read_bytes()
+    except OSError as error:
+        raise DamagedLog(
+            f"cannot be read ({error.strerror}), expected a motor file", source=path.name
+        ) from error
+    return read(data, path.name)

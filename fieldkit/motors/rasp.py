@@ -1,0 +1,64 @@
+"""RASP files (`.eng`): text, a header and a `seconds newtons` line per sample for each motor.
+
+    ; AeroTech F24
+    F24W 24 70 4-7 0.019 0.0629 AeroTech
+    0.014 36.1
+    2.13 0
+
+Source: the format as ThrustCurve.org describes it, https://www.thrustcurve.org/info/raspformat.html.
+"""
+
+from fieldkit.motors.draft import Draft, Place, decoded, delays
+from fieldkit.motors.motor import PLUGGED, Motor
+
+_HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg maker"
+
+
+def read(data: bytes, source: str) -> list[Motor]:
+    """The motors of a RASP file. Raises DamagedLog that names the line.
+
+    Comments start with a semicolon, at the start of a line or later; a motor ends at the next header.
+    """
+    drafts: list[Draft] = []
+    row = 0
+    for row, line in enumerate(decoded(data).splitlines(), start=1):
+        place = Place(source, row)
+        words = line.split(";")[0].split()
+        if len(words) == 2 and drafts:
+            time, thrust = place.number(words[0], "time", "s"), place.number(words[1], "thrust", "N")
+            drafts[-1].add(place, time, thrust)
+        elif len(words) >= 6:
+            drafts.append(_header(words, place))
+        elif words:
+            expected = f"`seconds newtons` or {_HEADER}" if drafts else _HEADER
+            raise place.damaged(f"found {' '.join(words)!r}, expected {expected}")
+    if not drafts:
+        raise Place(source, max(row, 1)).damaged(f"found no motor, expected {_HEADER}")
+    return [draft.motor() for draft in drafts]
+
+
+def _header(words: list[str], place: Place) -> Draft:
+    name, diameter, length, delay, propellant, loaded, *maker = words
+    return Draft(
+        place=place,
+        maker=" ".join(maker),
+        designation=name,
+        kind="",
+        diameter=place.above(diameter, "diameter", "mm", 1.0) / 1e3,
+        length=place.above(length, "length", "mm", 1.0) / 1e3,
+        delays=delays(delay, place),
+        propellant_mass=place.above(propellant, "propellant", "kg", 0.0),
+        loaded_mass=place.above(loaded, "loaded mass", "kg", 0.0),
+    )
+
+
+def write(motor: Motor) -> bytes:
+    """A motor as a RASP file, every digit kept. Delays that are not recorded are a dash."""
+    delay = "-".join("P" if delay == PLUGGED else f"{delay:g}" for delay in motor.delays) or "-"
+    numbers = (motor.diameter * 1e3, motor.length * 1e3, delay, motor.propellant_mass, motor.loaded_mass)
+    words = [number if isinstance(number, str) else f"{number:.12g}" for number in numbers]
+    header = " ".join(["_".join(motor.designation.split()), *words, motor.maker or "unknown"])
+    samples = [f"   {float(t)!r} {float(f)!r}" for t, f in zip(motor.time[1:], motor.thrust[1:], strict=True)]
+    return "\n".join(
+        [f"; {motor.maker} {motor.designation}, {motor.source}", header, *samples, ";", ""]
+    ).encode()

