@@ -1,0 +1,82 @@
+"""Text out of a log's bytes, and rows out of a text, whatever wrote them.
+
+Loggers and spreadsheets write UTF-8 with a mark or without, UTF-16, or the old Windows code page, and
+pad with NUL. Row numbers are those a spreadsheet shows: the first row is 1, blank rows count, and a
+quoted cell with line breaks in it is still one row.
+"""
+
+import codecs
+import csv
+import io
+from collections.abc import Iterator
+
+from fieldkit.errors import DamagedLog
+
+
+def decode(log: bytes) -> str:
+    """The text of a log: UTF-8, UTF-16, or cp1252 when it is neither.
+
+    Padding with NUL at the end is dropped, and so is a last character that was cut in two. Raises
+    DamagedLog for bytes that are no text.
+    """
+    while log.startswith(codecs.BOM_UTF8):
+        log = log[len(codecs.BOM_UTF8) :]
+    error = DamagedLog("found binary data, expected text")
+    for encoding in _encodings(log[:2]):
+        try:
+            text = codecs.getincrementaldecoder(encoding)().decode(log).lstrip("\ufeff").rstrip("\0")
+        except UnicodeDecodeError:
+            continue
+        if "\0" not in text:
+            return text
+        error = DamagedLog("found binary data, expected text", row=text.count("\n", 0, text.index("\0")) + 1)
+    raise error
+
+
+def _encodings(start: bytes) -> tuple[str, ...]:
+    """The encodings worth trying, best first, by the first two bytes."""
+    if start == codecs.BOM_UTF16_LE or (start[1:] == b"\0" and start[:1] != b"\0"):
+        return ("utf-16-le",)
+    if start == codecs.BOM_UTF16_BE or (start[:1] == b"\0" and start[1:] != b"\0"):
+        return ("utf-16-be",)
+    return ("utf-8", "cp1252")
+
+
+def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLog]]:
+    """The rows of a table with their numbers; a row whose quotes do not pair up is a DamagedLog.
+
+    Such a row ends where its line ends, so that a quotation mark which is never closed costs one
+    row and not the rest of the table.
+    """
+    lines = list(io.StringIO(text, newline=""))
+    row, start = 0, 0
+    while start < len(lines):
+        reader = csv.reader(lines[start:], delimiter=separator, strict=True)
+        whole = 0
+        try:
+            for cells in reader:
+                row, whole = row + 1, reader.line_num
+                yield row, cells
+            return
+        except csv.Error as error:
+            row, start = row + 1, start + whole + 1
+            found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
+            if "limit" in str(error):
+                found = f"found a cell without end, expected at most {csv.field_size_limit()} characters"
+            yield row, DamagedLog(found, row=row)
+
+
+def first_row(text: str, separator: str) -> tuple[int, list[str]]:
+    """The first row that is not blank, with its number: the header of a table. (0, []) if there is none."""
+    for row, cells in rows(text, separator):
+        if isinstance(cells, DamagedLog):
+            break
+        if any(cell.strip() for cell in cells):
+            return row, cells
+    return 0, []
+
+
+def shown(cell: str, most: int = 40) -> str:
+    """A cell as messages quote it: in quotes, control characters spelt out, cut when it is long."""
+    cell = cell.strip()
+    return repr(cell if len(cell) <= most else cell[:most] + "…")

@@ -1,0 +1,293 @@
+"""From the bytes of a log or a table to flights.
+
+A parser says whether it recognises a log and reads it into `Reading`s: what the log states, nothing
+derived. What holds for every logger alike happens once, here: bounds, motor names, identities, flights
+that come twice, rockets that are described in another file.
+"""
+
+import hashlib
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Literal
+
+from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
+from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
+from fieldkit.logtext import shown
+from fieldkit.sanity import check, doubts
+from fieldkit.shelf import plugins
+
+HEAD = 65_536
+"""How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One flight as a log states it, or one rocket of a list of rockets.
+
+    `stated` maps fields of `Flight` to SI values or texts, `columns` the same fields to the names that
+    this log has for them (for messages), `events` names to seconds from lift-off. `rocket_key` is the
+    log's own name of the rocket, by which a list of rockets read together with it adds what it knows.
+    `series` holds the samples where there are any.
+    """
+
+    stated: Mapping[str, object] = field(default_factory=dict)
+    extra: Mapping[str, str] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    row: int | None = None
+    describes: Literal["flight", "rocket"] = "flight"
+    rocket_key: str = ""
+    series: Series | None = None
+    events: Mapping[str, float] = field(default_factory=dict)
+    device: str = ""
+    firmware: str = ""
+    serial: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something the flyer should know about a log, which keeps nothing out of the ledger."""
+
+    text: str
+    row: int | None = None
+
+
+Found = Reading | DamagedLog | Note
+"""What a parser finds in a log: readings, rows that are damaged (and cost only themselves), notes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parser:
+    """One logger or table format.
+
+    `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
+    log, and raises DamagedLog when nothing of it can be used.
+    """
+
+    title: str
+    recognises: Callable[[bytes], bool]
+    read: Callable[[bytes], Sequence[Found]]
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """A row that did not become a flight, and why."""
+
+    file: str
+    row: int | None
+    column: str | None
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
+class Intake:
+    """What one file brought: its flights, the rows that are no flights, and what the flyer should know."""
+
+    source: str
+    format: str
+    flights: tuple[Flight, ...]
+    rejected: tuple[Rejected, ...]
+    notes: tuple[str, ...]
+
+
+CheckMotor = Callable[[str], str | None]
+"""A complaint about a motor's name as printed, or None if there is such a motor."""
+
+
+def parsers() -> Mapping[str, Parser]:
+    """Every parser on the shelf, by the name that `--format` takes."""
+    found = plugins("parsers", "PARSER")
+    for name, parser in found.items():
+        if not isinstance(parser, Parser):
+            raise TypeError(f"PARSER of parsers/{name}.py is not a Parser")
+    return found  # type: ignore[return-value]
+
+
+def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser:
+    """The one parser that recognises a log, or the one that `format` names.
+
+    Raises UnknownFormat that lists what was tried, or the parsers that all claim the log.
+    """
+    return parsers()[_format_of(log, format, source)]
+
+
+def _format_of(log: bytes, format: str | None, source: str) -> str:
+    place = f"{source}: " if source else ""
+    names = ", ".join(parsers())
+    if format is not None:
+        if format not in parsers():
+            raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {names}")
+        return format
+    claims = [name for name, parser in parsers().items() if _claims(parser, log[:HEAD])]
+    if not claims:
+        raise UnknownFormat(f"{place}no parser recognises this log; tried {names}")
+    if len(claims) > 1:
+        raise UnknownFormat(
+            f"{place}{' and '.join(claims)} both recognise this log; choose one with --format"
+        )
+    return claims[0]
+
+
+def _claims(parser: Parser, head: bytes) -> bool:
+    try:
+        return parser.recognises(head)
+    except DamagedLog:
+        return False
+
+
+def read(log: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> Intake:
+    """The flights of one log; `source` is its name in messages. Raises UnknownFormat or DamagedLog."""
+    return read_together([(source, log)], check_motor, format)[0]
+
+
+def read_together(
+    files: Iterable[tuple[str, bytes]], check_motor: CheckMotor, format: str | None = None
+) -> list[Intake]:
+    """The flights of several logs, given as (name, bytes), an Intake each, in order.
+
+    A list of rockets among them names and weighs the rockets of the others. Raises UnknownFormat or
+    DamagedLog for the first file that cannot be used at all, before anything is taken from any.
+    """
+    opened = [(source, *_open(log, source, format)) for source, log in files]
+    everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
+    rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
+    return [_intake(source, name, found, rockets, check_motor) for source, name, found in opened]
+
+
+def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
+    """The planned flights of a table, one a row and in order; readouts in it are left out.
+
+    A plan without a `flight_id` is named after its row, `row-2`. Raises DamagedLog for the first bad
+    row, because a forecast that skips a plan would be taken for another's.
+    """
+    _, found = _open(table, source, format)
+    plans = []
+    for item in found:
+        if isinstance(item, DamagedLog):
+            raise DamagedLog(item.found, row=item.row, column=item.column, source=source)
+        if isinstance(item, Reading) and item.describes == "flight":
+            try:
+                plans.append(_plan(item, check_motor))
+            except DamagedLog as error:
+                raise DamagedLog(error.found, row=item.row, column=error.column, source=source) from error
+    return plans
+
+
+def derived_id(flight: Flight) -> str:
+    """A name for a flight that has none: its date and a digest of what was flown and read off.
+
+    The same figures give the same name in any unit, any order of columns and any table; notes, tags
+    and conditions may be edited without changing it.
+    """
+    figures = [f"{name}={value:.6g}" for name, value in sorted(flight.readouts().items())]
+    when = flight.date_time.isoformat() if flight.date_time else ""
+    content = "\x1f".join([flight.rocket, flight.config, flight.motor, when, *figures])
+    digest = hashlib.sha256(content.encode("utf-8", "surrogatepass")).hexdigest()[:10]
+    return f"{flight.date_time:%Y-%m-%d}-{digest}" if flight.date_time else f"flight-{digest}"
+
+
+def _open(log: bytes, source: str, format: str | None) -> tuple[str, Sequence[Found]]:
+    """The name of the parser that reads a log, and what it finds in it."""
+    name = _format_of(log, format, source)
+    try:
+        return name, parsers()[name].read(log)
+    except DamagedLog as error:
+        raise DamagedLog(error.found, row=error.row, column=error.column, source=source) from error
+
+
+def _intake(
+    source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
+) -> Intake:
+    kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
+    rejected: list[Rejected] = []
+    notes = [item for item in found if isinstance(item, Note)]
+    for item in found:
+        try:
+            if isinstance(item, DamagedLog):
+                raise item
+            if isinstance(item, Reading) and item.describes == "rocket":
+                _flight(item)
+            elif isinstance(item, Reading):
+                flight = _measured(_named(item, rockets), check_motor)
+                notes += _keep(flight, item.row, kept)
+        except DamagedLog as error:
+            rejected.append(Rejected(source, error.row, error.column, error.found))
+    if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
+        notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
+    strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
+    if strangers:
+        notes.append(Note(_STRANGERS.format(len(strangers))))
+    lines = (str(DamagedLog(note.text, row=note.row, source=source)) for note in notes)
+    return Intake(source, format, tuple(flight for flight, _ in kept.values()), tuple(rejected), tuple(lines))
+
+
+_STRANGERS = (
+    "{} rockets are known by their number alone and have no mass; "
+    "import the file that lists the rockets together with this one"
+)
+
+
+def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
+    """A reading with what a list of rockets knows of its rocket; what the log itself states wins."""
+    if not reading.rocket_key:
+        return reading
+    rocket = rockets.get(reading.rocket_key)
+    known = rocket.stated if rocket else {"rocket": reading.rocket_key}
+    return replace(reading, stated={**known, **reading.stated})
+
+
+def _keep(
+    flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]
+) -> list[Note]:
+    """Add a flight to those kept and say what is odd about it. Raises DamagedLog if its name is taken."""
+    name = (flight.rocket, flight.flight_id)
+    if name not in kept:
+        kept[name] = flight, row
+        return [Note(phrase, row) for phrase in doubts(flight)]
+    first, first_row = kept[name]
+    if first != flight:
+        found = (
+            f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
+        )
+        raise DamagedLog(found, row=row, column="flight_id")
+    return [Note(f"repeats row {first_row}", row)]
+
+
+def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
+    """The flight that a reading tells of, with a name. Raises DamagedLog if it was never flown."""
+    flight = _flight(reading)
+    if not (flight.readouts() or flight.log or flight.tags or reading.series):
+        found = f"found no readout, expected at least one such as {READOUTS[0].header}"
+        raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
+    _check_motor(flight, reading, check_motor)
+    return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight))
+
+
+def _plan(reading: Reading, check_motor: CheckMotor) -> Flight:
+    """The planned flight that a reading tells of. Raises DamagedLog if it lacks a motor."""
+    flight = _flight(reading)
+    if not flight.motor:
+        raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
+    _check_motor(flight, reading, check_motor)
+    unread = dict.fromkeys(column.name for column in READOUTS)
+    return flight.with_changes(flight_id=flight.flight_id or f"row-{reading.row}", **unread)
+
+
+def _flight(reading: Reading) -> Flight:
+    """What a reading states, as a flight. Raises DamagedLog for a figure that no flight can have."""
+    for name, value in reading.stated.items():
+        if isinstance(value, float):
+            try:
+                check(BY_NAME[name], value)
+            except BadValue as error:
+                raise DamagedLog(
+                    str(error), row=reading.row, column=reading.columns.get(name, name)
+                ) from error
+    return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
+
+
+def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> None:
+    """Raise DamagedLog for a motor nobody makes; several motors at once are not looked up."""
+    if not flight.motor or {"cluster", "staged"} & set(flight.tags):
+        return
+    if complaint := check_motor(flight.motor):
+        raise DamagedLog(complaint, row=reading.row, column=reading.columns.get("motor", "motor"))

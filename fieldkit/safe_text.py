@@ -1,0 +1,30 @@
+"""Text from a log or a table, made harmless for a terminal.
+
+The ledger keeps a text as it came; a screen or a message shows it through `printable`. Square
+brackets stay: what draws with rich wraps a text in `rich.text.Text` or `rich.markup.escape`.
+"""
+
+import unicodedata
+
+_BLANK = {ord(c): " " for c in "\t\n\v\f\r\x1c\x1d\x1e\x1f\x85\u2028\u2029"}
+_JOINERS = "\u200c\u200d"
+"""Zero-width (non-)joiners shape letters and emoji and cannot move the text around them."""
+
+
+def _picture(char: str) -> str:
+    """What stands for a character that must not reach a terminal, or the character itself."""
+    code = ord(char)
+    if unicodedata.category(char) not in ("Cc", "Cf", "Cs", "Co") or char in _JOINERS:
+        return char
+    if code < 0x20:
+        return chr(0x2400 + code)
+    return "\u2421" if code == 0x7F else f"<U+{code:04X}>"
+
+
+def printable(text: str) -> str:
+    """A text on one line that can neither move the cursor, nor colour, nor reverse what is around it.
+
+    Line breaks and tabs become blanks; an escape sequence shows as `␛[31m`, a mark that changes the
+    writing direction or hides itself as its number, `<U+202E>`. Other text is unchanged.
+    """
+    return "".join(map(_picture, text.translate(_BLANK)))

@@ -1,0 +1,164 @@
+"""RocketLaunchJournal: a flyer's ledger of AltimeterTwo readouts, typed by hand into a table.
+
+Two files belong together. The launches have one row per flight, in feet, miles per hour, seconds and g,
+numbers without their leading zero (`.800`, `-.100`), an empty cell for "none seen". The rockets have one
+row per rocket: number, name and weight in grams, presumably without the motor. Launches read alone
+know their rocket by its number. The motors of one flight stand apart by commas (`4 C6-3, D12-3`), its
+stages by the byte 0xBD, which some copies turn into a question mark. The note comes last and is not
+quoted, so it may hold commas.
+
+`DelayNote` is no delay. Rows that hold 5 ejected near apogee, those with 2 well after it, whatever their
+motor's delay: it grades how well the delay fitted, so it is kept as an unknown column and not used.
+
+Format: jdsmith39/RocketLaunchJournal, source/RocketLaunchJournal.DataSeed/SeedData.
+"""
+
+import re
+from collections.abc import Mapping
+from datetime import datetime
+
+from fieldkit import units
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.logtext import decode, first_row, rows, shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.sanity import identity
+
+COLUMNS = {
+    "Altitude": ("apogee", "ft"),
+    "TopSpeed": ("top_speed", "mph"),
+    "BurnTime": ("burn_time", "s"),
+    "PeakAcceleration": ("peak_accel", "g"),
+    "AverageAcceleration": ("avg_accel", "g"),
+    "CoastToApogeeTime": ("coast_to_apogee", "s"),
+    "ApogeeToEjectionTime": ("apogee_to_eject", "s"),
+    "EjectionAltitude": ("eject_altitude", "ft"),
+    "DescentSpeed": ("descent_speed", "mph"),
+    "Duration": ("duration", "s"),
+}
+"""The ten readouts as the journal names them: field of `Flight`, unit."""
+LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
+ROCKET = ("RocketID", "Name", "Weight")
+KEPT = ("LaunchNumber", "DelayNote")
+STAGE_MARK = re.compile(r"\s*\xbd\s*|\s+\?\s+")
+DEVICE = "AltimeterTwo"
+
+
+def recognises(head: bytes) -> bool:
+    return _kind(first_row(decode(head), ",")[1]) is not None
+
+
+def _kind(header: list[str]) -> str | None:
+    """Which of the two files a header begins, if any."""
+    names = {name.strip() for name in header}
+    if names >= set(LAUNCH):
+        return "launches"
+    return "rockets" if names >= set(ROCKET) else None
+
+
+def read(log: bytes) -> list[Found]:
+    text = decode(log)
+    header_row, header = first_row(text, ",")
+    kind = _kind(header)
+    if kind is None:
+        raise DamagedLog(f"found no header of the journal, expected {','.join(LAUNCH)}", row=header_row or 1)
+    names = [name.strip() for name in header]
+    found: list[Found] = []
+    unmeasured = 0
+    for row, cells in rows(text, ","):
+        if row <= header_row or not cells:
+            continue
+        try:
+            record = _record(row, cells, names)
+            if kind == "rockets":
+                found.append(_rocket(row, record))
+            elif any(record[name] for name in COLUMNS):
+                found.append(_launch(row, record))
+            else:
+                unmeasured += 1
+        except DamagedLog as error:
+            found.append(error)
+    if unmeasured:
+        found.append(Note(f"launches without a readout are left out: {unmeasured}"))
+    return found
+
+
+def _record(row: int, cells: list[str] | DamagedLog, names: list[str]) -> dict[str, str]:
+    """A row as name to text. Raises DamagedLog if it has not a cell for every name."""
+    if isinstance(cells, DamagedLog):
+        raise cells
+    if names[-1] == "Note" and len(cells) > len(names):
+        cells = [*cells[: len(names) - 1], ",".join(cells[len(names) - 1 :])]
+    if len(cells) != len(names):
+        raise DamagedLog(f"found {len(cells)} cells, expected {len(names)}", row=row)
+    return dict(zip(names, (cell.strip() for cell in cells), strict=True))
+
+
+def _rocket(row: int, record: Mapping[str, str]) -> Reading:
+    if not record["RocketID"] or not record["Name"]:
+        raise DamagedLog("found nothing, expected the rocket's number and name", row=row, column="RocketID")
+    stated: dict[str, object] = {"rocket": record["Name"]}
+    if record["Weight"]:
+        stated["dry_mass"] = _number(row, record, "Weight", "mass", "g")
+    columns = {"dry_mass": "Weight", "rocket": "Name"}
+    return Reading(stated, columns=columns, row=row, describes="rocket", rocket_key=record["RocketID"])
+
+
+def _launch(row: int, record: Mapping[str, str]) -> Reading:
+    if not record["RocketID"]:
+        raise DamagedLog("found nothing, expected the rocket's number", row=row, column="RocketID")
+    readouts = {
+        field: _number(row, record, name, BY_NAME[field].quantity, unit)
+        for name, (field, unit) in COLUMNS.items()
+        if record[name]
+    }
+    stated: dict[str, object] = {
+        "flight_id": record["LaunchID"],
+        "date_time": _date(row, record["Date"]),
+        "motor": " / ".join(STAGE_MARK.split(record["Motors"])),
+        "tags": tuple(_tags(record["Motors"], Flight().with_changes(**readouts))),
+        "notes": record["Note"],
+        **readouts,
+    }
+    columns = {field: name for name, (field, _) in COLUMNS.items()} | {
+        "motor": "Motors",
+        "flight_id": "LaunchID",
+    }
+    extra = {name: record[name] for name in KEPT if record[name]}
+    return Reading(stated, extra, columns, row, rocket_key=record["RocketID"], device=DEVICE)
+
+
+def _number(row: int, record: Mapping[str, str], name: str, quantity: str, unit: str) -> float:
+    cell = record[name]
+    if not re.fullmatch(r"[+-]?(\d{1,9}(\.\d{0,9})?|\.\d{1,9})", cell):
+        raise DamagedLog(f"found {shown(cell)}, expected a number in {unit}", row=row, column=name)
+    try:
+        return units.parse(cell, quantity, unit)
+    except BadValue as error:
+        raise DamagedLog(str(error), row=row, column=name) from error
+
+
+def _date(row: int, cell: str) -> datetime | None:
+    try:
+        return datetime.fromisoformat(cell).replace(tzinfo=None) if cell else None
+    except ValueError:
+        found = f"found {shown(cell)}, expected a date such as 2015-07-04"
+        raise DamagedLog(found, row=row, column="Date") from None
+
+
+def _tags(motors: str, readouts: Flight) -> list[str]:
+    """Why a flight is not one to learn from: several motors, or figures that slipped a column.
+
+    A slipped row is one where the average acceleration is above the peak, or the top speed is not
+    within a factor of two of what acceleration and burn time make it; a mere typing error is less.
+    """
+    stages = STAGE_MARK.split(motors)
+    several = any("," in stage or re.match(r"\s*\d+\s+\S", stage) for stage in stages)
+    tags = ["staged"] * (len(stages) > 1) + ["cluster"] * several
+    ratio = identity(readouts)
+    average, peak = readouts.avg_accel, readouts.peak_accel
+    above = average is not None and peak is not None and average > peak
+    return tags + ["altimeter_fault"] * (above or (ratio is not None and not 0.5 <= ratio <= 2))
+
+
+PARSER = Parser("RocketLaunchJournal with AltimeterTwo readouts (CSV)", recognises, read)

@@ -1,0 +1,249 @@
+"""The flight table: one row per flight, from a spreadsheet, an editor or fieldkit itself.
+
+Columns are those of `fieldkit.flight`, in any order and case; a unit other than the usual one is named
+by the header (`apogee_ft`, `Apogee (ft)`) or in the cell (`923ft`). A header without a unit wants one in
+every cell. Columns that fieldkit does not know are kept as they are.
+
+An empty cell, `-`, `n/a` or `none` under a number is "not recorded"; `NaN` is what programs write when
+their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
+"""
+
+import re
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+from fieldkit import units
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME, READOUTS, TAGS, TEXT_COLUMNS
+from fieldkit.logtext import decode, first_row, rows, shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.safe_text import printable
+
+SEPARATORS = (",", ";", "\t")
+OURS = ("flight_id", "rocket", "config", "motor", "date_time")
+"""Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
+NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
+NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
+"""Ends of a header that look like a unit and are none: `wind_direction` is a column of its own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """What one column holds: a field of `Flight`, or none of them; `unit` is empty if cells bring theirs."""
+
+    spelled: str
+    field: str = ""
+    unit: str = ""
+
+
+def recognises(head: bytes) -> bool:
+    text = decode(head)
+    spelled = first_row(text, _separator(text))[1]
+    return any(_is_ours(name) for name in spelled)
+
+
+def read(log: bytes) -> list[Found]:
+    text = decode(log)
+    separator = _separator(text)
+    header_row, spelled = first_row(text, separator)
+    headings = _headings(spelled, header_row)
+    table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
+    if table and not text.endswith(("\n", "\r")):
+        table[-1] = _last(*table[-1], len(headings))
+    mark = _decimal_mark(_numbers(headings, table), separator)
+    found: list[Found] = [
+        _reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)
+    ]
+    return found or [Note("found a header and no flights", header_row)]
+
+
+def _separator(text: str) -> str:
+    """The separator by which the header falls into most columns that we know."""
+    return max(SEPARATORS, key=lambda separator: sum(map(_is_known, first_row(text, separator)[1])))
+
+
+def _is_known(spelled: str) -> bool:
+    try:
+        return bool(_heading(spelled, strict=True).field)
+    except BadValue:
+        return True
+
+
+def _is_ours(spelled: str) -> bool:
+    heading = _heading(spelled, strict=False)
+    return heading.field in OURS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
+
+
+def _plain(spelled: str) -> str:
+    """A header in lower case, with one underscore for blanks and brackets: `Apogee (ft)` is `apogee_ft`."""
+    return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
+
+
+def _heading(spelled: str, *, strict: bool) -> Heading:
+    """What a header stands for.
+
+    Raises BadValue for a column we know in a unit we do not, unless another column already holds the
+    quantity (not `strict`) or the ending is a word of its own: then it is a column we do not know.
+    """
+    plain = _plain(spelled)
+    if plain in TEXT_COLUMNS or plain in BY_NAME:
+        return Heading(spelled.strip(), plain)
+    for name in sorted(BY_NAME, key=len, reverse=True):
+        column, ending = BY_NAME[name], plain.removeprefix(f"{name}_")
+        if ending == plain:
+            continue
+        if ending in units.UNITS[column.quantity]:
+            return Heading(spelled.strip(), name, ending)
+        if strict and "_" not in ending and ending not in NO_UNITS:
+            units.unit(column.quantity, ending)
+        break
+    return Heading(spelled.strip())
+
+
+def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
+    """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
+    certain = {_heading(name, strict=False).field for name in spelled}
+    if not certain - {""}:
+        raise DamagedLog(
+            f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1
+        )
+    headings: list[Heading] = []
+    seen: dict[str, str] = {"": ""}
+    for name in spelled:
+        try:
+            spoken_for = any(_plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
+            heading = _heading(name, strict=not spoken_for)
+        except BadValue as error:
+            raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
+        key = heading.field or heading.spelled.lower()
+        if key and key in seen:
+            found = f"found a second column for the same as {printable(seen[key])}, expected one"
+            raise DamagedLog(found, row=row, column=printable(heading.spelled))
+        seen[key] = heading.spelled
+        headings.append(heading)
+    return headings
+
+
+def _blank(cells: list[str] | DamagedLog) -> bool:
+    return not isinstance(cells, DamagedLog) and not any(cell.strip() for cell in cells)
+
+
+def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, list[str] | DamagedLog]:
+    """The last row of a file that ends within a line: torn, if cells are missing from it."""
+    if isinstance(cells, DamagedLog) or len(cells) >= width:
+        return row, cells
+    return row, DamagedLog(
+        f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row
+    )
+
+
+_FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
+_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
+"""`1,148` and `1.148`: a number with three decimals or one above a thousand."""
+
+
+def _numbers(
+    headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]
+) -> Iterator[str]:
+    """Every cell of the columns that hold numbers."""
+    for _, cells in table:
+        if not isinstance(cells, DamagedLog):
+            yield from (c for h, c in zip(headings, cells, strict=False) if h.field in BY_NAME)
+
+
+def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
+    """The decimal mark of a table, `.` or `,`; empty where `1,148` could be either number.
+
+    A number that has no second meaning (`281,3`) settles it for the table. Without one, points are
+    decimal points, and commas are decimal commas if semicolons stand between the cells, which is what
+    programs write where the comma is decimal; elsewhere a comma may part the thousands.
+    """
+    cells = list(numbers)
+    used = {match[1] for cell in cells if (match := _FRACTION.match(cell))}
+    certain = {m[1] for cell in cells if (m := _FRACTION.match(cell)) and not _THOUSANDS.match(cell)}
+    if len(certain) == 1:
+        return certain.pop()
+    if used == {","}:
+        return "," if separator == ";" else ""
+    return "." if used == {"."} else ""
+
+
+def _reading(
+    row: int, cells: list[str] | DamagedLog, headings: Sequence[Heading], mark: str, separator: str
+) -> Reading | DamagedLog:
+    """The flight of one row, or what is wrong with the row."""
+    if isinstance(cells, DamagedLog):
+        return cells
+    if any(cell.strip() for cell in cells[len(headings) :]):
+        found = f"found {len(cells)} cells under {len(headings)} headers, expected no more than headers"
+        hint = " (a decimal comma needs quotes around its number)" if separator == "," else ""
+        return DamagedLog(found + hint, row=row)
+    stated: dict[str, object] = {}
+    extra: dict[str, str] = {}
+    for heading, cell in zip(headings, cells, strict=False):
+        try:
+            if heading.field:
+                stated[heading.field] = _value(cell, heading, mark)
+            elif cell.strip():
+                extra[heading.spelled] = _known_header(cell, heading)
+        except BadValue as error:
+            return DamagedLog(str(error), row=row, column=heading.spelled or None)
+    columns = {heading.field: heading.spelled for heading in headings if heading.field}
+    return Reading(stated, extra, columns, row)
+
+
+def _known_header(cell: str, heading: Heading) -> str:
+    if not heading.spelled:
+        raise BadValue(f"found {shown(cell)} under an empty header, expected the header to be named")
+    return cell
+
+
+def _value(cell: str, heading: Heading, mark: str) -> object:
+    """The value of a cell: SI, a date, tags or text. Raises BadValue. [SI]"""
+    if heading.field == "notes":
+        return cell
+    if heading.field == "date_time":
+        return _date(cell.strip())
+    if heading.field == "tags":
+        return _tags(cell)
+    if heading.field in BY_NAME:
+        return None if cell.strip().lower() in NOT_RECORDED else _number(cell.strip(), heading, mark)
+    return cell.strip()
+
+
+def _number(cell: str, heading: Heading, mark: str) -> float:
+    column = BY_NAME[heading.field]
+    thousands = _THOUSANDS.match(cell)
+    if thousands and thousands[1] != mark:
+        one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
+        raise BadValue(f"found {shown(cell)}, which may be {one} or {other}, expected one without doubt")
+    if len(cell) > 40:
+        raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
+    if not heading.unit and cell[-1].isdigit():
+        raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
+    try:
+        return units.parse(cell, column.quantity, heading.unit)
+    except BadValue:
+        known = f"{heading.unit}, or with a unit of {column.quantity}" if heading.unit else column.unit
+        raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
+
+
+def _date(cell: str) -> datetime | None:
+    """Local lift-off time; an offset from UTC is left off, for the clock at the field is what is meant."""
+    try:
+        return datetime.fromisoformat(cell).replace(tzinfo=None) if cell else None
+    except ValueError:
+        raise BadValue(
+            f"found {shown(cell)}, expected a date such as 2026-05-01 or 2026-05-01T10:30"
+        ) from None
+
+
+def _tags(cell: str) -> tuple[str, ...]:
+    """The tags of a cell, each once; `Weak launch` is the tag `weak_launch`, other tags stay as spelt."""
+    tags = [tag.strip() for tag in re.split(r"[;|,]", cell) if tag.strip()]
+    known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
+    return tuple(dict.fromkeys(k if k in TAGS else tag for k, tag in zip(known, tags, strict=True)))
+
+
+PARSER = Parser("Flight table (CSV)", recognises, read)

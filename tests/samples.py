@@ -1,0 +1,15 @@
+"""The sample logs, and a catalogue of motors small enough to see through."""
+
+from pathlib import Path
+
+SAMPLES = sorted((Path(__file__).parent.parent / "sample_logs").iterdir())
+
+
+def any_motor(name: str) -> str | None:
+    """A catalogue that knows every motor but one."""
+    return f"found {name!r}, expected a motor of the catalogue" if name == "ZZ99-1" else None
+
+
+def owner(sample: Path) -> str:
+    """The parser a sample was made for, by its name."""
+    return sample.name.split("__")[0]

@@ -1,0 +1,128 @@
+"""What holds for every parser on the shelf; a new file is tested before its author writes a test."""
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.flight import READOUTS
+from fieldkit.parsing import HEAD, Intake, Parser, Reading, parsers, read, recognise
+from tests.samples import SAMPLES, any_motor, owner
+
+GOLDEN = Path(__file__).parent / "golden"
+every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.name)
+
+
+def summary(intake: Intake) -> dict[str, object]:
+    """The figures a flyer would check, at the edge and rounded as a display shows them."""
+    flights = [
+        {
+            "flight_id": flight.flight_id,
+            "date_time": flight.date_time and flight.date_time.isoformat(),
+            "rocket": flight.rocket,
+            "motor": flight.motor,
+            "tags": list(flight.tags),
+            "dry_mass_kg": flight.dry_mass and round(flight.dry_mass, 4),
+        }
+        | {
+            c.header: float(f"{float(c.render(v)):.5g}")
+            for c in READOUTS
+            if (v := flight.number(c.name)) is not None
+        }
+        for flight in intake.flights
+    ]
+    rejected = [f"row {r.row}, {r.column}: {r.error}" for r in intake.rejected]
+    return {"flights": flights, "rejected": rejected, "notes": list(intake.notes)}
+
+
+def troubles(log: bytes, source: str, format: str | None) -> list[str]:
+    """What a flyer is told is wrong with a log; anything but a FieldkitError is ours and comes out."""
+    try:
+        intake = read(log, source, any_motor, format)
+    except FieldkitError as error:
+        return [str(error)]
+    return [*(f"{r.file}, row {r.row}: {r.error}" for r in intake.rejected), *intake.notes]
+
+
+@pytest.mark.parametrize("name", parsers())
+def test_every_parser_has_a_sample_log(name: str) -> None:
+    assert any(owner(sample) == name for sample in SAMPLES)
+
+
+@every_sample
+def test_a_sample_is_claimed_by_its_own_parser_and_no_other(sample: Path) -> None:
+    log = sample.read_bytes()
+    claims = []
+    for name, parser in parsers().items():
+        try:
+            claims += [name] if parser.recognises(log[:HEAD]) else []
+        except DamagedLog:
+            continue
+    assert claims == [owner(sample)]
+    assert isinstance(recognise(log), Parser)
+
+
+@every_sample
+def test_a_sample_reads_as_its_golden_figures_say(sample: Path) -> None:
+    got = summary(read(sample.read_bytes(), sample.name, any_motor))
+    assert got == json.loads((GOLDEN / f"{sample.name}.json").read_text(encoding="utf-8"))
+
+
+@every_sample
+def test_a_clock_never_runs_backwards(sample: Path) -> None:
+    for item in parsers()[owner(sample)].read(sample.read_bytes()):
+        if isinstance(item, Reading) and item.series is not None:
+            steps = item.series.time[1:] - item.series.time[:-1]
+            assert (steps >= 0).all()
+
+
+@every_sample
+def test_reading_a_log_twice_gives_the_same_flights(sample: Path) -> None:
+    log = sample.read_bytes()
+    assert read(log, sample.name, any_motor) == read(log, sample.name, any_motor)
+
+
+@every_sample
+@settings(max_examples=25, deadline=None)
+@given(data=st.data())
+def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) -> None:
+    log = sample.read_bytes()
+    torn = log[: data.draw(st.integers(0, len(log) - 1))]
+    whole = {flight.flight_id for flight in read(log, sample.name, any_motor).flights}
+    try:
+        intake = read(torn, sample.name, any_motor, format=owner(sample))
+    except DamagedLog:
+        return
+    assert len(intake.flights) <= len(whole) + 1
+
+
+@every_sample
+@settings(max_examples=60, deadline=None)
+@given(
+    cuts=st.lists(
+        st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6
+    ),
+    forced=st.booleans(),
+)
+def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_mend(
+    sample: Path, cuts: list[tuple[float, int, bytes]], forced: bool
+) -> None:
+    log = sample.read_bytes()
+    for place, length, filling in cuts:
+        start = int(place * len(log))
+        log = log[:start] + filling + log[start + length :]
+    for line in troubles(log, sample.name, owner(sample) if forced else None):
+        assert len(line.splitlines()) == 1
+        assert line.startswith(sample.name)
+
+
+@pytest.mark.parametrize("name", parsers())
+@given(log=st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
+@settings(max_examples=60, deadline=None)
+def test_junk_is_refused_by_every_parser_in_one_line(name: str, log: bytes) -> None:
+    for line in troubles(log, "junk", name):
+        assert len(line.splitlines()) == 1
+        assert line.startswith("junk")

@@ -1,0 +1,335 @@
+"""The flight table: what its cells mean, and what goes out comes in again."""
+
+import csv
+import io
+from datetime import datetime
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.flight import BY_NAME, COLUMNS, TAGS, TEXT_COLUMNS, Flight, table_headers, table_row
+from fieldkit.parsing import Intake, read, read_plans
+from fieldkit.sanity import LIMITS
+from tests.samples import any_motor
+
+
+def intake(text: str, format: str | None = None) -> Intake:
+    return read(text.encode(), "t.csv", any_motor, format)
+
+
+def flight(header: str, row: str) -> Flight:
+    """The one flight of a table of one row, which nothing is wrong with."""
+    got = intake(f"{header}\n{row}\n")
+    assert not got.rejected, got.rejected
+    (only,) = got.flights
+    return only
+
+
+def complaint(header: str, row: str) -> str:
+    """What is said about the one bad row of a table."""
+    got = intake(f"{header}\n{row}\n")
+    assert not got.flights
+    (rejected,) = got.rejected
+    assert rejected.row == 2
+    return f"{rejected.column}: {rejected.error}"
+
+
+@pytest.mark.parametrize(
+    ("header", "cell", "si"),
+    [
+        ("apogee_m", "281.3", 281.3),
+        ("APOGEE_FT", "923", 281.3304),
+        ("Apogee (ft)", "923", 281.3304),
+        ("apogee_m", "923ft", 281.3304),
+        ("apogee_m", " 923 Ft ", 281.3304),
+        ("apogee", "281.3 m", 281.3),
+        ("top_speed_kph", "36", 10),
+        ("top_speed_fps", "100", 30.48),
+        ("top speed [m/s]", "30.48", 30.48),
+        ("dry_mass_oz", "11.358", 0.321994),
+        ("dry_mass_lb", "1", 0.45359237),
+        ("dry_mass_kg", "0.322", 0.322),
+        ("peak_accel_mps2", "9.80665", 9.80665),
+        ("peak_accel_g", ".5", 4.903325),
+        ("diameter_in", "2.6", 0.06604),
+        ("diameter_cm", "6.6", 0.066),
+        ("temperature_f", "68", 293.15),
+        ("temperature_°C", "-3", 270.15),
+        ("pressure_inhg", "29.92", 101320.76),
+        ("humidity_%", "45", 0.45),
+        ("rail_angle_deg", "5", 0.0872665),
+        ("apogee_to_eject_s", "-.1", -0.1),
+    ],
+)
+def test_a_number_is_read_in_the_unit_of_its_header_or_its_cell(header: str, cell: str, si: float) -> None:
+    got = flight(f"rocket,duration_s,{header}", f"Swift,30,{cell}")
+    (name,) = (n for n in BY_NAME if n != "duration" and got.number(n) is not None)
+    assert got.number(name) == pytest.approx(si, rel=1e-5)
+
+
+@pytest.mark.parametrize("cell", ["", "  ", "-", "–", "n/a", "N/A", "none"])
+def test_an_empty_cell_is_not_recorded_and_never_zero(cell: str) -> None:
+    assert flight("rocket,apogee_m,wind_mps", f"Swift,100,{cell}").wind is None
+
+
+@pytest.mark.parametrize(
+    "cell", ["nan", "NaN", "inf", "-inf", "-5", "0", "1e9", "1e999", "1o4", "12.3.4", "1_000", "12 furlong"]
+)
+def test_an_impossible_apogee_is_refused_by_column(cell: str) -> None:
+    assert complaint("rocket,Apogee_M", f"Swift,{cell}").startswith("Apogee_M: found ")
+
+
+@pytest.mark.parametrize("column", COLUMNS, ids=lambda column: column.name)
+def test_every_column_has_bounds_beyond_what_is_usual(column: object) -> None:
+    known = BY_NAME[column.name]  # type: ignore[attr-defined]
+    low, high = LIMITS[known.name]
+    assert known.parse(str(low)) <= known.low + 1e-9
+    assert known.parse(str(high)) >= known.high - 1e-9
+
+
+def test_an_odd_value_is_taken_with_a_note() -> None:
+    got = intake("rocket,apogee_m\nSwift,3\n")
+    assert got.flights[0].apogee == 3
+    assert got.notes == ("t.csv, row 2: apogee 3 m is unusual, expected 5 to 10000",)
+
+
+@pytest.mark.parametrize(
+    ("table", "apogee"),
+    [
+        ("rocket;apogee_m\nSwift;281,3\n", 281.3),
+        ("rocket;apogee_m\nSwift;281.3\n", 281.3),
+        ("rocket\tapogee_m\nSwift\t281,3\n", 281.3),
+        ('rocket,apogee_m\nSwift,"281,3"\n', 281.3),
+        ("rocket;apogee_m;wind_mps\nSwift;11,358;2\n", 11.358),
+        ("rocket\tapogee_m\twind_mps\nSwift\t11,358\t2,5\n", 11.358),
+        ("rocket,apogee_m\nSwift,11.358\n", 11.358),
+    ],
+)
+def test_the_decimal_mark_is_told_from_the_whole_table(table: str, apogee: float) -> None:
+    assert intake(table).flights[0].apogee == pytest.approx(apogee)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        'rocket,apogee_m\nSwift,"1,148"\n',
+        "rocket\tapogee_m\nSwift\t1,148\n",
+        'rocket,apogee_m,wind_mps\nSwift,"1,148",2.5\n',
+        "rocket;apogee_m;wind_mps\nSwift;1.148;2,5\n",
+        "rocket;apogee_m;wind_mps\nSwift;1,148;2.5\n",
+        "rocket;apogee_m;wind_mps\nSwift;1,148;1.148\n",
+    ],
+)
+def test_a_number_that_may_be_a_thousand_or_one_is_refused(table: str) -> None:
+    got = intake(table)
+    assert not got.flights
+    assert "which may be 1148 or 1.148" in got.rejected[0].error
+
+
+def test_unknown_columns_stay_with_the_flight_as_they_are_spelt() -> None:
+    got = flight("rocket,apogee_m,Lot No.,wind_direction,apogee_gps_m", "Swift,100, A7 ,NW,101")
+    assert got.extra == {"Lot No.": " A7 ", "wind_direction": "NW", "apogee_gps_m": "101"}
+
+
+@pytest.mark.parametrize(
+    ("header", "message"),
+    [
+        (
+            "rocket,apogee_m,apogee_ft",
+            "t.csv, row 1, apogee_ft: found a second column for the same as apogee_m",
+        ),
+        ("rocket,apogee_m,lot,LOT", "t.csv, row 1, LOT: found a second column for the same as lot"),
+        ("rocket,Rocket,apogee_m", "t.csv, row 1, Rocket: found a second column for the same as rocket"),
+        (
+            "rocket,apogee_furlong",
+            "t.csv, row 1, apogee_furlong: found the unit 'furlong', expected one of m, mm",
+        ),
+        (
+            "rocket,dry_mass_mm,apogee_m",
+            "t.csv, row 1, dry_mass_mm: found the unit 'mm', expected one of kg, g",
+        ),
+    ],
+)
+def test_a_doubtful_header_is_refused_with_the_table(header: str, message: str) -> None:
+    with pytest.raises(DamagedLog, match=f"^{message}"):
+        intake(f"{header}\nSwift,1,1,1\n")
+
+
+def test_a_further_column_beside_the_one_with_a_unit_is_kept() -> None:
+    assert flight("rocket,apogee_m,apogee_gps", "Swift,100,x").extra == {"apogee_gps": "x"}
+
+
+@pytest.mark.parametrize(
+    "header", ["time,altitude", "temperature_c,pressure_hpa", "published_apogee_m,x", "Duration,Apogee"]
+)
+def test_a_table_without_a_column_of_ours_is_not_recognised(header: str) -> None:
+    with pytest.raises(UnknownFormat):
+        intake(f"{header}\n1,2\n")
+
+
+def test_a_forced_table_without_any_known_column_says_what_is_missing() -> None:
+    with pytest.raises(
+        DamagedLog, match="row 1: found no column of the flight table, expected some of flight_id"
+    ):
+        intake("time,altitude\n1,2\n", format="flight_table")
+
+
+def test_a_header_alone_brings_no_flights_and_says_so() -> None:
+    got = intake("rocket,apogee_m\n")
+    assert (got.flights, got.rejected, got.notes) == (
+        (),
+        (),
+        ("t.csv, row 1: found a header and no flights",),
+    )
+
+
+@pytest.mark.parametrize(
+    ("cell", "date"),
+    [
+        ("2026-05-01", datetime(2026, 5, 1)),
+        ("2026-05-01 10:30", datetime(2026, 5, 1, 10, 30)),
+        ("2026-05-01T10:30:05", datetime(2026, 5, 1, 10, 30, 5)),
+        ("2026-05-01T10:30+02:00", datetime(2026, 5, 1, 10, 30)),
+        ("", None),
+    ],
+)
+def test_dates_are_iso_and_local(cell: str, date: datetime | None) -> None:
+    assert flight("rocket,apogee_m,date_time", f"Swift,100,{cell}").date_time == date
+
+
+@pytest.mark.parametrize("cell", ["5/1/2026", "01.05.2026", "2026-13-01", "2026-02-30", "10:30", "noon"])
+def test_other_dates_are_refused_by_column(cell: str) -> None:
+    assert complaint("rocket,apogee_m,date_time", f"Swift,100,{cell}").startswith("date_time: found ")
+
+
+def test_tags_stand_apart_by_semicolon_bar_or_comma_and_known_ones_are_recognised() -> None:
+    got = flight("rocket,apogee_m,tags", 'Swift,100,"Weak launch; off-axis|my tag,,weak_launch"')
+    assert got.tags == ("weak_launch", "off_axis", "my tag")
+    assert not got.clean
+
+
+def test_a_row_that_is_no_flight_is_refused_and_the_others_go_in() -> None:
+    got = intake(
+        "flight_id,rocket,apogee_m,log\n1,Swift,100,\n2,Swift,,\n\n3,Swift,,log3.csv\n ,,,\n4,Swift,90\n"
+    )
+    assert [f.flight_id for f in got.flights] == ["1", "3", "4"]
+    assert [(r.row, r.error.split(",")[0]) for r in got.rejected] == [(3, "found no readout")]
+
+
+def test_a_row_longer_than_the_header_is_refused_unless_the_rest_is_empty() -> None:
+    assert "found 3 cells under 2 headers" in complaint("rocket,apogee_m", "Swift,281,3")
+    assert flight("rocket,apogee_m", "Swift,281,,").apogee == 281
+
+
+def test_a_file_that_ends_within_a_row_loses_that_row_alone() -> None:
+    got = intake("rocket,apogee_m,duration_s\nSwift,100,30\nSwift,28")
+    assert [f.apogee for f in got.flights] == [100]
+    assert got.rejected[0].row == 3
+
+
+def test_a_quotation_mark_that_is_never_closed_costs_one_row() -> None:
+    got = intake(
+        'rocket,apogee_m,notes\nSwift,100,"open\nSwift,110,fine\nSwift,120,"two\nlines"\nSwift,130,\n'
+    )
+    assert [f.apogee for f in got.flights] == [110, 120, 130]
+    assert [r.row for r in got.rejected] == [2]
+    assert got.flights[1].notes == "two\nlines"
+
+
+def test_a_cell_without_end_is_refused_as_such() -> None:
+    got = intake(f"rocket,apogee_m\nSwift,{'1' * 200_000}\nSwift,100\n")
+    assert "found a cell without end" in got.rejected[0].error
+    assert len(got.flights) == 1
+
+
+def test_rows_are_counted_as_a_spreadsheet_shows_them() -> None:
+    got = intake('rocket,apogee_m,notes\nSwift,100,"two\nlines"\n\nSwift,x,\n')
+    assert [r.row for r in got.rejected] == [4]
+
+
+def test_a_name_that_another_flight_has_is_refused_and_a_repeated_row_is_not() -> None:
+    got = intake("flight_id,rocket,apogee_m\n1,Swift,100\n1,Swift,100\n1,Plover,100\n1,Swift,90\n")
+    assert [(f.flight_id, f.rocket) for f in got.flights] == [("1", "Swift"), ("1", "Plover")]
+    assert [(r.row, r.column) for r in got.rejected] == [(5, "flight_id")]
+    assert got.notes == ("t.csv, row 3: repeats row 2",)
+
+
+TABLE = "rocket;apogee_m;notes\nWürger;281,3;½ µ\n"
+
+
+@pytest.mark.parametrize(
+    "log",
+    [
+        TABLE.encode(),
+        TABLE.encode("utf-8-sig"),
+        TABLE.encode("utf-16"),
+        b"\xff\xfe" + TABLE.encode("utf-16-le"),
+        b"\xfe\xff" + TABLE.encode("utf-16-be"),
+        b"\xef\xbb\xbf" + TABLE.encode("utf-16-le"),
+        TABLE.encode("cp1252"),
+        TABLE.replace("\n", "\r\n").encode() + b"\0" * 600,
+        TABLE.replace("\n", "\r").encode(),
+    ],
+)
+def test_every_common_encoding_reads_the_same(log: bytes) -> None:
+    (got,) = read(log, "t.csv", any_motor).flights
+    assert (got.rocket, got.apogee, got.notes) == ("Würger", 281.3, "½ µ")
+
+
+name = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=12).map(str.strip)
+unknown = name.filter(lambda s: s and not any(s.lower().startswith(n[:4]) for n in (*BY_NAME, *TEXT_COLUMNS)))
+odd_text = st.text(st.characters(exclude_categories=["Cs"], exclude_characters="\0"), max_size=30)
+a_tag = st.sampled_from(sorted(TAGS)) | name.filter(lambda t: t and t.isalpha() and t.lower() not in TAGS)
+
+
+@st.composite
+def flights(draw: st.DrawFn, extra: tuple[str, ...]) -> Flight:
+    """A flight as a flyer could enter it: numbers with a few decimals, texts of any kind."""
+    numbers = {}
+    for column in COLUMNS:
+        low, high = LIMITS[column.name]
+        value = draw(st.none() | st.floats(low, high).map(lambda x: round(x, 4)))
+        if value is not None and low <= value <= high:
+            numbers[column.name] = column.parse(repr(value) if abs(value) >= 1e-3 else f"{value:.6f}")
+    numbers["apogee"] = 100.0
+    kept = {key: text for key in extra if (text := draw(odd_text)).strip()}
+    texts = {n: draw(name) for n in ("rocket", "config", "site", "log")}
+    when = draw(st.none() | st.datetimes(datetime(1950, 1, 1)))
+    tags = tuple(dict.fromkeys(draw(st.lists(a_tag, max_size=3))))
+    given_texts: dict[str, object] = {
+        **texts,
+        **numbers,
+        "motor": "C6-5",
+        "notes": draw(odd_text),
+        "extra": kept,
+    }
+    return Flight(flight_id=draw(name.filter(bool))).with_changes(date_time=when, tags=tags, **given_texts)
+
+
+@settings(max_examples=60, deadline=None)
+@given(data=st.data())
+def test_what_goes_out_comes_in_again_as_the_same_flight(data: st.DataObject) -> None:
+    extra = tuple(data.draw(st.lists(unknown, max_size=2, unique_by=str.lower)))
+    key = lambda f: (f.rocket, f.flight_id)  # noqa: E731
+    out = data.draw(st.lists(flights(extra), min_size=1, max_size=3, unique_by=key))
+    table = io.StringIO(newline="")
+    separator = data.draw(st.sampled_from(",;\t"))
+    writer = csv.DictWriter(table, table_headers(out), restval="", delimiter=separator)
+    writer.writeheader()
+    writer.writerows(table_row(f) for f in out)
+    got = read(table.getvalue().encode(), "t.csv", any_motor)
+    assert not got.rejected
+    assert list(got.flights) == out
+
+
+def test_the_reference_flights_are_read_whole() -> None:
+    from importlib.resources import files
+
+    table = (files("fieldkit") / "data" / "reference_flights.csv").read_bytes()
+    got = read(table, "reference_flights.csv", any_motor)
+    assert sum(f.apogee or 0 for f in got.flights) == pytest.approx(2345.7)
+    assert [f.flight_id for f in got.flights if not f.clean] == ["5", "6", "7", "8"]
+    assert not got.notes
+    assert len(read_plans(table, "reference_flights.csv", any_motor)) == 12

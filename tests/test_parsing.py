@@ -1,0 +1,123 @@
+"""Choosing a parser, and what is settled for every log alike."""
+
+import pytest
+
+from fieldkit import parsing
+from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.parsing import Parser, Reading, derived_id, parsers, read, read_plans, read_together, recognise
+from fieldkit.shelf import plugins, trained_folder
+from tests.samples import SAMPLES, any_motor
+
+LAUNCHES = next(sample for sample in SAMPLES if sample.name.startswith("altimetertwo_journal__a_season"))
+ROCKETS = next(sample for sample in SAMPLES if sample.name.startswith("altimetertwo_journal__the_rockets"))
+
+
+def test_plug_ins_come_in_alphabetical_order() -> None:
+    assert list(parsers()) == sorted(parsers())
+    assert {"flight_table", "altimetertwo_journal"} <= set(parsers())
+
+
+def test_a_module_without_its_name_is_a_fault_of_ours() -> None:
+    with pytest.raises(AttributeError, match="NOBODY_BINDS_THIS"):
+        plugins("parsers", "NOBODY_BINDS_THIS")
+
+
+def test_an_unknown_ensemble_is_refused_by_name() -> None:
+    with pytest.raises(Exception, match="no trained ensemble is called 'none_such'"):
+        trained_folder("none_such")
+
+
+@pytest.mark.parametrize(
+    "log", [bytes(range(256)) * 64, b"", b"\0" * 100, b"\xff\xd8\xff\xe0JFIF", b"a,b\n1,2\n"]
+)
+def test_a_log_that_no_parser_recognises_names_what_was_tried(log: bytes) -> None:
+    with pytest.raises(
+        UnknownFormat, match=r"^junk\.csv: no parser recognises this log; tried .*flight_table"
+    ):
+        read(log, "junk.csv", any_motor)
+
+
+def test_a_log_that_two_parsers_claim_names_both(monkeypatch: pytest.MonkeyPatch) -> None:
+    greedy = Parser("Greedy", lambda head: True, lambda log: [Reading({"apogee": 100.0})])
+    shelf = {**parsers(), "greedy": greedy}
+    monkeypatch.setattr(parsing, "parsers", lambda: shelf)
+    log = b"rocket,apogee_m\nSwift,100\n"
+    with pytest.raises(UnknownFormat, match="flight_table and greedy both recognise"):
+        recognise(log)
+    assert recognise(log, format="greedy") is greedy
+
+
+def test_a_format_nobody_has_lists_those_there_are() -> None:
+    with pytest.raises(
+        UnknownFormat, match="no parser is called 'xls', expected one of altimetertwo_journal"
+    ):
+        recognise(b"", format="xls")
+
+
+def test_an_unknown_motor_rejects_its_row_alone() -> None:
+    table = b"flight_id,rocket,motor,apogee_m\n1,Swift,C6-5,200\n2,Swift,ZZ99-1,210\n"
+    intake = read(table, "t.csv", any_motor)
+    assert [flight.flight_id for flight in intake.flights] == ["1"]
+    (rejected,) = intake.rejected
+    assert (rejected.file, rejected.row, rejected.column) == ("t.csv", 3, "motor")
+
+
+def test_several_motors_at_once_are_not_looked_up() -> None:
+    table = b"flight_id,rocket,motor,apogee_m,tags\n1,Swift,ZZ99-1,200,cluster\n"
+    assert len(read(table, "t.csv", any_motor).flights) == 1
+
+
+def test_a_flight_without_a_name_gets_the_same_one_in_any_unit_and_order() -> None:
+    feet = b"rocket,motor,date_time,apogee_ft,notes\nSwift,C6-5,2026-05-01,1000,windy\n"
+    metres = b"apogee_m;motor;date_time;rocket;tags\n304,8;C6-5;2026-05-01;Swift;\n"
+    (one,), (other,) = read(feet, "a", any_motor).flights, read(metres, "b", any_motor).flights
+    assert one.flight_id == other.flight_id == derived_id(one)
+    assert one.flight_id.startswith("2026-05-01-")
+    (third,) = read(feet.replace(b"1000", b"1001"), "a", any_motor).flights
+    assert third.flight_id != one.flight_id
+
+
+def test_rockets_listed_in_another_file_are_named_and_weighed() -> None:
+    files = [(LAUNCHES.name, LAUNCHES.read_bytes()), (ROCKETS.name, ROCKETS.read_bytes())]
+    launches, rockets = read_together(files, any_motor)
+    named = {flight.flight_id: (flight.rocket, flight.dry_mass) for flight in launches.flights}
+    assert named["2"] == ("Swift", pytest.approx(0.0364))
+    assert named["4"] == ("Plover, 2nd", pytest.approx(0.151))
+    assert named["5"] == ("3", None)
+    assert not rockets.flights
+
+
+def test_one_unusable_file_of_several_is_named() -> None:
+    files = [(LAUNCHES.name, LAUNCHES.read_bytes()), ("photo.jpg", b"\xff\xd8\xff")]
+    with pytest.raises(UnknownFormat, match=r"^photo\.jpg: "):
+        read_together(files, any_motor)
+
+
+def test_plans_come_in_order_and_without_readouts() -> None:
+    header = b"flight_id,rocket,config,dry_mass_g,motor,wind_mps,apogee_m\n"
+    table = header + b"p1,Astra,A,322,F24-4W,2,\n,Astra,B,448,F39,,99\n"
+    first, second = read_plans(table, "plans.csv", any_motor)
+    assert (first.flight_id, first.wind, first.dry_mass) == ("p1", 2, 0.322)
+    assert (second.flight_id, second.readouts()) == ("row-3", {})
+
+
+@pytest.mark.parametrize(
+    ("row", "message"),
+    [
+        (b"p,Astra,ZZ99-1,2", "plans.csv, row 2, Motor: found 'ZZ99-1'"),
+        (b"p,Astra,,2", "plans.csv, row 2, motor: found nothing"),
+        (b"p,Astra,F39,-2", "plans.csv, row 2, Wind_mps: found -2 m/s, expected 0 to 60 m/s"),
+        (b"p,Astra,F39,two", "plans.csv, row 2, Wind_mps: found 'two'"),
+    ],
+)
+def test_a_bad_plan_stops_the_table_and_says_where(row: bytes, message: str) -> None:
+    with pytest.raises(DamagedLog, match=f"^{message}"):
+        read_plans(b"flight_id,rocket,Motor,Wind_mps\n" + row + b"\n", "plans.csv", any_motor)
+
+
+def test_figures_that_contradict_each_other_are_told_and_taken() -> None:
+    table = b"flight_id,rocket,apogee_m,eject_altitude_m,top_speed_mps,avg_accel_g,burn_time_s,peak_accel_g\n"
+    intake = read(table + b"1,Swift,71,93,37.6,2.1,8,2\n", "t.csv", any_motor)
+    assert len(intake.flights) == 1
+    assert [note.split(": ", 1)[0] for note in intake.notes] == ["t.csv, row 2"] * 3
+    assert "ejection altitude 93 m is above apogee 71 m" in intake.notes[2]
