@@ -48,7 +48,9 @@ def graph(network: Network, mean: Float[Array, "feature"], scale: Float[Array, "
         helper.make_node("ReduceMean", ["square"], ["variance"], axes=[0], keepdims=0),
         helper.make_node("Sqrt", ["variance"], ["spread"]),
     ]
-    both = [helper.make_tensor_value_info(name, TensorProto.DOUBLE, ["flight", len(low)]) for name in ("mean", "spread")]
+    both = [
+        helper.make_tensor_value_info(name, TensorProto.DOUBLE, ["flight", len(low)]) for name in ("mean", "spread")
+    ]
     model = helper.make_model(
         helper.make_graph(
             nodes,

@@ -1,0 +1,1 @@
+"""From what flights taught to the next flight, and back."""
