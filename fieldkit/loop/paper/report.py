@@ -12,6 +12,7 @@ from fieldkit.inference.synthetic import paper_draws
 from fieldkit.loop.paper.exact import bayes_limit, lowest, reconstructions
 from fieldkit.loop.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
 from fieldkit.loop.paper.reference import (
+    CERTIFIED_NAMES,
     STATED,
     Reference,
     certified,
@@ -20,6 +21,7 @@ from fieldkit.loop.paper.reference import (
     normalised,
     reference,
 )
+from fieldkit.motors import catalogue
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator import paper
 
@@ -140,7 +142,14 @@ def _thrust_profile(flights: Reference) -> dict[str, Any]:
     }
     return {
         "motors": [
-            {"motor": m.name, "declared_ns": m.total_impulse, "delivered_ns": m.delivered_impulse} for m in paper.MOTORS
+            {
+                "motor": declared.name,
+                "certified_as": name,
+                "certified_ns": catalogue().find(name).motor.total_impulse,
+                "declared_ns": declared.total_impulse,
+                "delivered_ns": declared.delivered_impulse,
+            }
+            for declared, name in zip(paper.MOTORS, CERTIFIED_NAMES, strict=True)
         ],
         "below_lowest_apogee_of_prior": {
             name: int((valid.apogee < lowest(valid, one)).sum()) for name, one in curves.items()
