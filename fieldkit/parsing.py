@@ -80,13 +80,14 @@ class Rejected:
 
 @dataclass(frozen=True, slots=True)
 class Intake:
-    """What one file brought: its flights, the rows that are no flights, and what the flyer should know."""
+    """What one file brought: flights and the rows they are from, rows that are none, what one should know."""
 
     source: str
     format: str
     flights: tuple[Flight, ...]
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
+    rows: tuple[int | None, ...]
 
 
 CheckMotor = Callable[[str], str | None]
@@ -121,9 +122,7 @@ def _format_of(log: bytes, format: str | None, source: str) -> str:
     if not claims:
         raise UnknownFormat(f"{place}no parser recognises this log; tried {names}")
     if len(claims) > 1:
-        raise UnknownFormat(
-            f"{place}{' and '.join(claims)} both recognise this log; choose one with --format"
-        )
+        raise UnknownFormat(f"{place}{' and '.join(claims)} both recognise this log; choose one with --format")
     return claims[0]
 
 
@@ -217,7 +216,8 @@ def _intake(
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
     lines = (str(DamagedLog(note.text, row=note.row, source=source)) for note in notes)
-    return Intake(source, format, tuple(flight for flight, _ in kept.values()), tuple(rejected), tuple(lines))
+    flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
+    return Intake(source, format, flights, tuple(rejected), tuple(lines), places)
 
 
 _STRANGERS = (
@@ -235,9 +235,7 @@ def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
     return replace(reading, stated={**known, **reading.stated})
 
 
-def _keep(
-    flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]
-) -> list[Note]:
+def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]) -> list[Note]:
     """Add a flight to those kept and say what is odd about it. Raises DamagedLog if its name is taken."""
     name = (flight.rocket, flight.flight_id)
     if name not in kept:
@@ -245,9 +243,7 @@ def _keep(
         return [Note(phrase, row) for phrase in doubts(flight)]
     first, first_row = kept[name]
     if first != flight:
-        found = (
-            f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
-        )
+        found = f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
         raise DamagedLog(found, row=row, column="flight_id")
     return [Note(f"repeats row {first_row}", row)]
 
@@ -279,9 +275,7 @@ def _flight(reading: Reading) -> Flight:
             try:
                 check(BY_NAME[name], value)
             except BadValue as error:
-                raise DamagedLog(
-                    str(error), row=reading.row, column=reading.columns.get(name, name)
-                ) from error
+                raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
     return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
 
 

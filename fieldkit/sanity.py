@@ -65,9 +65,7 @@ def identity(flight: Flight) -> float | None:
 
 def doubts(flight: Flight) -> list[str]:
     """What looks mistyped in a flight, a phrase each: unusual figures, and readouts at odds."""
-    found = [
-        _unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None
-    ]
+    found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
         found.append(f"top speed is {ratio:.3g} times average acceleration times burn time, expected about 1")

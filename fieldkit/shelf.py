@@ -64,7 +64,5 @@ def trained() -> list[str]:
 def trained_folder(name: str) -> Path:
     """The folder of a trained ensemble. Raises DamagedModel that lists the names there are."""
     if name not in trained():
-        raise DamagedModel(
-            f"no trained ensemble is called {name!r}; there are {', '.join(trained()) or 'none'}"
-        )
+        raise DamagedModel(f"no trained ensemble is called {name!r}; there are {', '.join(trained()) or 'none'}")
     return shelf_folder("models") / "trained" / name

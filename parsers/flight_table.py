@@ -11,11 +11,10 @@ their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, TAGS, TEXT_COLUMNS
+from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
 from fieldkit.logtext import decode, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
@@ -52,9 +51,7 @@ def read(log: bytes) -> list[Found]:
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
     mark = _decimal_mark(_numbers(headings, table), separator)
-    found: list[Found] = [
-        _reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)
-    ]
+    found: list[Found] = [_reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)]
     return found or [Note("found a header and no flights", header_row)]
 
 
@@ -105,9 +102,7 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
     certain = {_heading(name, strict=False).field for name in spelled}
     if not certain - {""}:
-        raise DamagedLog(
-            f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1
-        )
+        raise DamagedLog(f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1)
     headings: list[Heading] = []
     seen: dict[str, str] = {"": ""}
     for name in spelled:
@@ -133,9 +128,7 @@ def _last(row: int, cells: list[str] | DamagedLog, width: int) -> tuple[int, lis
     """The last row of a file that ends within a line: torn, if cells are missing from it."""
     if isinstance(cells, DamagedLog) or len(cells) >= width:
         return row, cells
-    return row, DamagedLog(
-        f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row
-    )
+    return row, DamagedLog(f"found {len(cells)} of {width} cells where the file ends, expected a whole row", row=row)
 
 
 _FRACTION = re.compile(r"\s*[+-]?\d*([.,])\d+(?![\d.,])")
@@ -143,9 +136,7 @@ _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals or one above a thousand."""
 
 
-def _numbers(
-    headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]
-) -> Iterator[str]:
+def _numbers(headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
     """Every cell of the columns that hold numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
@@ -204,9 +195,9 @@ def _value(cell: str, heading: Heading, mark: str) -> object:
     if heading.field == "notes":
         return cell
     if heading.field == "date_time":
-        return _date(cell.strip())
+        return read_date(cell.strip())
     if heading.field == "tags":
-        return _tags(cell)
+        return read_tags(cell)
     if heading.field in BY_NAME:
         return None if cell.strip().lower() in NOT_RECORDED else _number(cell.strip(), heading, mark)
     return cell.strip()
@@ -227,23 +218,6 @@ def _number(cell: str, heading: Heading, mark: str) -> float:
     except BadValue:
         known = f"{heading.unit}, or with a unit of {column.quantity}" if heading.unit else column.unit
         raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
-
-
-def _date(cell: str) -> datetime | None:
-    """Local lift-off time; an offset from UTC is left off, for the clock at the field is what is meant."""
-    try:
-        return datetime.fromisoformat(cell).replace(tzinfo=None) if cell else None
-    except ValueError:
-        raise BadValue(
-            f"found {shown(cell)}, expected a date such as 2026-05-01 or 2026-05-01T10:30"
-        ) from None
-
-
-def _tags(cell: str) -> tuple[str, ...]:
-    """The tags of a cell, each once; `Weak launch` is the tag `weak_launch`, other tags stay as spelt."""
-    tags = [tag.strip() for tag in re.split(r"[;|,]", cell) if tag.strip()]
-    known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
-    return tuple(dict.fromkeys(k if k in TAGS else tag for k, tag in zip(known, tags, strict=True)))
 
 
 PARSER = Parser("Flight table (CSV)", recognises, read)

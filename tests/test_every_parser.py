@@ -27,11 +27,7 @@ def summary(intake: Intake) -> dict[str, object]:
             "tags": list(flight.tags),
             "dry_mass_kg": flight.dry_mass and round(flight.dry_mass, 4),
         }
-        | {
-            c.header: float(f"{float(c.render(v)):.5g}")
-            for c in READOUTS
-            if (v := flight.number(c.name)) is not None
-        }
+        | {c.header: float(f"{float(c.render(v)):.5g}") for c in READOUTS if (v := flight.number(c.name)) is not None}
         for flight in intake.flights
     ]
     rejected = [f"row {r.row}, {r.column}: {r.error}" for r in intake.rejected]
@@ -102,9 +98,7 @@ def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) ->
 @every_sample
 @settings(max_examples=60, deadline=None)
 @given(
-    cuts=st.lists(
-        st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6
-    ),
+    cuts=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6),
     forced=st.booleans(),
 )
 def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_mend(

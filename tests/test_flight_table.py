@@ -170,9 +170,7 @@ def test_a_table_without_a_column_of_ours_is_not_recognised(header: str) -> None
 
 
 def test_a_forced_table_without_any_known_column_says_what_is_missing() -> None:
-    with pytest.raises(
-        DamagedLog, match="row 1: found no column of the flight table, expected some of flight_id"
-    ):
+    with pytest.raises(DamagedLog, match="row 1: found no column of the flight table, expected some of flight_id"):
         intake("time,altitude\n1,2\n", format="flight_table")
 
 
@@ -211,9 +209,7 @@ def test_tags_stand_apart_by_semicolon_bar_or_comma_and_known_ones_are_recognise
 
 
 def test_a_row_that_is_no_flight_is_refused_and_the_others_go_in() -> None:
-    got = intake(
-        "flight_id,rocket,apogee_m,log\n1,Swift,100,\n2,Swift,,\n\n3,Swift,,log3.csv\n ,,,\n4,Swift,90\n"
-    )
+    got = intake("flight_id,rocket,apogee_m,log\n1,Swift,100,\n2,Swift,,\n\n3,Swift,,log3.csv\n ,,,\n4,Swift,90\n")
     assert [f.flight_id for f in got.flights] == ["1", "3", "4"]
     assert [(r.row, r.error.split(",")[0]) for r in got.rejected] == [(3, "found no readout")]
 
@@ -230,9 +226,7 @@ def test_a_file_that_ends_within_a_row_loses_that_row_alone() -> None:
 
 
 def test_a_quotation_mark_that_is_never_closed_costs_one_row() -> None:
-    got = intake(
-        'rocket,apogee_m,notes\nSwift,100,"open\nSwift,110,fine\nSwift,120,"two\nlines"\nSwift,130,\n'
-    )
+    got = intake('rocket,apogee_m,notes\nSwift,100,"open\nSwift,110,fine\nSwift,120,"two\nlines"\nSwift,130,\n')
     assert [f.apogee for f in got.flights] == [110, 120, 130]
     assert [r.row for r in got.rejected] == [2]
     assert got.flights[1].notes == "two\nlines"

@@ -91,9 +91,7 @@ def test_a_rasp_file_of_windows_with_marks_and_tabs_is_read() -> None:
         ("F24W 24 70 4-7", "F24W", "mine.eng, row 3: found 'F24W 0.019 0.0629 AT', expected a header"),
     ],
 )
-def test_a_damaged_rasp_file_names_the_line_and_what_would_be_right(
-    old: str, new: str, complaint: str
-) -> None:
+def test_a_damaged_rasp_file_names_the_line_and_what_would_be_right(old: str, new: str, complaint: str) -> None:
     with pytest.raises(DamagedLog) as caught:
         rasp.read(ENG.decode().replace(old, new).encode(), "mine.eng")
     assert complaint in str(caught.value)

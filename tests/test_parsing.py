@@ -27,13 +27,9 @@ def test_an_unknown_ensemble_is_refused_by_name() -> None:
         trained_folder("none_such")
 
 
-@pytest.mark.parametrize(
-    "log", [bytes(range(256)) * 64, b"", b"\0" * 100, b"\xff\xd8\xff\xe0JFIF", b"a,b\n1,2\n"]
-)
+@pytest.mark.parametrize("log", [bytes(range(256)) * 64, b"", b"\0" * 100, b"\xff\xd8\xff\xe0JFIF", b"a,b\n1,2\n"])
 def test_a_log_that_no_parser_recognises_names_what_was_tried(log: bytes) -> None:
-    with pytest.raises(
-        UnknownFormat, match=r"^junk\.csv: no parser recognises this log; tried .*flight_table"
-    ):
+    with pytest.raises(UnknownFormat, match=r"^junk\.csv: no parser recognises this log; tried .*flight_table"):
         read(log, "junk.csv", any_motor)
 
 
@@ -48,9 +44,7 @@ def test_a_log_that_two_parsers_claim_names_both(monkeypatch: pytest.MonkeyPatch
 
 
 def test_a_format_nobody_has_lists_those_there_are() -> None:
-    with pytest.raises(
-        UnknownFormat, match="no parser is called 'xls', expected one of altimetertwo_journal"
-    ):
+    with pytest.raises(UnknownFormat, match="no parser is called 'xls', expected one of altimetertwo_journal"):
         recognise(b"", format="xls")
 
 

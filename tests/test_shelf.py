@@ -9,17 +9,13 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 LIST = "import fieldkit.parsing as p, fieldkit.parsers as s; print(*p.parsers(), *s.__path__, sep='\\n')"
-IDLE = (
-    "import sys, fieldkit.flight; print(*(m for m in sys.modules if m.startswith(('fieldkit.p', 'scipy'))))"
-)
+IDLE = "import sys, fieldkit.flight; print(*(m for m in sys.modules if m.startswith(('fieldkit.p', 'scipy'))))"
 
 
 def run(code: str, folder: Path) -> list[str]:
     """The lines that a fresh process prints which finds fieldkit in `folder` first."""
     command = [sys.executable, "-c", f"import sys; sys.path.insert(0, {str(folder)!r}); {code}"]
-    return subprocess.run(
-        command, cwd=folder.parent, capture_output=True, text=True, check=True
-    ).stdout.split()
+    return subprocess.run(command, cwd=folder.parent, capture_output=True, text=True, check=True).stdout.split()
 
 
 def test_an_installed_package_finds_its_parsers_inside(tmp_path: Path) -> None:

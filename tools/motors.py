@@ -111,9 +111,7 @@ def _repair_propellant(rows: list[Row]) -> None:
             continue
         if not entry["propellant_g"] or _exhaust(entry) < median(alike) / 2:
             entry["propellant_g"] = round(entry["total_impulse_ns"] / median(alike) * 1e3, 2)
-            entry["casing_g"] = (
-                round(entry["total_g"] - entry["propellant_g"], 4) if entry["total_g"] else None
-            )
+            entry["casing_g"] = round(entry["total_g"] - entry["propellant_g"], 4) if entry["total_g"] else None
             entry["estimated"].append("propellant mass")
 
 
@@ -124,16 +122,12 @@ def _casing(rows: list[Row]) -> None:
     power law of diameter and length fitted to the motors of the same kind (10 to 12 %).
     """
     known = [entry for entry in rows if entry["casing_g"] and entry["kind"] != "hybrid"]
-    laws = {
-        kind: _power_law([entry for entry in known if entry["kind"] == kind]) for kind in ("SU", "reload")
-    }
+    laws = {kind: _power_law([entry for entry in known if entry["kind"] == kind]) for kind in ("SU", "reload")}
     for entry in rows:
         if entry["casing_g"] or entry["kind"] == "hybrid":
             continue
         same = [
-            k["casing_g"]
-            for k in known
-            if entry["case"] and (k["maker"], k["case"]) == (entry["maker"], entry["case"])
+            k["casing_g"] for k in known if entry["case"] and (k["maker"], k["case"]) == (entry["maker"], entry["case"])
         ]
         constant, diameter, length = laws[entry["kind"]]
         law = constant + diameter * math.log(entry["diameter_mm"]) + length * math.log(entry["length_mm"])
@@ -143,9 +137,7 @@ def _casing(rows: list[Row]) -> None:
 
 def _power_law(rows: list[Row]) -> tuple[float, float, float]:
     sizes = np.array([[1.0, math.log(entry["diameter_mm"]), math.log(entry["length_mm"])] for entry in rows])
-    constant, diameter, length = np.linalg.lstsq(
-        sizes, np.log([entry["casing_g"] for entry in rows]), rcond=None
-    )[0]
+    constant, diameter, length = np.linalg.lstsq(sizes, np.log([entry["casing_g"] for entry in rows]), rcond=None)[0]
     return float(constant), float(diameter), float(length)
 
 

@@ -1,1 +1,1 @@
-"""From what flights taught to the next flight, and back."""
+"""The loop: predict, compare, find what the model lacks, add it, predict again."""

@@ -63,9 +63,7 @@ class Draft:
     def add(self, place: Place, time: float, thrust: float) -> None:
         """One sample [s, N]. Raises DamagedLog for a step back in time or a negative value."""
         if self.samples and time < self.samples[-1][1]:
-            raise place.damaged(
-                f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase"
-            )
+            raise place.damaged(f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase")
         if time < 0 or thrust < 0:
             raise place.damaged(f"found {time:g} s, {thrust:g} N, expected neither below zero")
         self.samples.append((place, time, thrust))

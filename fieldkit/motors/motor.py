@@ -67,6 +67,11 @@ class Motor:
         return end - start
 
     @property
+    def burnout(self) -> float:
+        """When the thrust last leaves 5 % of its peak, from ignition: the delay counts from there. [s]"""
+        return self.burning[1]
+
+    @property
     def thrust_end(self) -> float:
         """When the curve ends, from ignition. [s]"""
         return float(self.time[-1])
@@ -117,9 +122,7 @@ def impulse(time: Float[Array, "knot"], thrust: Float[Array, "knot"]) -> float:
     return float(np.sum(np.diff(time) * (thrust[1:] + thrust[:-1])) / 2)
 
 
-def knots(
-    time: Sequence[float], thrust: Sequence[float]
-) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
+def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, "knot"], Float[Array, "knot"]]:
     """A recorded thrust curve as knots that begin at (0, 0), end at zero thrust and always increase in time.
 
     A jump (a time given twice) becomes a ramp of at most 0.1 ms, and so does a curve that starts with
@@ -151,9 +154,7 @@ def _spread(time: Float[Array, "knot"]) -> Float[Array, "knot"]:
     return spread
 
 
-def normalised(
-    time: Float[Array, "knot"], thrust: Float[Array, "knot"], total_impulse: float
-) -> Float[Array, "knot"]:
+def normalised(time: Float[Array, "knot"], thrust: Float[Array, "knot"], total_impulse: float) -> Float[Array, "knot"]:
     """The thrust in the same shape, with the total impulse that the motor is certified for. [N]"""
     return thrust * (total_impulse / impulse(time, thrust))
 

@@ -48,7 +48,5 @@ def _read_file(path: Path) -> list[Motor]:
     try:
         data = path.read_bytes()
     except OSError as error:
-        raise DamagedLog(
-            f"cannot be read ({error.strerror}), expected a motor file", source=path.name
-        ) from error
+        raise DamagedLog(f"cannot be read ({error.strerror}), expected a motor file", source=path.name) from error
     return read(data, path.name)

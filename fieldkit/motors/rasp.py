@@ -59,6 +59,4 @@ def write(motor: Motor) -> bytes:
     words = [number if isinstance(number, str) else f"{number:.12g}" for number in numbers]
     header = " ".join(["_".join(motor.designation.split()), *words, motor.maker or "unknown"])
     samples = [f"   {float(t)!r} {float(f)!r}" for t, f in zip(motor.time[1:], motor.thrust[1:], strict=True)]
-    return "\n".join(
-        [f"; {motor.maker} {motor.designation}, {motor.source}", header, *samples, ";", ""]
-    ).encode()
+    return "\n".join([f"; {motor.maker} {motor.designation}, {motor.source}", header, *samples, ";", ""]).encode()

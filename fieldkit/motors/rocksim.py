@@ -24,9 +24,7 @@ def read(data: bytes, source: str) -> list[Motor]:
     except (LookupError, ValueError) as error:
         raise DamagedLog(f"found an encoding that cannot be read ({error})", row=1, source=source) from error
     if not reader.drafts:
-        raise DamagedLog(
-            "found no <engine>, expected an <engine-database> with one or more", row=1, source=source
-        )
+        raise DamagedLog("found no <engine>, expected an <engine-database> with one or more", row=1, source=source)
     return [draft.motor() for draft in reader.drafts]
 
 
@@ -55,9 +53,7 @@ class _Reader:
             if not self.drafts:
                 raise self._place.damaged("found <eng-data>, expected an <engine> around it")
             place = self._place
-            self.drafts[-1].add(
-                place, place.number(fields["t"], "t", "s"), place.number(fields["f"], "f", "N")
-            )
+            self.drafts[-1].add(place, place.number(fields["t"], "t", "s"), place.number(fields["f"], "f", "N"))
 
 
 class _Fields:

@@ -73,9 +73,7 @@ def find(shelf: Shelf, text: str, maker: str = "") -> Found:
     """
     name, candidates = _candidates(shelf, text, maker)
     if len(candidates) > 1:
-        raise AmbiguousMotor(
-            f"{text.strip()}: found {len(candidates)} motors, expected one of\n{_table(candidates)}"
-        )
+        raise AmbiguousMotor(f"{text.strip()}: found {len(candidates)} motors, expected one of\n{_table(candidates)}")
     return _found(name, candidates[0])
 
 
@@ -87,9 +85,7 @@ def resolve(shelf: Shelf, text: str, maker: str = "") -> Found:
     """
     name, candidates = _candidates(shelf, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
-    note = (
-        f"taken for {best.label}; it could be {', '.join(other.label for other in others)}" if others else ""
-    )
+    note = f"taken for {best.label}; it could be {', '.join(other.label for other in others)}" if others else ""
     return _found(name, best, note)
 
 
@@ -113,13 +109,9 @@ def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
     keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
     if not keys:
         squeezed = {
-            squeeze(text): listing.name
-            for listing in _all(shelf)
-            for text in (listing.name, listing.designation)
+            squeeze(text): listing.name for listing in _all(shelf) for text in (listing.name, listing.designation)
         }
-        keys = [
-            squeezed[key] for key in difflib.get_close_matches(name.squeezed, squeezed, n=limit, cutoff=0.5)
-        ]
+        keys = [squeezed[key] for key in difflib.get_close_matches(name.squeezed, squeezed, n=limit, cutoff=0.5)]
     listings = [listing for key in dict.fromkeys(keys) for listing in sorted(shelf[key], key=_likelihood)]
     return listings[:limit]
 
@@ -145,8 +137,7 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     fitting = [
         listing
         for listing in fitting
-        if maker in ("", listing.maker)
-        and (name.diameter is None or abs(listing.diameter - name.diameter) < 1e-3)
+        if maker in ("", listing.maker) and (name.diameter is None or abs(listing.diameter - name.diameter) < 1e-3)
     ]
     fitting = _narrow(fitting, lambda listing: listing.own)
     fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)

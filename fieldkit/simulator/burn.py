@@ -73,7 +73,7 @@ def _highlight(track: Track, dt: Array, before: tuple[Array, Array], after: tupl
 
 
 def _speed(velocity: Array) -> Array:
-    return np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1])
+    return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1]))
 
 
 def _along(velocity: Array, pull: Array) -> Array:
@@ -128,7 +128,8 @@ def _between(values: Stages, start: Array | float, end: Array | float) -> Stages
         return values
     at_start, at_middle, at_end = values
     linear, square = 4 * at_middle - 3 * at_start - at_end, 2 * (at_start + at_end) - 4 * at_middle
-    return [at_start + at * (linear + at * square) for at in (start, 0.5 * (start + end), end)]
+    places = (start, 0.5 * (start + end), end)
+    return [np.asarray(at_start + at * (linear + at * square)) for at in places]
 
 
 def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> int:

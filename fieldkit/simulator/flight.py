@@ -47,7 +47,7 @@ def _chunks(setup: Setup) -> Iterator[Setup]:
 def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[Track, Apogee, Array]:
     """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
     track = burn(setup, highlights=highlights)
-    fires = setup.burns.burn_time[setup.motor] * setup.burn_stretch + setup.delay
+    fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
     return track, coast(setup, track, fires), fires
 
 

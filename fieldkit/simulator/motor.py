@@ -29,8 +29,8 @@ class Curve(Protocol):
         """At the knots. [N]"""
 
     @property
-    def burn_time(self) -> float:
-        """From ignition to burnout, where the delay begins. [s]"""
+    def burnout(self) -> float:
+        """When the burn ends and the delay begins, from ignition. [s]"""
 
     @property
     def propellant_mass(self) -> float:
@@ -55,7 +55,7 @@ class Burns:
     spent: Float[Array, "step 3 motor"]
     rise_time: Float[Array, "knot motor"]
     rise_thrust: Float[Array, "knot motor"]
-    burn_time: Float[Array, "motor"]
+    burnout: Float[Array, "motor"]
     propellant_mass: Float[Array, "motor"]
     casing_mass: Float[Array, "motor"]
 
@@ -108,14 +108,14 @@ def burns(motors: Sequence[Curve], *, steps: int = STEPS, linear_burn: bool = Fa
         spent = spent / spent[-1, -1]
         rise = slice(0, int(np.argmax(thrust)) + 1)
         rows.append((edge, np.interp(nodes, time, thrust), spent, time[rise], thrust[rise]))
-    edge, push, spent, rise_time, rise_thrust = (list(values) for values in zip(*rows, strict=True))
+    edges, pushes, shares, rise_times, rise_thrusts = (list(values) for values in zip(*rows, strict=True))
     return Burns(
-        edge=_side_by_side(edge),
-        thrust=_side_by_side(push, 0.0),
-        spent=_side_by_side(spent, 1.0),
-        rise_time=_side_by_side(rise_time),
-        rise_thrust=_side_by_side(rise_thrust),
-        burn_time=np.array([motor.burn_time for motor in motors], float),
+        edge=_side_by_side(edges),
+        thrust=_side_by_side(pushes, 0.0),
+        spent=_side_by_side(shares, 1.0),
+        rise_time=_side_by_side(rise_times),
+        rise_thrust=_side_by_side(rise_thrusts),
+        burnout=np.array([motor.burnout for motor in motors], float),
         propellant_mass=np.array([motor.propellant_mass for motor in motors], float),
         casing_mass=np.array([motor.casing_mass for motor in motors], float),
     )

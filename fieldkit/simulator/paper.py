@@ -46,6 +46,11 @@ class DeclaredMotor:
     casing_mass: float = 0.0
 
     @property
+    def burnout(self) -> float:
+        """When the published profile ends. [s]"""
+        return self.burn_time
+
+    @property
     def time(self) -> Array:
         """Knots of the published profile. [s]"""
         return np.array([0.0, RISE * self.burn_time, self.burn_time])
