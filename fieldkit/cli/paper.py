@@ -75,13 +75,14 @@ def _synthetic(report: "Report") -> None:
         (
             title,
             f"{found[f'{name}_mae']:.4f}",
+            f"{found[f'{name}_standard_error']:.4f}",
             f"{stated[f'{name}_mae']:.3f}",
             f"{limit[f'{name}_mae']:.4f}",
             f"{found[f'{name}_coverage_one_sd']:.0%}",
         )
         for name, title in (("cd", "Cd"), ("alpha", "alpha"))
     ]
-    headers = (f"MAE on {found['n']} simulated flights", "here", "published", "least possible", "within spread")
+    headers = (f"MAE on {found['n']} simulated flights", "here", "±", "published", "possible", "in spread")
     print_table(headers, rows, numbers=headers[1:])
     say()
 

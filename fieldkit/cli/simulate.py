@@ -1,18 +1,22 @@
 """`fieldkit simulate`: one forward flight."""
 
-from enum import Enum
-from typing import Annotated
+from enum import StrEnum
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import print_json, say
+from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.session import known_motors
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
 
 app = typer.Typer()
 
 CONDITIONS = "Conditions (field physics)"
 
 
-class Physics(str, Enum):
+class Physics(StrEnum):
     """Which simulator flies."""
 
     paper = "paper"
@@ -26,10 +30,10 @@ def _condition(text: str) -> object:
 @app.command()
 def simulate(
     motor: Annotated[str, typer.Option(help="Such as F24-4W.", show_default=False)],
-    dry_mass_g: Annotated[float, typer.Option(min=1.0, help="Without the motor.", show_default=False)],
-    diameter_mm: Annotated[float, typer.Option(min=1.0, help="Largest of the body.", show_default=False)],
-    cd: Annotated[float, typer.Option(min=0.0, help="Drag coefficient.", show_default=False)],
-    alpha: Annotated[float, typer.Option(min=0.0, help="Thrust over certified thrust.")] = 1.0,
+    dry_mass_g: Annotated[float, typer.Option(help="Without the motor.", show_default=False)],
+    diameter_mm: Annotated[float, typer.Option(help="Largest of the body.", show_default=False)],
+    cd: Annotated[float, typer.Option(min=0.001, max=50.0, help="Drag coefficient.", show_default=False)],
+    alpha: Annotated[float, typer.Option(min=0.01, max=10.0, help="Thrust over declared thrust.")] = 1.0,
     physics: Annotated[Physics, typer.Option(help="The field's, or the reference paper's.")] = Physics.field,
     delay_s: Annotated[float | None, _condition("Ejection delay.")] = None,
     site_elevation_m: Annotated[float | None, _condition("Pad above sea level.")] = None,
@@ -42,8 +46,8 @@ def simulate(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Fly one rocket once, forwards."""
-    from fieldkit.errors import BadValue, FieldkitError
-    from fieldkit.simulator.single import paper_flight
+    from fieldkit.errors import BadValue
+    from fieldkit.simulator.single import field_flight, paper_flight
 
     conditions = {
         "delay_s": delay_s,
@@ -55,15 +59,37 @@ def simulate(
         "rail_length_m": rail_length_m,
         "rail_angle_deg": rail_angle_deg,
     }
-    given = [f"--{name.replace('_', '-')}" for name, value in conditions.items() if value is not None]
-    if physics is Physics.field:
-        raise FieldkitError("the field's physics cannot be flown by this command yet, try --physics paper")
-    if given:
-        raise BadValue(f"{', '.join(given)}: found a value, the paper's physics knows no conditions")
-    result = paper_flight(motor, dry_mass_g / 1e3, diameter_mm / 1e3, cd, alpha)
+    given = {name: value for name, value in conditions.items() if value is not None}
+    plan = _plan(motor, {"dry_mass_g": dry_mass_g, "diameter_mm": diameter_mm, **given})
+    if physics is Physics.paper:
+        if given:
+            names = ", ".join(f"--{name.replace('_', '-')}" for name in given)
+            raise BadValue(f"{names}: found a value, the paper's physics knows no conditions")
+        result = paper_flight(plan, cd, alpha)
+    else:
+        found = known_motors().resolve(motor)
+        for note in found.notes:
+            complain(note)
+        result = field_flight(plan, found, cd, alpha)
     if json:
         print_json(result)
         return
     width = max(map(len, result))
     for name, value in result.items():
         say(f"{name:{width}}  {value:.4g}")
+
+
+def _plan(motor: str, figures: dict[str, float]) -> "Flight":
+    """A planned flight from figures by column, unit and all. Raises BadValue for one that no flight can have."""
+    from fieldkit.errors import BadValue
+    from fieldkit.flight import COLUMNS, Flight
+    from fieldkit.sanity import check
+
+    values = {}
+    for column in COLUMNS:
+        if column.header in figures:
+            try:
+                values[column.name] = check(column, column.parse(repr(figures[column.header])))
+            except BadValue as error:
+                raise BadValue(f"--{column.header.replace('_', '-')}: {error}") from error
+    return Flight(motor=motor).with_changes(**values)

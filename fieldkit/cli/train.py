@@ -1,6 +1,6 @@
 """`fieldkit train`: simulate, train, export."""
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -11,13 +11,13 @@ from fieldkit.cli.screen import print_json, say
 app = typer.Typer()
 
 
-class Recipe(str, Enum):
+class Recipe(StrEnum):
     """What can be trained."""
 
     paper = "paper"
 
 
-class Plan(str, Enum):
+class Plan(StrEnum):
     """How long to train."""
 
     quick = "quick"

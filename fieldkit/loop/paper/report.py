@@ -125,6 +125,8 @@ def _synthetic(ensemble: Ensemble) -> dict[str, Any]:
         "n": FRESH_FLIGHTS,
         "cd_mae": found["cd"]["mae"],
         "alpha_mae": found["alpha"]["mae"],
+        "cd_standard_error": found["cd"]["standard_error"],
+        "alpha_standard_error": found["alpha"]["standard_error"],
         "cd_coverage_one_sd": found["cd"]["coverage"]["one_sd"],
         "alpha_coverage_one_sd": found["alpha"]["coverage"]["one_sd"],
     }

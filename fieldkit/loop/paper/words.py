@@ -59,9 +59,7 @@ def _limit(report: Report) -> str:
 
 def _floor(report: Report) -> str:
     scatter = report.scatter
-    best, worst = (
-        f(rule["standard_error_m"] for rule in report.rules[:6]) for f in (min, max)
-    )
+    best, worst = (f(rule["standard_error_m"] for rule in report.rules[:6]) for f in (min, max))
     return (
         "Forecasts of flights that were left out are above. Flights of one motor and configuration scatter by "
         f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
