@@ -32,7 +32,7 @@ def bring_in(
 
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
-    contents = [_content(path) for path in paths]
+    contents = [read_file(path) for path in paths]
     intakes = read_together(zip(map(str, paths), contents, strict=True), check_motor=check_motor, format=format)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
@@ -53,7 +53,7 @@ def bring_in(
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
 
 
-def _content(path: Path) -> bytes:
+def read_file(path: Path) -> bytes:
     try:
         return path.read_bytes()
     except OSError as error:

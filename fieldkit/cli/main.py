@@ -12,7 +12,7 @@ import typer
 
 from fieldkit.errors import FieldkitError
 
-GROUPS = ("intake", "add", "records", "journal", "motors", "simulate", "paper", "train")
+GROUPS = ("intake", "add", "records", "forecast", "loop", "journal", "motors", "simulate", "paper", "train")
 """Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
 
 app = typer.Typer(

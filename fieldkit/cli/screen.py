@@ -2,7 +2,8 @@
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fieldkit.safe_text import printable
@@ -78,3 +79,16 @@ def in_both_units(name: str, value: float | None) -> str:
 
 def _spelled(unit: str) -> str:
     return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°"}.get(unit, unit)
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Callable[[str, float], None]]:
+    """A bar on stderr, where that is a terminal, told of what is being done and the share done."""
+    from rich.console import Console
+    from rich.progress import Progress
+    from rich.text import Text
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(Text(title).plain, total=1.0)
+        yield lambda text, share: bar.update(task, completed=share)

@@ -12,7 +12,7 @@ from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.diagnose import Diagnosis, Progress, diagnose, strength
 from fieldkit.loop.model import observe
-from fieldkit.loop.predict import Place, Prediction, predict, rocket_model
+from fieldkit.loop.predict import Place, Prediction, median, predict, rocket_model
 from fieldkit.motors import Catalogue, Found
 
 Which = Literal["before", "after"]
@@ -110,21 +110,16 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
             "p95": float(p95),
         },
         "true_apogee_m": float(np.median(prediction.true_apogee)),
-        "ejection_s": _median(prediction.eject),
-        "coast_s": _median(prediction.coast),
-        "top_speed_mps": _median(prediction.top_speed),
-        "rail_speed_mps": _median(prediction.rail_speed),
+        "ejection_s": prediction.median_eject,
+        "coast_s": median(prediction.coast),
+        "top_speed_mps": median(prediction.top_speed),
+        "rail_speed_mps": median(prediction.rail_speed),
         "cd": {"mean": float(prediction.cd.mean()), "sd": float(prediction.cd.std())},
         "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
         "flights": prediction.rests_on,
         "model": prediction.model,
     }
     return document
-
-
-def _median(values: Any) -> float | None:
-    finite = values[np.isfinite(values)]
-    return float(np.median(finite)) if len(finite) else None
 
 
 def _digest(prediction: Prediction) -> str:

@@ -60,6 +60,17 @@ class Prediction:
         """At 5, 50 and 95 %. [m]"""
         return np.asarray(np.quantile(self.apogee, LEVELS))
 
+    @property
+    def median_eject(self) -> float | None:
+        """From apogee to the ejection charge, or None without a delay. [s]"""
+        return median(self.eject)
+
+
+def median(values: Float[Array, "draw"]) -> float | None:
+    """The median of the draws that have a value, or None."""
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else None
+
 
 def rocket_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
     """The model of a rocket with the effects that were accepted into it."""
