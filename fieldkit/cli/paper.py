@@ -31,7 +31,7 @@ def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = Fa
 
 def _flights(report: "Report") -> None:
     headers = ("flight", "motor", "apogee", "Cd", "publ.", "alpha", "publ.", "rebuilt", "publ.", "left out")
-    say("Twelve flights: Cd and alpha from the apogee, and the apogee rebuilt from them [m]")
+    say("Cd and alpha from the apogee [m], and the apogee rebuilt from them")
     say()
     print_table(headers, (_flight(one) for one in report.flights), numbers=headers[2:])
     say()

@@ -35,7 +35,7 @@ def train(
     n_train: Annotated[int, typer.Option(min=256, help="Simulated flights to train on.")] = 10_000,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Train an ensemble on simulated flights; needs the extra `fieldkit[train]`."""
+    """Train an ensemble on simulated flights; needs the extra named train."""
     from rich.console import Console
     from rich.progress import Progress
 
