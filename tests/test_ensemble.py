@@ -13,7 +13,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.errors import DamagedModel, FieldkitError, ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.inference import ensemble
+from fieldkit.inference import ensemble, training
 from fieldkit.inference.ensemble import CARD, GRAPH, Ensemble, load, load_folder, read_card
 from fieldkit.inference.features import PAPER_FEATURES, paper_features
 from fieldkit.inference.posterior import infer_paper
@@ -204,6 +204,12 @@ def test_inference_wakes_onnxruntime_late_and_torch_never() -> None:
     )
     found = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)
     assert found.stdout.split() == ["False", "False"]
+
+
+def test_training_without_its_extra_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(training, "EXTRA", ("no_such_library",))
+    with pytest.raises(FieldkitError, match=r"no_such_library: pip install 'fieldkit\[train\]'"):
+        training.trainer("paper")
 
 
 def test_loading_is_quick(benchmark: BenchmarkFixture) -> None:

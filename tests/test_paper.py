@@ -37,7 +37,7 @@ def test_the_published_parameters_give_the_published_apogees(flights: Reference)
 
 
 def test_eight_of_the_twelve_flights_are_valid(flights: Reference) -> None:
-    assert [flight.flight_id for flight in flights.part(flights.valid).flights] == list("12349") + ["10", "11", "12"]
+    assert [flight.flight_id for flight in flights.part(flights.valid).flights] == [*"12349", "10", "11", "12"]
 
 
 def test_the_published_errors_follow_from_the_published_apogees(found: Report) -> None:

@@ -16,6 +16,7 @@ pytestmark = [
 
 import torch  # noqa: E402
 
+from fieldkit.cli.main import main  # noqa: E402
 from fieldkit.errors import BadValue  # noqa: E402
 from fieldkit.inference.ensemble import CARD, GRAPH, from_parts, load_folder  # noqa: E402
 from fieldkit.inference.training.fit import SCHEDULES, Schedule, fit, one_thread, outputs  # noqa: E402
@@ -145,3 +146,13 @@ def test_a_recipe_that_cannot_be_followed_is_refused(tmp_path: Path, wrong: dict
     with pytest.raises(BadValue, match="found"):
         train_paper(tmp_path / "out", **wrong)  # type: ignore[arg-type]
     assert not (tmp_path / "out").exists()
+
+
+def test_the_command_trains_and_says_where(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = tmp_path / "mine"
+    assert main(["train", "--out", str(out), "--n-train", "256", "--seed", "3", "--json"]) == 0
+    summary = json.loads(capsys.readouterr().out)
+    assert (summary["recipe"], summary["n_train"]) == ("paper", 256)
+    assert all(Path(file).exists() for file in summary["files"])
+    assert main(["train", "--out", str(out)]) == 1
+    assert "found an ensemble there already" in capsys.readouterr().err

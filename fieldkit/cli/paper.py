@@ -101,6 +101,8 @@ def _rules(report: "Report") -> None:
     ]
     print_table(headers, rows, numbers=headers[1:])
     say()
+    say("±: standard error. How each forecast is made stands in fieldkit paper --json.")
+    say()
 
 
 def _say_findings(paragraphs: list[str]) -> None:

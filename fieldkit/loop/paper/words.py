@@ -1,5 +1,7 @@
 """What the report's figures mean, in plain words."""
 
+from typing import Any
+
 from fieldkit.loop.paper.report import Report
 
 
@@ -69,7 +71,7 @@ def _floor(report: Report) -> str:
     )
 
 
-def _rule(report: Report, key: str) -> dict[str, float]:
+def _rule(report: Report, key: str) -> dict[str, Any]:
     return next(rule for rule in report.rules if rule["rule"] == key)
 
 
