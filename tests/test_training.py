@@ -8,11 +8,7 @@ import numpy as np
 import pytest
 
 pytest.importorskip("torch", reason="training needs the extra train")
-pytestmark = [
-    pytest.mark.train,
-    # torch's own set-up of its compiler warns about the Python it runs on
-    pytest.mark.filterwarnings("ignore::DeprecationWarning:torch"),
-]
+pytestmark = pytest.mark.train
 
 import torch  # noqa: E402
 
