@@ -27,7 +27,7 @@ from fieldkit.simulator import paper
 
 FRESH_FLIGHTS = 5000
 FRESH_SEED = 20_000_000
-"""Of the flights drawn for the report; no ensemble trains on this seed."""
+"""Of the flights drawn for the report; training spawns its streams from a seed and never draws these."""
 
 
 @dataclass(frozen=True, slots=True)
