@@ -66,8 +66,8 @@ def _floor(report: Report) -> str:
         "Forecasts of flights that were left out are above. Flights of one motor and configuration scatter by "
         f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
         f"their mean would miss by {scatter['perfect_mae_m']:.1f} m on average, and the mean of two earlier flights "
-        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(taught):.0f} to {max(taught):.0f} m on so few "
-        "flights, the rules that learn from flights can hardly be told apart."
+        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(taught):.0f} to {max(taught):.0f} m "
+        "on so few flights, the rules that learn from flights can hardly be told apart."
     )
 
 
