@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
-from fieldkit.cli.screen import card, complain, say
-from fieldkit.cli.session import MotorCheck, open_ledger
+from fieldkit.cli.screen import complain, print_card
+from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Talk
@@ -40,17 +40,13 @@ app.command()(add)
 
 
 def _from_options(changes: dict[str, str]) -> "Flight":
-    from fieldkit.entry import read_changes
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
-    from fieldkit.motors import is_cluster
     from fieldkit.sanity import doubts
 
-    flight = Flight().with_changes(**read_changes(Flight(), changes))
+    flight = Flight().with_changes(**read_settings(changes, MotorCheck()))
     if not flight.rocket:
-        raise BadValue("--rocket: found nothing, expected the rocket's name")
-    if flight.motor and not is_cluster(flight.motor) and (complaint := MotorCheck()(flight.motor)):
-        raise BadValue(f"--motor: {complaint}")
+        raise BadValue("rocket: found nothing, expected the rocket's name")
     for phrase in doubts(flight):
         complain(f"note: {phrase}")
     return flight
@@ -141,6 +137,5 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     if added.duplicates:
         complain("it is in the ledger already")
         return
-    for title, value in card(flight, added.new[0]):
-        say(f"{title:18} {value}")
+    print_card(flight, added.new[0])
     complain("added; `fieldkit undo` takes it back")

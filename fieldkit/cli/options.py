@@ -6,30 +6,13 @@ from typing import Annotated, Any
 
 import typer
 
-TEXTS = ("rocket", "config", "motor", "flight_id", "date_time", "site", "tags", "notes")
-SETUP = ("dry_mass_g", "diameter_mm", "delay_s")
-CONDITIONS = (
-    "site_elevation_m",
-    "temperature_c",
-    "pressure_hpa",
-    "humidity_pct",
-    "wind_mps",
-    "rail_length_m",
-    "rail_angle_deg",
+from fieldkit import flight
+
+TEXTS = tuple(name for name in flight.TEXT_COLUMNS if name != "log")
+SETUP, CONDITIONS, READOUTS = (
+    tuple(column.header for column in columns) for columns in (flight.SETUP, flight.CONDITIONS, flight.READOUTS)
 )
-READOUTS = (
-    "apogee_m",
-    "top_speed_mps",
-    "burn_time_s",
-    "peak_accel_g",
-    "avg_accel_g",
-    "coast_to_apogee_s",
-    "apogee_to_eject_s",
-    "eject_altitude_m",
-    "descent_speed_mps",
-    "duration_s",
-)
-"""Columns of the flight table; written out, for reading them off a flight would wake numpy for `--help`."""
+"""Columns of the flight table that are options of commands."""
 
 
 def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: Iterable[str], panel: str) -> None:

@@ -27,8 +27,8 @@ class Candidate:
 
     @property
     def name(self) -> str:
-        """`motor_thrust of AeroTech F24W`."""
-        return f"{self.effect} of {self.where}" if self.where else self.effect
+        """`motor_thrust of AeroTech F24W`, or what a pattern goes with."""
+        return " of ".join(part for part in (self.effect, self.where) if part)
 
 
 def effect_term(name: str, effect: Effect, weight: Float[Array, "flight"], where: str = "") -> Term:

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
-from fieldkit.loop.fit import Fit, LeftOut, fit, leave_one_out
+from fieldkit.loop.fit import Fit, Lane, LeftOut, fit, fit_lanes, leave_one_out
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, mixed, score
 from fieldkit.shapes import Array, Flags, Float
@@ -97,14 +97,24 @@ class Diagnosis:
         return [effects()[name].tell_apart for name in names] if self.also else []
 
 
-def try_candidate(model: Model, data: Data, candidate: Candidate, near: Fit) -> Trial:
-    """Fit a candidate from each of its starts, beginning where a smaller model ended, and keep the best."""
-    extended = model.with_terms(*candidate.terms)
-    rest = [term.mean for term in candidate.terms[1:]]
-    begin = near.tangent.at
-    fits = [fit(extended, data, np.array([*begin, start, *rest]), rounds=4) for start in candidate.starts]
-    best = max(fits, key=lambda result: result.log_evidence)
-    return Trial(candidate, best, leave_one_out(best))
+def try_family(model: Model, data: Data, family: Sequence[Candidate], near: Fit) -> list[Trial]:
+    """Fit the candidates of one effect side by side, each from all its starts, from where a smaller model ended."""
+    wide, lanes, owners = model, [], []
+    base = tuple(range(len(model.terms)))
+    for candidate in family:
+        own = tuple(range(len(wide.terms), len(wide.terms) + len(candidate.terms)))
+        wide = wide.with_terms(*candidate.terms)
+        rest = [term.mean for term in candidate.terms[1:]]
+        for start in candidate.starts:
+            lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest])))
+            owners.append(candidate)
+    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], rounds=4)
+    best: dict[str, Fit] = {}
+    for candidate, result in zip(owners, fits, strict=True):
+        known = best.get(candidate.name)
+        if known is None or result.log_evidence > known.log_evidence:
+            best[candidate.name] = result
+    return [Trial(candidate, best[candidate.name], leave_one_out(best[candidate.name])) for candidate in family]
 
 
 def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
@@ -115,11 +125,11 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
     truth = data.values[:, 0]
     seen = data.seen[:, 0]
 
-    singles = [*effect_candidates(model), *pattern_candidates(model)]
+    singles = _by_effect([*effect_candidates(model), *pattern_candidates(model)])
     trials = []
-    for number, candidate in enumerate(singles):
-        tell(candidate.name or candidate.where, number / (2 * len(singles)))
-        trials.append(try_candidate(model, data, candidate, base_fit))
+    for number, (name, family) in enumerate(singles.items()):
+        tell(name or "patterns", number / (2 * len(singles)))
+        trials += try_family(model, data, family, base_fit)
     before = mixed(base.left_out)
     ranking = _rank(trials, base, truth, seen)
     choice = _choose(ranking, base.log_evidence)
@@ -130,14 +140,21 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
 
     best = choice.best
     pairs = []
-    for number, candidate in enumerate(singles):
-        if candidate.effect and candidate.effect != choice.effect:
-            tell(f"{choice.effect}+{candidate.effect}", 0.5 + number / (2 * len(singles)))
-            pairs.append(try_candidate(best.fit.model, data, candidate, best.fit))
+    for number, (name, family) in enumerate(singles.items()):
+        if name and name != choice.effect:
+            tell(f"{choice.effect}+{name}", 0.5 + number / (2 * len(singles)))
+            pairs += try_family(best.fit.model, data, family, best.fit)
     second = _choose(_rank(pairs, best, truth, seen), best.log_evidence)
     accepted = (best, second.best) if second is not None else (best,)
     after = _select(folds, trials, base, (best, pairs))
     return _conclude(model, data, base, ranking, choice, accepted, before, after)
+
+
+def _by_effect(candidates: Sequence[Candidate]) -> dict[str, list[Candidate]]:
+    families: dict[str, list[Candidate]] = {}
+    for candidate in candidates:
+        families.setdefault(candidate.effect, []).append(candidate)
+    return families
 
 
 def _families(trials: Sequence[Trial]) -> dict[str, list[Trial]]:

@@ -88,6 +88,10 @@ class Model:
         """The same model with more unknowns."""
         return Model(self.flights, self.found, self.area, (*self.terms, *terms))
 
+    def only(self, terms: Sequence[int]) -> "Model":
+        """The same flights with some of the unknowns."""
+        return replace(self, terms=tuple(self.terms[i] for i in terms))
+
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
