@@ -1,0 +1,66 @@
+"""`fieldkit simulate`: one forward flight."""
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
+from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.session import known_motors
+
+app = typer.Typer()
+
+BODY = ("motor", "dry_mass", "diameter")
+"""What both physics need, as typer names it: without the unit."""
+
+
+class Physics(StrEnum):
+    """Which simulator flies."""
+
+    paper = "paper"
+    field = "field"
+
+
+def simulate(
+    cd: Annotated[float, typer.Option(min=0.001, max=50.0, help="Drag coefficient.", show_default=False)],
+    alpha: Annotated[float, typer.Option(min=0.01, max=10.0, help="Thrust over declared thrust.")] = 1.0,
+    physics: Annotated[Physics, typer.Option(help="The field's, or the reference paper's.")] = Physics.field,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
+) -> None:
+    """Fly one rocket once: needs motor, dry mass, diameter and Cd. Recorded wind turns it fully."""
+    from fieldkit.entry import read_changes
+    from fieldkit.errors import BadValue
+    from fieldkit.flight import Flight
+    from fieldkit.simulator.single import field_flight, paper_flight
+
+    said = {name: text for name, text in given.items() if text is not None}
+    for name in BODY:
+        if name not in said:
+            raise typer.BadParameter(f"found no --{_dashed(name)}, expected one")
+    unused = [f"--{_dashed(name)}" for name in said if name not in BODY]
+    if physics is Physics.paper and unused:
+        raise BadValue(f"{', '.join(unused)}: found a value, the paper's physics knows no delay and no conditions")
+    plan = Flight().with_changes(**read_changes(Flight(), said))
+    if physics is Physics.paper:
+        result = paper_flight(plan, cd, alpha)
+    else:
+        found = known_motors().resolve(plan.motor)
+        for note in found.notes:
+            complain(f"note: {note}")
+        result = field_flight(plan, found, cd, alpha)
+    if json:
+        print_json(result)
+        return
+    width = max(map(len, result))
+    for name, value in result.items():
+        say(f"{name:{width}}  {value:.4g}")
+
+
+def _dashed(name: str) -> str:
+    return name.replace("_", "-")
+
+
+takes_columns(simulate, ("motor",), (*SETUP, *CONDITIONS), "The flight")
+app.command()(simulate)
