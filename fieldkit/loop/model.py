@@ -29,7 +29,7 @@ CD = (np.log(0.6), 0.35)
 UNKNOWN_AREA_SD = 0.6
 """Of log area where the diameter was not recorded and follows from the mass. [1]"""
 
-Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass"]
+Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -117,18 +117,23 @@ def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[
     return [str(getattr(flight, per)) for flight in flights]
 
 
-def base_model(flights: Sequence[Flight], found: Sequence[Found]) -> Model:
-    """The plain model: one drag for the rocket, certified motors, and the small print of both."""
+def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float = 1.0) -> Model:
+    """The plain model: one drag for the rocket, certified motors, and the small print of both.
+
+    `slack` scales how far motors may be from their certificate and configurations from each other. Forecasts
+    take it as it is; a search for effects takes less, for what it leaves to chance it cannot find.
+    """
     area = reference_area(flights)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
     every = np.ones(len(flights))
     terms = [
         Term("drag", "drag", CD[0], float(np.hypot(CD[1], UNKNOWN_AREA_SD * unknown)), every),
-        Term("thrust", "thrust", 0.0, 0.02, every),
-        *_per_group("drag", "drag", 0.03, groups(flights, found, "config")),
-        *_per_group("thrust", "thrust", 0.02, groups(flights, found, "motor")),
-        *_per_group("burn", "stretch", 0.04, groups(flights, found, "motor"), alone=True),
+        Term("thrust", "thrust", 0.0, 0.02 * slack, every),
+        *_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")),
+        *_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")),
+        *_per_group("burn", "stretch", 0.04 * slack, groups(flights, found, "motor"), alone=True),
         *_per_group("delay", "delay", 0.06, groups(flights, found, "motor"), alone=True),
+        Term("opening of the parachute", "opening", 0.6, 0.4, every, low=0.0),
         Term("top speed read", "top_speed", 0.0, 0.01, every),
         Term("burn time read", "burn_time", 0.0, 0.05, every),
         Term("peak read", "peak_accel", 0.0, 0.06, every),
@@ -190,6 +195,7 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
         dry_mass=setup.dry_mass * np.exp(bend("mass")),
         burn_stretch=np.exp(bend("stretch")),
         delay=setup.delay * np.exp(bend("delay")),
+        opening_time=np.maximum(bend("opening"), 0.0),
     )
     if np.any(tilt := bend("tilt")):
         lean = TILT * np.sqrt(np.abs(tilt))

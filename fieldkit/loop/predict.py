@@ -61,9 +61,11 @@ def median(values: Float[Array, "draw"]) -> float | None:
     return float(np.median(finite)) if len(finite) else None
 
 
-def rocket_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
-    """The model of a rocket with the effects that were accepted into it."""
-    model = base_model(flights, found)
+def rocket_model(
+    flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = (), slack: float = 1.0
+) -> Model:
+    """The model of a rocket with the effects that were accepted into it; `slack` as in `base_model`."""
+    model = base_model(flights, found, slack)
     return model.with_terms(*(effect_term(place, model) for place in accepted if place.effect in effects()))
 
 
