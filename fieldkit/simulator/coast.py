@@ -154,7 +154,9 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> l
     return [np.where(inside, new, old) for new, old in zip((before.height + gain, upward), marks, strict=True)]
 
 
-def _under_parachute(setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array) -> tuple[Array, Array]:
+def _under_parachute(
+    setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
+) -> tuple[Array, Array]:
     """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
     g, terminal = setup.gravity, setup.descent_speed
     climbing = np.isfinite(opened[0])
