@@ -119,11 +119,12 @@ def reach(found: Case, tracks: Mapping[str, Sequence[Track]]) -> dict[str, float
     """How much of the apogees the effect accounts for, and what a predictor could make of knowing it.
 
     `shift_*`: apogee with the effect minus without it, luck alike. `blind_mae_m`: error of the effect-free truth
-    without luck, scaled by one number fitted to the flights; `ideal_mae_m`: the same with the effect in it.
+    without luck, scaled by one number fitted to the flights; `ideal_mae_m`: the same with the effect in it;
+    `naive_mae_m`: that of the effect-free truth as it is.
     All against apogees before the altimeter's noise, over all flights and over the future ones.
     """
     now, twin = _apogees(found.bent, tracks["true"]), _apogees(found.honest, tracks["twin"])
-    errors: dict[str, float] = {}
+    errors = {"naive_mae_m": float(np.abs(now - _apogees(found.honest, tracks["blind"])).mean())}
     for name, season in (("blind", found.honest), ("ideal", found.bent)):
         expected = _apogees(season, tracks[name])
         error = np.abs(now - float(np.median(now / expected)) * expected)

@@ -55,6 +55,8 @@ class Result:
     confidence: float = float("nan")
     before: Errors | None = None
     after: Errors | None = None
+    fitted: float = float("nan")
+    """Part of the error that the product's own fit of the labelled effect takes away, if it was a candidate. [1]"""
     seconds: float = float("nan")
     error: str = ""
     level: int = 0
@@ -117,9 +119,17 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
         confidence=float(verdict["confidence"]),
         before=errors[0],
         after=errors[1],
+        fitted=_fitted(said, label["label"]),
         seconds=seconds,
         top=tuple(candidate["effect"] for candidate in said["candidates"][:4]),
     )
+
+
+def _fitted(said: Mapping[str, Any], label: str) -> float:
+    for candidate in said["candidates"]:
+        if effects(candidate["effect"]) == effects(label) and "after" in candidate:
+            return float(1 - candidate["after"]["mae_m"] / said["residual"]["before"]["mae_m"])
+    return float("nan")
 
 
 def _json(command: Sequence[str], timeout: float) -> Any:

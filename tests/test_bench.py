@@ -220,7 +220,8 @@ if command == "import":
     print(json.dumps({"imported": 20, "duplicates": 0, "rejected": [], "flights": []}))
 elif command == "loop":
     verdict = {"effect": "motor_thrust", "confidence": 0.9, "why": "x", "also": ["mass_offset"]}
-    print(json.dumps({"verdict": verdict, "candidates": [{"effect": "motor_thrust"}]}))
+    tried = [{"effect": "motor_thrust"}, {"effect": "mass_offset", "after": {"mae_m": 3.0}}]
+    print(json.dumps({"verdict": verdict, "candidates": tried, "residual": {"before": {"mae_m": 4.0}}}))
 else:
     rows = list(csv.DictReader(open(sys.argv[5])))
     high = 1e6 if sys.argv[7] == "after" else 300.0
@@ -237,6 +238,7 @@ def test_scoring_calls_the_product_as_the_contract_says(sets: Path, tmp_path: Pa
     assert not result.error
     assert result.right
     assert not result.named
+    assert result.fitted == pytest.approx(0.25)
     assert result.before is not None
     assert result.after is not None
     assert result.before.mae == result.after.mae > 0
