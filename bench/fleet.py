@@ -327,9 +327,9 @@ def _declared(launch: Launch, choice: _Combination, conditions: str) -> dict[str
 
 
 def _all_seen(rng: np.random.Generator, flights: list[Flown], history: int, plan: _Plan) -> tuple[Flown, ...]:
-    """The flights, with every motor and configuration flown at least three times in the history."""
-    for config in {c.config for c in plan.combinations}:
-        for key in {c.key for c in plan.combinations}:
+    """The flights, with every motor in every configuration flown about twice in the history."""
+    for config in sorted({c.config for c in plan.combinations}):
+        for key in sorted({c.key for c in plan.combinations}):
             seen = [f for f in flights[:history] if (f.config, f.motor) == (config, key)]
             if len(seen) >= 2:
                 continue
