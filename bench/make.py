@@ -139,19 +139,20 @@ def reach(found: Case, tracks: Mapping[str, Sequence[Track]]) -> dict[str, float
 
 def flown(cases: Sequence[Case], fly: Fly) -> list[dict[str, list[Track]]]:
     """The tracks of every case: the true ones by `fly`; without the effect; without luck; with both gone."""
-    kinds: Mapping[str, tuple[Fly, Callable[[Case], list[Launch]]]] = {
-        "true": (fly, lambda c: [scattered(f) for f in c.bent.flights]),
-        "twin": (fast_truth.fly, lambda c: [scattered(f) for f in c.honest.flights]),
-        "blind": (fast_truth.fly, lambda c: [f.launch for f in c.honest.flights]),
-        "ideal": (fast_truth.fly, lambda c: [f.launch for f in c.bent.flights]),
-    }
-    result: list[dict[str, list[Track]]] = [{} for _ in cases]
-    for kind, (flier, launches) in kinds.items():
-        lists = [launches(c) for c in cases]
-        tracks = iter(flier([launch for part in lists for launch in part]))
-        for found, part in zip(result, lists, strict=True):
-            found[kind] = [next(tracks) for _ in part]
-    return result
+    plans: list[dict[str, list[Launch]]] = [
+        {
+            "true": [scattered(f) for f in c.bent.flights],
+            "twin": [scattered(f) for f in c.honest.flights],
+            "blind": [f.launch for f in c.honest.flights],
+            "ideal": [f.launch for f in c.bent.flights],
+        }
+        for c in cases
+    ]
+    true = iter(fly([launch for plan in plans for launch in plan["true"]]))
+    rest = iter(fast_truth.fly([x for plan in plans for kind, part in plan.items() if kind != "true" for x in part]))
+    return [
+        {kind: [next(true if kind == "true" else rest) for _ in part] for kind, part in plan.items()} for plan in plans
+    ]
 
 
 def write_set(
