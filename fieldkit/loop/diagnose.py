@@ -202,6 +202,7 @@ def _family_forecasts(family: Sequence[Trial]) -> Forecasts:
             np.concatenate([trial.left_out.mean for trial in family]),
             np.concatenate([trial.left_out.variance for trial in family]),
             np.concatenate([trial.left_out.log_weight + trial.candidate.log_share for trial in family]),
+            np.concatenate([trial.left_out.distance for trial in family]),
         )
     )
 

@@ -26,7 +26,7 @@ LOGARITHMIC = np.array([True, True, True, True, True, False])
 """Which of them are compared by ratio rather than by difference."""
 CD = (np.log(0.6), 0.35)
 """Prior of log Cd: typical models lie between 0.35 and 1.1 (Mandell et al., 1973; Hoerner, 1965)."""
-UNKNOWN_AREA_SD = 0.6
+UNKNOWN_AREA_SD = 0.4
 """Of log area where the diameter was not recorded and follows from the mass. [1]"""
 
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
@@ -129,6 +129,7 @@ def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float =
     terms = [
         Term("drag", "drag", CD[0], float(np.hypot(CD[1], UNKNOWN_AREA_SD * unknown)), every),
         Term("thrust", "thrust", 0.0, 0.02 * slack, every),
+        Term("mass", "mass", 0.0, 0.02 * slack, every),
         *_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")),
         *_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")),
         *_per_group("burn", "stretch", 0.04 * slack, groups(flights, found, "motor"), alone=True),
@@ -214,12 +215,13 @@ class Data:
     """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
 
     `sd` is the expected error of reading one off the altimeter; `seen` marks what was recorded on flights
-    that teach.
+    that teach, and `trust` is how much each flight counts.
     """
 
     values: Float[Array, "flight readout"]
     sd: Float[Array, "flight readout"]
     seen: Flags
+    trust: Float[Array, "flight"]
 
 
 def observe(flights: Sequence[Flight], teach: Sequence[bool]) -> Data:
@@ -229,7 +231,7 @@ def observe(flights: Sequence[Flight], teach: Sequence[bool]) -> Data:
         raw = _speed_from_average(raw, flights)
         seen = np.isfinite(raw) & (~LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
-    return Data(values, np.where(seen, reading_sd(raw), 1.0), seen)
+    return Data(values, np.where(seen, reading_sd(raw), 1.0), seen, np.ones(len(flights)))
 
 
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:
