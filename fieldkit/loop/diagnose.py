@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.loop.candidates import Candidate, Place, effect_candidates, pattern_candidates
 from fieldkit.loop.fit import Fit, Lane, LeftOut, fit, fit_lanes, leave_one_out
 from fieldkit.loop.model import Data, Model
-from fieldkit.loop.score import Forecasts, Score, mixed, score
+from fieldkit.loop.score import Forecasts, Score, forecasts_of, mixed, score
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.effect import Effect, effects
 
@@ -154,7 +154,7 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
         if settled:
             break
     base = Trial(Candidate(Place("none"), ()), base_fit, leave_one_out(base_fit))
-    before = mixed(base.left_out)
+    before = forecasts_of(base.left_out)
     ranking = _rank(trials, base, truth, seen)
     choice = _choose(ranking, base.log_evidence)
     folds = _fold_choices(trials, base)
@@ -217,14 +217,11 @@ def _rank(trials: Sequence[Trial], base: Trial, truth: Array, seen: Flags) -> tu
 
 def _family_forecasts(family: Sequence[Trial]) -> Forecasts:
     """What an effect says of each flight left out, its places weighed by their evidence."""
-    return mixed(
-        LeftOut(
-            np.concatenate([trial.left_out.mean for trial in family]),
-            np.concatenate([trial.left_out.variance for trial in family]),
-            np.concatenate([trial.left_out.log_weight + trial.candidate.log_share for trial in family]),
-            np.concatenate([trial.left_out.distance for trial in family]),
-        )
-    )
+    parts = [
+        (trial.left_out.mean, trial.left_out.variance, trial.left_out.log_weight + trial.candidate.log_share)
+        for trial in family
+    ]
+    return mixed(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
 
 def _choose(ranking: Sequence[Ranked], base_evidence: float) -> Ranked | None:
@@ -254,7 +251,7 @@ def _select(
 ) -> Forecasts:
     """Forecasts of each flight by the model chosen without it."""
     families = _families(trials)
-    options = {None: mixed(base.left_out)} | {
+    options = {None: forecasts_of(base.left_out)} | {
         name: _family_forecasts(families[name]) for name in set(folds) if name is not None
     }
     picked = [options[name] for name in folds]

@@ -259,13 +259,15 @@ class LeftOut:
 
     For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
     (times the evidence of the other flights). `distance` is how far the flight's readouts lie from what the
-    others say of them, squared, in standard deviations (Mahalanobis).
+    others say of them, squared, in standard deviations (Mahalanobis), `residual` each readout's own distance,
+    flown less expected.
     """
 
     mean: Float[Array, "scale flight"]
     variance: Float[Array, "scale flight"]
     log_weight: Float[Array, "scale flight"]
     distance: Float[Array, "scale flight"]
+    residual: Float[Array, "scale flight readout"]
 
 
 def leave_one_out(result: Fit) -> LeftOut:
@@ -289,7 +291,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     surprise = np.linalg.solve(covariance, error[..., None])[..., 0]
     distance = (error * surprise).sum(axis=-1)
     own = -0.5 * (distance + np.linalg.slogdet(covariance)[1])
-    return LeftOut(mean, variance, result.log_weight[:, None] - own, distance)
+    residual = error / np.sqrt(np.diagonal(covariance, axis1=2, axis2=3))
+    return LeftOut(mean, variance, result.log_weight[:, None] - own, distance, residual)
 
 
 def fit_robustly(model: Model, data: Data, rounds: int = 2) -> Fit:
