@@ -47,7 +47,7 @@ class Air:
         if self.scale_height is not None:
             result: Float[Array, "*draw"] = np.exp(height * (-1 / self.scale_height))
             return result
-        warmth = np.maximum(height * (-LAPSE / self.temperature), -0.9)
+        warmth = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
         np.log1p(warmth, out=warmth)
         warmth *= HYDROSTATIC - 1
         return np.exp(warmth, out=warmth)

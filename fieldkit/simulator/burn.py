@@ -18,6 +18,9 @@ BIGGEST_GAIN = 0.4
 MOST_PARTS = 64
 """Into which a step is cut. [1]"""
 
+NEWTON = 8
+"""Rounds of Newton's method for the moment at which the rail ends. [1]"""
+
 Stages = list[Array]
 """A figure at start, middle and end of a step."""
 
@@ -47,7 +50,7 @@ def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
     burns, motor = setup.burns, setup.motor
     weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
     needed = weight * setup.burn_stretch / setup.thrust_factor
-    result = np.full(needed.shape, np.inf)
+    result = np.where(burns.rise_thrust[0][motor] > needed, burns.rise_time[0][motor], np.inf)
     for knot in range(len(burns.rise_time) - 1):
         before, after = burns.rise_thrust[knot][motor], burns.rise_thrust[knot + 1][motor]
         crosses = (after > needed) & np.isinf(result)
@@ -127,7 +130,7 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
                 _between(mass, start_at, end_at),
             )
         if highlights:
-            _leave_rail(track, setup, *before)
+            _leave_rail(track, setup, dt, *before)
             slope_before = slope
             slope = _along(track.velocity, pull(track.position, track.velocity, thrust[2], mass[2]))
             track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
@@ -202,12 +205,19 @@ def _turn_over(track: Track, dt: Array, height: Array, upward: Array) -> None:
     track.highest = np.where(higher, top, track.highest)
 
 
-def _leave_rail(track: Track, setup: Setup, position: Array, velocity: Array) -> None:
-    """Keep the speed at the end of the rail: v^2 is close to linear in the path there."""
+def _leave_rail(track: Track, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
+    """Keep the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
     before, after = _speed(position), _speed(track.position)
     leaves = (after >= setup.rail_length) & (before < setup.rail_length)
     if not leaves.any():
         return
-    share = (setup.rail_length - before) / np.where(leaves, after - before, 1.0)
-    square = _speed(velocity) ** 2 * (1 - share) + _speed(track.velocity) ** 2 * share
-    track.rail_speed = np.where(leaves, np.sqrt(np.maximum(square, 0.0)), track.rail_speed)
+    rise, lift0, lift1 = after - before, _speed(velocity) * dt, _speed(track.velocity) * dt
+    square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
+    left = np.where(leaves, setup.rail_length - before, 0.0)
+    place = np.ones(len(rise))
+    for _ in range(NEWTON):
+        slope = lift0 + place * (2 * square + 3 * place * cubic)
+        miss = place * (lift0 + place * (square + place * cubic)) - left
+        place = np.clip(place - miss / np.where(leaves & (slope > 0), slope, np.inf), 0.0, 1.0)
+    speed = (lift0 + place * (2 * square + 3 * place * cubic)) / np.where(leaves, dt, 1.0)
+    track.rail_speed = np.where(leaves, speed, track.rail_speed)

@@ -62,21 +62,21 @@ def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed
     closed = track.position.shape[0] == 1 and not setup.forces
     points = _layers(setup, track, timed=timed or ever) if closed else _steps(setup, track)
     last = next(points)
-    eject = [np.full(len(fires), np.nan) for _ in range(4)]
+    fired, opened = ([np.full(len(fires), np.nan) for _ in range(2)] for _ in range(2))
     for point in points:
         if ever:
-            _mark(eject[:2], last, point, fires)
-            _mark(eject[2:], last, point, fires + OPENING_TIME)
+            _mark(fired, last, point, fires)
+            _mark(opened, last, point, fires + OPENING_TIME)
         last = point
-    early = np.isfinite(eject[0])
+    early = np.isfinite(fired[0])
     height, time = last.height, last.time
     if early.any():
-        height, time = _under_parachute(setup, eject, fires, height, time)
+        height, time = _under_parachute(setup, opened, fires, height, time)
     fell = track.velocity[0] <= 0
     if fell.any():
         height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
         time = np.where(fell, track.highest_time, time)
-    return Apogee(time, height, last.drift, last.sideways, eject[0], np.where(early, eject[1], np.nan))
+    return Apogee(time, height, last.drift, last.sideways, fired[0], fired[1])
 
 
 def _layers(setup: Setup, track: Track, *, timed: bool) -> Iterator[_Point]:
@@ -167,13 +167,16 @@ def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> N
     marks[1] = np.where(inside, upward, marks[1])
 
 
-def _under_parachute(setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array) -> tuple[Array, Array]:
+def _under_parachute(
+    setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
+) -> tuple[Array, Array]:
     """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
     g, terminal = setup.gravity, setup.descent_speed
-    opened, climbing = np.isfinite(eject[2]), eject[3]
+    start, climbing = opened
+    open_first = np.isfinite(start)
     gain = terminal**2 / (2 * g) * np.log1p((climbing / terminal) ** 2)
     stop = terminal / g * np.arctan(climbing / terminal)
     return (
-        np.where(opened, eject[2] + gain, height),
-        np.where(opened, fires + OPENING_TIME + stop, time),
+        np.where(open_first, start + gain, height),
+        np.where(open_first, fires + OPENING_TIME + stop, time),
     )
