@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import fields
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -88,7 +89,7 @@ def ends(at: Callable[[int], np.ndarray[Any, Any]], counts: tuple[int, ...], fin
     """By what the error divides each time the number of steps doubles."""
     truth = at(finest)
     errors = [float(np.abs(at(count) - truth).max()) for count in counts]
-    return [a / b for a, b in zip(errors, errors[1:], strict=False)]
+    return [a / b for a, b in pairwise(errors)]
 
 
 @pytest.mark.parametrize("changes", [{}, {"rail_angle": 0.1, "rail_length": 1e6}])
@@ -325,12 +326,9 @@ def test_a_charge_before_apogee_lowers_it_and_the_later_the_less() -> None:
 
 @pytest.mark.parametrize("changes", [{}, {"rail_angle": 1e-9}], ids=["layers", "steps"])
 def test_a_charge_at_the_moment_of_apogee_leaves_it_where_it_is(changes: dict[str, Any]) -> None:
-    plain = fly(rocket(ROUGH, **changes))
-    start = plain.burn_time + plain.coast_to_apogee - ROUGH.burnout
-    ignition = fly(rocket(ROUGH, delay=9.0, **changes)).apogee_to_eject - 9.0
-    around = -ignition + np.array([-1.0, -0.3, -0.21, -0.19, -0.01, -1e-6, 1e-6, 0.1])
+    at_apogee = 9.0 - fly(rocket(ROUGH, delay=9.0, **changes)).apogee_to_eject
+    around = at_apogee + np.array([-1.0, -0.55, -0.51, -0.49, -0.01, -1e-6, 1e-6, 0.1])
     flown = fly(rocket(ROUGH, delay=around, **changes))
-    assert float(start) == pytest.approx(float(-ignition), abs=0.1)
     assert np.abs(np.diff(flown.apogee[2:])).max() < 0.01
     assert np.all(flown.eject_altitude <= flown.apogee + 1e-6)
     np.testing.assert_allclose(flown.apogee_to_eject[-3:], [-1e-6, 1e-6, 0.1], atol=1e-7)
@@ -458,8 +456,18 @@ def test_propellant_burns_off_with_the_impulse_and_ends_at_burnout(steps: int) -
 
 @pytest.mark.parametrize(
     ("name", "index"),
-    [("E35-5W", 0), ("E35W-5", 0), ("F24-4W", 1), ("F24W-4", 1), ("AeroTech F24-4W", 1), ("f24", 1), ("F39", 2)]
-    + [("F39T-6", 2), ("F39-6T", 2), (" Aerotech F39T ", 2)],
+    [
+        ("E35-5W", 0),
+        ("E35W-5", 0),
+        ("F24-4W", 1),
+        ("F24W-4", 1),
+        ("AeroTech F24-4W", 1),
+        ("f24", 1),
+        ("F39", 2),
+        ("F39T-6", 2),
+        ("F39-6T", 2),
+        (" Aerotech F39T ", 2),
+    ],
 )
 def test_the_papers_motors_answer_to_every_spelling(name: str, index: int) -> None:
     assert paper.motor_index(name) == index

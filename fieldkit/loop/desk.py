@@ -12,7 +12,7 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.candidates import Place
-from fieldkit.loop.diagnose import Diagnosis, Progress, diagnose, strength
+from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose, strength
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
 from fieldkit.motors import Catalogue, Found
@@ -146,7 +146,7 @@ def close_loop(
             f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
         )
     flights = [flight for flight, _ in history]
-    model = rocket_model(flights, [motor for _, motor in history])
+    model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
     diagnosis = diagnose(model, observe(flights, teach), progress)
     if accept:
         _keep(ledger, rocket, diagnosis)

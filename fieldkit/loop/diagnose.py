@@ -117,6 +117,10 @@ def try_family(model: Model, data: Data, family: Sequence[Candidate], near: Fit)
     return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in family]
 
 
+SEARCH_SLACK = 0.35
+"""How far a search lets motors be from their certificate, and configurations from each other, unexplained."""
+
+
 def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach."""
     tell = progress or (lambda text, share: None)
@@ -198,6 +202,7 @@ def _family_forecasts(family: Sequence[Trial]) -> Forecasts:
             np.concatenate([trial.left_out.mean for trial in family]),
             np.concatenate([trial.left_out.variance for trial in family]),
             np.concatenate([trial.left_out.log_weight + trial.candidate.log_share for trial in family]),
+            np.concatenate([trial.left_out.distance for trial in family]),
         )
     )
 
