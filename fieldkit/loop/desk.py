@@ -12,7 +12,7 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.candidates import Place
-from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose, strength
+from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
 from fieldkit.loop.residual import fingerprint, patterns, spreads
@@ -170,7 +170,7 @@ def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
         "effects": [
             {
                 **asdict(trial.candidate.place),
-                **dict(zip(("mean", "sd"), strength(trial), strict=True)),
+                **dict(zip(("mean", "sd"), trial.strength(), strict=True)),
                 "unit": trial.unit,
             }
             for trial in diagnosis.accepted
@@ -195,7 +195,7 @@ def loop_document(rocket: str, diagnosis: Diagnosis) -> dict[str, Any]:
             "evidence": item.log_bayes,
             "parameters": {
                 str(item.best.candidate.place): {
-                    **dict(zip(("mean", "sd"), strength(item.best), strict=True)),
+                    **dict(zip(("mean", "sd"), item.best.strength(), strict=True)),
                     "unit": item.best.unit,
                 }
             },

@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import CONDITIONS
-from fieldkit.loop.diagnose import Diagnosis, Trial
+from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.model import OBSERVED, groups
 from fieldkit.loop.score import forecasts_of
+from fieldkit.loop.trial import Trial
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.field import recorded
 

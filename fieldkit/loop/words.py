@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from fieldkit.loop.diagnose import Diagnosis, strength
+from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.predict import Prediction
 from fieldkit.loop.residual import fingerprint, patterns, spreads
 from fieldkit.simulator.effect import effects
@@ -58,7 +58,7 @@ def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
     yield "  could be missing                  evidence   strength"
     for item in diagnosis.ranking:
         if item.effect:
-            mean, sd = strength(item.best)
+            mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
             yield f"  {place:34.34}{item.log_bayes:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
