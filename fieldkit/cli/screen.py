@@ -20,6 +20,17 @@ def say(text: str = "") -> None:
     sys.stdout.write(printable(text) + "\n")
 
 
+def say_wrapped(text: str, hanging: str = "") -> None:
+    """Print one line of a result on as many as the terminal needs, later ones below its first word and `hanging`."""
+    from textwrap import wrap
+
+    from rich.console import Console
+
+    start = text[: len(text) - len(text.lstrip())]
+    for line in wrap(text.strip(), min(Console().width, 100), initial_indent=start, subsequent_indent=start + hanging):
+        say(line)
+
+
 def complain(text: str) -> None:
     """Print a message, a line or a few, where it is not taken for a result."""
     sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
