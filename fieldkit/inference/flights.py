@@ -56,11 +56,9 @@ def _paper() -> Callable[[Flight], Inferred]:
 
     def judge(flight: Flight) -> Inferred:
         found = infer_paper([flight], ensemble)
-        return Inferred(
-            flight,
-            *(float(column[0]) for column in (found.cd, found.cd_sd, found.alpha, found.alpha_sd)),
-            found.model,
-        )
+        columns = (found.cd, found.cd_sd, found.alpha, found.alpha_sd)
+        cd, cd_sd, alpha, alpha_sd = (float(column[0]) for column in columns)
+        return Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model)
 
     return judge
 

@@ -7,7 +7,7 @@ segment longer than a fraction of the burn is split.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -17,6 +17,7 @@ STEPS = 12
 """No step is longer than the burn over this."""
 
 
+@runtime_checkable
 class Curve(Protocol):
     """What the simulator needs to know of a motor."""
 
@@ -50,8 +51,8 @@ class Burns:
     so that one step of all motors lies together.
     """
 
-    edge: Float[Array, "step+1 motor"]
     thrust: Float[Array, "step 3 motor"]
+    edge: Float[Array, "step+1 motor"]
     spent: Float[Array, "step 3 motor"]
     rise_time: Float[Array, "knot motor"]
     rise_thrust: Float[Array, "knot motor"]
