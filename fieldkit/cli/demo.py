@@ -67,11 +67,10 @@ def _infer(found: "Demo") -> None:
         "   ",
     )
     say()
-    headers = ("flight", "config", "motor", "apogee", "", "Cd", "alpha", "tag")
+    headers = ("flight", "motor", "apogee", "", "Cd", "alpha", "tag")
     rows = [
         (
-            one.flight.flight_id,
-            one.flight.config,
+            f"{one.flight.flight_id} {one.flight.config}",
             one.flight.motor,
             *_heights(one.flight.apogee or 0.0, 1),
             f"{one.cd:.3f} ± {one.cd_sd:.3f}",
