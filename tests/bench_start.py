@@ -1,4 +1,4 @@
-"""How much of a command's start is ours: `pytest tests/bench_start.py --benchmark-only`.
+"""How much of a command's start is ours: `pytest -o addopts= --benchmark-only tests/bench_start.py`.
 
 Each group holds a command as a whole process and the least that any program of its kind must do: a typer
 program without a command, or the libraries that the command needs. The ratio is printed with the group.

@@ -46,9 +46,10 @@ def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
     return path
 
 
-def test_help_wakes_nothing_heavy(tmp_path: Path) -> None:
+@pytest.mark.parametrize("arguments", [["--help"], ["add", "--help"], ["predict", "--help"], ["demo", "--help"]])
+def test_help_wakes_nothing_heavy(tmp_path: Path, arguments: list[str]) -> None:
     heavy = NEVER | {"numpy", "scipy", "sqlalchemy", "alembic", "onnxruntime", "sqlite3"}
-    assert not heavy & woken(tmp_path, "--help")
+    assert not heavy & woken(tmp_path, *arguments)
 
 
 def test_listing_flights_wakes_only_the_ledger(tmp_path: Path, ledger: str) -> None:

@@ -1,4 +1,4 @@
-"""Makes the picture of the README: `python tools/pictures.py` writes `docs/demo.svg` from what `fieldkit demo` prints."""
+"""Makes the picture of the README, `docs/demo.svg`, from what `fieldkit demo` prints: `python tools/pictures.py`."""
 
 import html
 import io
