@@ -17,10 +17,10 @@ from fieldkit.simulator.state import Setup
 
 LAYER = 50.0
 """Thickest layer of even density in the closed form. [m]"""
+LEAST_DRAG = 1e-12
+"""Drag per mass and speed squared that stands for none, so that one formula serves. [1/m]"""
 SPEED_STEP = 12.0
 """Longest step of upward speed otherwise. [m/s]"""
-OPENING_TIME = 0.2
-"""From the ejection charge to an open parachute; an assumption. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,59 +50,66 @@ class _Point:
     sideways: Array
 
 
-def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"]) -> Apogee:
-    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]"""
-    closed = track.position.shape[0] == 1 and not setup.forces
-    points = _layers(setup, track) if closed else _steps(setup, track)
-    last = next(points)
+def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
+    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]
+
+    Without `timed` the time of apogee may be left out (nan), which is quicker.
+    """
     fires = np.maximum(eject_time, track.time)
     ever = bool(np.isfinite(fires).any())
-    eject = [np.full(len(fires), np.nan) for _ in range(4)]
+    closed = track.position.shape[0] == 1 and not setup.forces
+    points = _layers(setup, track, timed=timed or ever) if closed else _steps(setup, track)
+    last = next(points)
+    charge, opened = ([np.full(len(fires), np.nan)] * 2 for _ in range(2))
     for point in points:
         if ever:
-            _mark(eject[:2], last, point, fires)
-            _mark(eject[2:], last, point, fires + OPENING_TIME)
+            charge = _mark(charge, last, point, fires)
+            opened = _mark(opened, last, point, fires + setup.opening_time)
         last = point
-    early = np.isfinite(eject[0])
+    early = np.isfinite(charge[0])
     height, time = last.height, last.time
     if early.any():
-        height, time = _under_parachute(setup, eject, fires, height, time)
+        height, time = _under_parachute(setup, opened, fires, height, time)
     fell = track.velocity[0] <= 0
     if fell.any():
         height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
         time = np.where(fell, track.highest_time, time)
-    return Apogee(time, height, last.drift, last.sideways, eject[0], np.where(early, eject[1], np.nan))
+    return Apogee(time, height, last.drift, last.sideways, charge[0], charge[1])
 
 
-def _layers(setup: Setup, track: Track) -> Iterator[_Point]:
+def _layers(setup: Setup, track: Track, *, timed: bool) -> Iterator[_Point]:
     """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
 
     Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     burns, motor, g = setup.burns, setup.motor, setup.gravity
     mass = setup.dry_mass + burns.casing_mass[motor]
-    even = (0.5 * setup.drag_area * setup.air.density) / mass
+    even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG)
     time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
-    zero = np.zeros(len(time))
+    zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
     thin = even * setup.air.thinning(height)
     yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
-    count = _count(np.max(np.log1p(thin / g * upward**2) / thin, initial=0.0) / (2 * LAYER))
-    fall = upward / count
-    for layer in range(count):
-        slower = upward - fall if layer < count - 1 else np.zeros(len(time))
-        middle = 0.5 * (upward + slower)
+    count = _count(np.log1p(thin / g * upward**2) / (thin * (2 * LAYER)))
+    share = upward / count
+    for _ in range(int(count.max())):
+        slower = np.maximum(upward - share, 0.0)
+        middle, fall = 0.5 * (upward + slower), upward - slower
         thin = even * setup.air.thinning(height + 0.5 * middle * fall / (g + thin * middle**2))
         square = thin / g
         gain = 0.5 / thin * np.log1p((upward + slower) * fall * square / (1 + slower**2 * square))
-        root = np.sqrt(square)
-        time = time + np.arctan(root * fall / (1 + square * upward * slower)) / (g * root)
+        if timed:
+            root = np.sqrt(square)
+            time = time + np.arctan(root * fall / (1 + square * upward * slower)) / (g * root)
         height, upward = height + gain, slower
-        yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+        if timed:
+            yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+    if not timed:
+        yield _Point(untold, height, upward, untold, zero, zero)
 
 
-def _count(wanted: float) -> int:
-    """Between two and a hundred layers or steps."""
-    return int(np.clip(np.ceil(wanted), 2, 100))
+def _count(wanted: Array) -> Array:
+    """Between two and four hundred layers or steps, each draw its own, so that none hangs on its neighbours."""
+    return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
 
 
 def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
@@ -112,8 +119,8 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
     mass = setup.dry_mass + burns.casing_mass[motor]
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)
-    count = _count(4 + np.max(upward, initial=0.0) / SPEED_STEP)
-    step = -upward / count
+    count = _count(4 + upward / SPEED_STEP)
+    share = upward / count
 
     def rates(y: Array, at: Array) -> Array:
         """Derivatives of (position, sideways velocity, time) by upward speed."""
@@ -131,9 +138,10 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
         return _Point(y[-1], y[0], at, slope, drift, across)
 
     yield point(y, upward)
-    for number in range(count):
+    for _ in range(int(count.max())):
+        after = np.maximum(upward - share, 0.0)
+        step = after - upward
         half = upward + 0.5 * step
-        after = upward + step if number < count - 1 else zero
         k1 = rates(y, upward)
         k2 = rates(y + 0.5 * step * k1, half)
         k3 = rates(y + 0.5 * step * k2, half)
@@ -142,28 +150,29 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
         yield point(y, upward)
 
 
-def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> None:
-    """Keep height and upward speed at a moment, from the cubic of speed in time between two points."""
+def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> list[Array]:
+    """Height and upward speed at a moment, from the cubic of speed in time between two points."""
     inside = (moment >= before.time) & (moment < after.time)
     if not inside.any():
-        return
+        return marks
     dt = np.where(inside, after.time - before.time, 1.0)
     s = np.where(inside, (moment - before.time) / dt, 0.0)
     rise, lift0, lift1 = after.upward - before.upward, before.pull * dt, after.pull * dt
     square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
     upward = before.upward + s * (lift0 + s * (square + s * cubic))
     gain = dt * s * (before.upward + s * (lift0 / 2 + s * (square / 3 + s * cubic / 4)))
-    marks[0] = np.where(inside, before.height + gain, marks[0])
-    marks[1] = np.where(inside, upward, marks[1])
+    return [np.where(inside, new, old) for new, old in zip((before.height + gain, upward), marks, strict=True)]
 
 
-def _under_parachute(setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array) -> tuple[Array, Array]:
+def _under_parachute(
+    setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
+) -> tuple[Array, Array]:
     """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
     g, terminal = setup.gravity, setup.descent_speed
-    opened, climbing = np.isfinite(eject[2]), eject[3]
-    gain = terminal**2 / (2 * g) * np.log1p((climbing / terminal) ** 2)
-    stop = terminal / g * np.arctan(climbing / terminal)
+    climbing = np.isfinite(opened[0])
+    gain = terminal**2 / (2 * g) * np.log1p((opened[1] / terminal) ** 2)
+    stop = terminal / g * np.arctan(opened[1] / terminal)
     return (
-        np.where(opened, eject[2] + gain, height),
-        np.where(opened, fires + OPENING_TIME + stop, time),
+        np.where(climbing, opened[0] + gain, height),
+        np.where(climbing, fires + setup.opening_time + stop, time),
     )

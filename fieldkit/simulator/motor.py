@@ -60,6 +60,11 @@ class Burns:
     propellant_mass: Float[Array, "motor"]
     casing_mass: Float[Array, "motor"]
 
+    @property
+    def lengths(self) -> Float[Array, "motor"]:
+        """How many steps each motor burns for. [1]"""
+        return np.asarray((np.diff(self.edge, axis=0) > 0).sum(axis=0), float)
+
 
 def _edges(time: Array, steps: int) -> Array:
     """Step edges of one curve: every knot, and splits between those that lie far apart."""
