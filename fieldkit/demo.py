@@ -13,7 +13,6 @@ from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.paper.report import Report, report
 from fieldkit.loop.predict import Prediction
-from fieldkit.loop.residual import Pattern, patterns
 from fieldkit.motors import Catalogue
 
 Tell = Callable[[str, float], None]
@@ -29,7 +28,6 @@ class Demo:
     inferred: Sequence[Inferred]
     predictions: Sequence[Prediction]
     diagnosis: Diagnosis
-    patterns: list[Pattern]
     paper: Report
 
 
@@ -52,7 +50,7 @@ def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
         ledger, motors, rocket, progress=lambda effect, share: tell(f"trying {effect}", 0.2 + 0.5 * share)
     )
     tell("flying the published thrust", 0.7)
-    return Demo(rocket, flights, inferred, predictions, diagnosis, patterns(diagnosis), report())
+    return Demo(rocket, flights, inferred, predictions, diagnosis, report())
 
 
 def plans(flights: Sequence[Flight]) -> list[Flight]:

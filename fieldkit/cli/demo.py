@@ -116,7 +116,7 @@ def _loop(found: "Demo") -> None:
 
     say("4. The loop closed: what the model gets wrong, and what could be missing")
     say()
-    for line in report(found.rocket, found.diagnosis, found.patterns):
+    for line in report(found.rocket, found.diagnosis):
         say_wrapped(line, "  ") if line else say()
     say()
 

@@ -38,8 +38,8 @@ class Air:
     exponentially, as in the reference paper; without, as in the troposphere.
     """
 
-    density: Float[Array, "*draw"]
-    temperature: Float[Array, "*draw"]
+    density: Float[Array, "*#draw"]
+    temperature: Float[Array, "*#draw"]
     scale_height: float | None = None
 
     def thinning(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
