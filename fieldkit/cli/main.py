@@ -21,6 +21,7 @@ GROUPS = (
     "infer",
     "forecast",
     "loop",
+    "score",
     "journal",
     "motors",
     "simulate",

@@ -21,7 +21,7 @@ SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
 """Scatter of single flights in units of ordinary scatter. [1]"""
 READING_SCALES = np.array([0.7, 1.2, 2.0])
 """Reading errors in units of the expected. [1]"""
-_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 1.6) / 0.7) ** 2
+_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 2.0) / 0.7) ** 2
 _LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
 ROUNDS = 5
 """Times the point of linearisation is moved."""
