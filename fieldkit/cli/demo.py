@@ -1,5 +1,6 @@
 """`fieldkit demo`: the whole of fieldkit on twelve flights that come with it."""
 
+import re
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -117,8 +118,15 @@ def _loop(found: "Demo") -> None:
     say("4. The loop closed: what the model gets wrong, and what could be missing")
     say()
     for line in report(found.rocket, found.diagnosis):
-        say_wrapped(line, "  ") if line else say()
+        say_wrapped(line, _column(line)) if line else say()
     say()
+
+
+def _column(line: str) -> str:
+    """Blanks up to the last column of a line, for what does not fit to go on below it."""
+    text = line.strip()
+    columns = list(re.finditer(r"\s{3,}", text))
+    return " " * (columns[-1].end() if columns else 2)
 
 
 def _profile(found: "Demo") -> None:
