@@ -1,0 +1,296 @@
+"""Simulated flights with known drag and thrust: what the field ensemble learns from and is judged by.
+
+Everything a field does to a flight is drawn at random, so that a posterior learnt here is honest about
+it: a scale that is off, a rod that leans, wind, air that nobody measured, a motor that burns slower than
+its certificate, a charge that fires early, an altimeter that shows a little too much.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fieldkit.inference.field_features import (
+    ALPHA_RANGE,
+    CD_RANGE,
+    DECLARED,
+    READOUT_NAMES,
+    Observed,
+    closed_form,
+    diameter_range,
+    disc,
+    figures,
+)
+from fieldkit.motors import Motor
+from fieldkit.shapes import Array, Flags, Float, Int
+from fieldkit.simulator.atmosphere import GRAVITY, altimeter_gain, pad_air, standard_temperature
+from fieldkit.simulator.flight import fly
+from fieldkit.simulator.motor import burns
+from fieldkit.simulator.state import Flown, Setup
+
+CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
+"""Impulse classes of the motors flown; each class is as likely as any other that the catalogue has."""
+THRUST_TO_WEIGHT = (2.2, 30.0)
+"""Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
+STEPS = 8
+"""Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
+
+PRIORS: Mapping[str, str] = MappingProxyType(
+    {
+        "motor": "class uniform among those up to I, motor uniform within its class",
+        "cd": f"log-uniform {CD_RANGE[0]} to {CD_RANGE[1]} [1]",
+        "alpha": f"uniform {ALPHA_RANGE[0]} to {ALPHA_RANGE[1]} [1]",
+        "dry_mass": "log-uniform where mean thrust to weight is 2.2 to 30, at least 8 g and 0.35 of the motor [kg]",
+        "diameter": "log-uniform from the motor + 1 mm (13 mm) to 100 mm, five motors, 20 mm sqrt(mass / 7 g) [m]",
+        "weighing": "true over declared dry mass: normal, 1.5 %; casing mass: normal, 5 %",
+        "burn_stretch": "log-normal, 5 % [1]",
+        "wind": "Rayleigh, mean 3.1 m/s, at a strength uniform 0 to 1 [m/s]",
+        "rail_angle": "normal, 4 degrees, declared to 1.5 degrees [rad]",
+        "rail_length": "log-uniform 0.9 to 2.5 [m]",
+        "site_elevation": "60 % uniform to 300, 30 % to 1000, 10 % to 2200 [m]",
+        "temperature": "normal, 20 and 9 degrees Celsius at sea level, less 4.5 K a km; declared to 1.5 K",
+        "pressure": "normal, 1015 and 7 hPa at sea level; declared to 1 hPa",
+        "delay": "of those on sale, near the coast in 85 %; normal, 8 %; 4 % early by 20 to 70 %; none: no charge",
+        "descent_speed": "log-normal, 5.5 m/s and 45 %",
+        "altimeter_gain": "that of the air, and 0.6 % of the device [1]",
+    }
+)
+"""Every prior and nuisance, in words; what each readout suffers is in `NOISE`."""
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Of a readout, standard deviations, SI: `floor`, `share` of its size, and the device's `step`."""
+
+    floor: float
+    share: float
+    step: float
+
+
+NOISE: Mapping[str, Noise] = MappingProxyType(
+    {
+        "apogee": Noise(0.5, 0.004, 0.3048),
+        "top_speed": Noise(0.3, 0.015, 0.44704),
+        "burn_time": Noise(0.03, 0.02, 0.1),
+        "peak_accel": Noise(1.5, 0.04, 0.980665),
+        "avg_accel": Noise(0.0, 0.0, 0.980665),
+        "coast_to_apogee": Noise(0.08, 0.01, 0.1),
+        "apogee_to_eject": Noise(0.08, 0.0, 0.1),
+        "eject_altitude": Noise(1.0, 0.006, 0.3048),
+        "descent_speed": Noise(0.2, 0.06, 0.44704),
+        "duration": Noise(0.3, 0.01, 0.1),
+    }
+)
+"""What the sensors add; average acceleration follows from speed and burn time as measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Truth:
+    """Simulated flights as nobody sees them, one entry a flight: `readouts` without noise, all declared."""
+
+    motor: Float[Array, "flight figure"]
+    declared: Float[Array, "flight declared"]
+    readouts: Float[Array, "flight readout"]
+    drag_area: Float[Array, "flight"]
+    alpha: Float[Array, "flight"]
+
+    def __len__(self) -> int:
+        return len(self.alpha)
+
+    def rows(self, which: Any) -> "Truth":
+        """Some of the flights."""
+        return Truth(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
+
+    @property
+    def cd(self) -> Float[Array, "flight"]:
+        """Drag coefficient on the true diameter. [1]"""
+        return self.drag_area / disc(self.declared[:, DECLARED.index("diameter")])
+
+
+def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
+    """Those up to class I."""
+    return [motor for motor in motors if motor.impulse_class in CLASSES]
+
+
+def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> Truth:
+    """About as many flights as asked for: those that never leave the pad or barely do are left out."""
+    row = _draw_motors(rng, motors, count)
+    table = np.stack([figures(motor) for motor in motors])[row]
+    declared = _draw_declared(rng, table)
+    cd = np.exp(rng.uniform(*np.log(CD_RANGE), count))
+    alpha = rng.uniform(*ALPHA_RANGE, count)
+    drag_area = cd * disc(declared["diameter"])
+    declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
+    setup = _draw_field(rng, table, declared, drag_area, alpha)
+    order = np.argsort(drag_area / declared["dry_mass"] * table[:, 0] / (declared["dry_mass"] + table[:, 6]))
+    flown = fly(_in_order(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row), order))
+    readouts = _readouts(rng, flown)
+    lifted = (flown.lift_off > 0) & (readouts[:, 0] > 5.0) & (readouts[:, 1] > 3.0)
+    back = order[lifted]
+    known = np.stack([declared[name] for name in DECLARED], axis=-1)
+    return Truth(table[back], known[back], readouts[lifted], drag_area[back], alpha[back])
+
+
+def _in_order(setup: Setup, order: Int[Any, "flight"]) -> Setup:
+    """Like flights side by side, so that a hard one does not hold up a chunk of easy ones."""
+    return setup._mapped(lambda values: values if np.size(values) == 1 else np.asarray(values)[order])
+
+
+def _draw_motors(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> Int[Any, "flight"]:
+    names = np.array([motor.impulse_class for motor in motors])
+    weights = 1.0 / np.array([(names == name).sum() for name in names])
+    return rng.choice(len(motors), size=count, p=weights / weights.sum())
+
+
+def _draw_declared(rng: np.random.Generator, table: Float[Array, "flight figure"]) -> dict[str, Array]:
+    """What a flyer would write down if they wrote down everything, without slips."""
+    count = len(table)
+    impulse, burn_time, width = table[:, 0], table[:, 1], table[:, 8]
+    loaded = table[:, 6] + table[:, 7]
+    weight = impulse / burn_time / GRAVITY
+    lightest = np.maximum(np.maximum(weight / THRUST_TO_WEIGHT[1] - loaded, 0.35 * loaded), 0.008)
+    heaviest = np.maximum(weight / THRUST_TO_WEIGHT[0] - loaded, 1.2 * lightest)
+    dry_mass = _log_uniform(rng, lightest, heaviest)
+    elevation = rng.uniform(size=count) * rng.choice([300.0, 1000.0, 2200.0], size=count, p=[0.6, 0.3, 0.1])
+    return {
+        "dry_mass": dry_mass,
+        "diameter": _log_uniform(rng, *diameter_range(width, dry_mass)),
+        "delay": np.full(count, np.nan),
+        "site_elevation": elevation,
+        "temperature": rng.normal(293.15, 9.0, count) - 0.0045 * elevation,
+        "pressure": rng.normal(101500.0, 700.0, count),
+        "humidity": rng.uniform(0.2, 1.0, count),
+        "wind": rng.rayleigh(2.5, count),
+        "rail_length": _log_uniform(rng, np.full(count, 0.9), np.full(count, 2.5)),
+        "rail_angle": rng.normal(0.0, np.radians(4.0), count),
+    }
+
+
+def _log_uniform(rng: np.random.Generator, low: Array, high: Array) -> Array:
+    return np.asarray(np.exp(rng.uniform(np.log(low), np.log(high))))
+
+
+def _draw_delays(
+    rng: np.random.Generator,
+    motors: Sequence[Motor],
+    row: Int[Any, "flight"],
+    table: Float[Array, "flight figure"],
+    dry_mass: Array,
+    drag_area: Array,
+    alpha: Array,
+) -> Float[Array, "flight"]:
+    """A delay on sale, mostly one near the coast that is to be expected; nan where none is. [s]"""
+    longest = max(len(motor.delays) for motor in motors)
+    sold = np.full((len(motors), longest), np.nan)
+    for number, motor in enumerate(motors):
+        sold[number, : len(motor.delays)] = [delay if np.isfinite(delay) else np.nan for delay in motor.delays]
+    motor = {"total_impulse": table[:, 0], "burn_time": table[:, 1], "propellant": table[:, 6], "casing": table[:, 7]}
+    coast = closed_form(motor, dry_mass, drag_area, alpha, np.asarray(1.2))["coast_to_apogee"]
+    careless = rng.uniform(size=len(row)) < 0.15
+    taste = np.where(careless[:, None], 0.0, -np.abs(sold[row] - coast[:, None])) + rng.gumbel(size=(len(row), longest))
+    best = np.argmax(np.where(np.isnan(sold[row]), -np.inf, taste), axis=1)
+    return np.asarray(sold[row, best])
+
+
+def _draw_field(
+    rng: np.random.Generator, table: Float[Array, "flight figure"], declared: dict[str, Array], area: Array, alpha: Array
+) -> Setup:
+    """What truly flew: the declared figures with their errors, and what nobody declares."""
+    count = len(table)
+    elevation = declared["site_elevation"]
+    temperature = declared["temperature"] + rng.normal(0.0, 1.5, count)
+    pressure = declared["pressure"] + rng.normal(0.0, 100.0, count)
+    early = np.where(rng.uniform(size=count) < 0.04, rng.uniform(0.3, 0.8, count), 1.0)
+    weighed = declared["dry_mass"] * (1 + 0.015 * rng.normal(size=count)) + 0.05 * table[:, 7] * rng.normal(size=count)
+    gain = altimeter_gain(elevation, temperature, pressure)
+    return Setup(
+        burns=burns([_STILL]),
+        air=pad_air(elevation, temperature, pressure, declared["humidity"]),
+        dry_mass=np.maximum(weighed, 0.5 * declared["dry_mass"]),
+        drag_area=area,
+        thrust_factor=alpha,
+        burn_stretch=np.exp(0.05 * rng.normal(size=count)),
+        rail_length=declared["rail_length"],
+        rail_angle=declared["rail_angle"] + rng.normal(0.0, np.radians(1.5), count),
+        wind=declared["wind"] * np.exp(0.2 * rng.normal(size=count)) * rng.uniform(size=count),
+        delay=np.maximum(declared["delay"] * (1 + 0.08 * rng.normal(size=count)) * early, 0.2),
+        descent_speed=5.5 * np.exp(0.45 * rng.normal(size=count)),
+        altimeter_gain=gain * (1 + 0.006 * rng.normal(size=count)),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class _Still:
+    """Stands for the motors until they are put in."""
+
+    time: Array
+    thrust: Array
+    burnout: float = 1.0
+    propellant_mass: float = 1.0
+    casing_mass: float = 0.0
+
+
+_STILL = _Still(np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 0.0]))
+
+
+def _readouts(rng: np.random.Generator, flown: Flown) -> Float[Array, "flight readout"]:
+    shown = flown.readouts()
+    return np.stack([shown[name] for name in READOUT_NAMES], axis=-1)
+
+
+def measure(rng: np.random.Generator, truth: Truth) -> Observed:
+    """The flights as their flyers could write them down: every readout with its noise and rounding."""
+    readouts = truth.readouts.copy()
+    for number, name in enumerate(READOUT_NAMES):
+        noise = NOISE[name]
+        readouts[:, number] += noise.floor * rng.normal(size=len(truth))
+        readouts[:, number] *= 1 + noise.share * rng.normal(size=len(truth))
+    speed, burn = (READOUT_NAMES.index(name) for name in ("top_speed", "burn_time"))
+    readouts[:, burn] = np.maximum(readouts[:, burn], 0.05)
+    readouts[:, READOUT_NAMES.index("avg_accel")] = readouts[:, speed] / readouts[:, burn]
+    steps = np.array([NOISE[name].step for name in READOUT_NAMES])
+    readouts = np.round(readouts / steps) * steps
+    signed = np.array(READOUT_NAMES) == "apogee_to_eject"
+    return Observed(truth.motor, truth.declared, np.where(signed, readouts, np.maximum(readouts, 0.0)))
+
+
+def forget(rng: np.random.Generator, observed: Observed) -> Observed:
+    """The same flights with gaps such as flyers leave: subsets of the readouts, conditions, the diameter."""
+    keep = _subsets(rng, len(observed))
+    readouts = np.where(keep, observed.readouts, np.nan)
+    declared = observed.declared.copy()
+    count = len(observed)
+    for name, share in (("diameter", 0.25), ("delay", 0.3)):
+        declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
+    silent = rng.uniform(size=count) < 0.4
+    for name in DECLARED[3:]:
+        declared[silent | (rng.uniform(size=count) < 0.3), DECLARED.index(name)] = np.nan
+    return Observed(observed.motor, declared, readouts)
+
+
+SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "apogee": ("apogee",),
+        "apogee, speed": ("apogee", "top_speed"),
+        "apogee, speed, coast": ("apogee", "top_speed", "coast_to_apogee"),
+        "all ten": READOUT_NAMES,
+    }
+)
+"""Sets of readouts that ensembles are judged on, by name."""
+_SHARES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
+"""Of those four, of all but one, and of any; in training."""
+
+
+def _subsets(rng: np.random.Generator, count: int) -> Flags:
+    """Which readouts each flight keeps."""
+    fixed = np.array([[name in kept for name in READOUT_NAMES] for kept in SUBSETS.values()])
+    kind = rng.choice(len(_SHARES), size=count, p=_SHARES)
+    width = len(READOUT_NAMES)
+    but_one = np.arange(width) != rng.integers(width, size=count)[:, None]
+    anything = rng.uniform(size=(count, width)) < rng.uniform(0.1, 1.0, size=(count, 1))
+    anything[:, 0] |= rng.uniform(size=count) < 0.8
+    keep: Flags = fixed[np.minimum(kind, len(fixed) - 1)]
+    keep = np.where((kind == len(fixed))[:, None], but_one, keep)
+    return np.where((kind > len(fixed))[:, None], anything, keep)

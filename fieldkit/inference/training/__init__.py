@@ -1,0 +1,1 @@
+"""Training of the ensembles: the only home of torch."""
