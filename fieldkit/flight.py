@@ -5,12 +5,14 @@ ledger, the exports and the JSON are all read off it. Values are SI inside a `Fl
 carries the unit that flyers see.
 """
 
+import re
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
 from types import MappingProxyType
 
 from fieldkit import units
+from fieldkit.errors import BadValue
 from fieldkit.shapes import Array, Float
 
 
@@ -198,6 +200,25 @@ class Flight:
 FIELDS = tuple(f.name for f in fields(Flight))
 TEXT_COLUMNS = ("flight_id", "date_time", "rocket", "config", "motor", "site", "tags", "notes", "log")
 """The columns of a flight table that are not numbers."""
+
+
+def read_tags(text: str) -> tuple[str, ...]:
+    """Tags apart by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelt."""
+    tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
+    known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
+    return tuple(dict.fromkeys(k if k in TAGS else tag for k, tag in zip(known, tags, strict=True)))
+
+
+def read_date(text: str) -> datetime | None:
+    """Local lift-off time, None for an empty text. Raises BadValue.
+
+    An offset from UTC is left off, for the clock at the field is what is meant.
+    """
+    try:
+        return datetime.fromisoformat(text).replace(tzinfo=None) if text else None
+    except ValueError:
+        found = f"found {text[:40]!r}, expected a date such as 2026-05-01 or 2026-05-01T10:30"
+        raise BadValue(found) from None
 
 
 def table_row(flight: Flight) -> dict[str, str]:

@@ -80,13 +80,14 @@ class Rejected:
 
 @dataclass(frozen=True, slots=True)
 class Intake:
-    """What one file brought: its flights, the rows that are no flights, and what the flyer should know."""
+    """What one file brought: flights and the rows they are from, rows that are none, what one should know."""
 
     source: str
     format: str
     flights: tuple[Flight, ...]
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
+    rows: tuple[int | None, ...]
 
 
 CheckMotor = Callable[[str], str | None]
@@ -215,7 +216,8 @@ def _intake(
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
     lines = (str(DamagedLog(note.text, row=note.row, source=source)) for note in notes)
-    return Intake(source, format, tuple(flight for flight, _ in kept.values()), tuple(rejected), tuple(lines))
+    flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
+    return Intake(source, format, flights, tuple(rejected), tuple(lines), places)
 
 
 _STRANGERS = (

@@ -11,11 +11,10 @@ their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from datetime import datetime
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, TAGS, TEXT_COLUMNS
+from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
 from fieldkit.logtext import decode, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
@@ -196,9 +195,9 @@ def _value(cell: str, heading: Heading, mark: str) -> object:
     if heading.field == "notes":
         return cell
     if heading.field == "date_time":
-        return _date(cell.strip())
+        return read_date(cell.strip())
     if heading.field == "tags":
-        return _tags(cell)
+        return read_tags(cell)
     if heading.field in BY_NAME:
         return None if cell.strip().lower() in NOT_RECORDED else _number(cell.strip(), heading, mark)
     return cell.strip()
@@ -219,21 +218,6 @@ def _number(cell: str, heading: Heading, mark: str) -> float:
     except BadValue:
         known = f"{heading.unit}, or with a unit of {column.quantity}" if heading.unit else column.unit
         raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
-
-
-def _date(cell: str) -> datetime | None:
-    """Local lift-off time; an offset from UTC is left off, for the clock at the field is what is meant."""
-    try:
-        return datetime.fromisoformat(cell).replace(tzinfo=None) if cell else None
-    except ValueError:
-        raise BadValue(f"found {shown(cell)}, expected a date such as 2026-05-01 or 2026-05-01T10:30") from None
-
-
-def _tags(cell: str) -> tuple[str, ...]:
-    """The tags of a cell, each once; `Weak launch` is the tag `weak_launch`, other tags stay as spelt."""
-    tags = [tag.strip() for tag in re.split(r"[;|,]", cell) if tag.strip()]
-    known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
-    return tuple(dict.fromkeys(k if k in TAGS else tag for k, tag in zip(known, tags, strict=True)))
 
 
 PARSER = Parser("Flight table (CSV)", recognises, read)

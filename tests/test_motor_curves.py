@@ -28,7 +28,7 @@ def test_knots_increase_and_begin_and_end_at_zero(samples: list[tuple[float, flo
     t, f = knots(time, thrust)
     assert t[0] == f[0] == f[-1] == 0
     assert (np.diff(t) > 0).all()
-    slack = 200 * 1e-4 * len(time) + 100 * (t[-1] - time[-1])
+    slack = 200 * 1e-4 * len(time) + 100 * (t[-1] - time[-1]) + 50 * time[0]  # a curve begins at (0, 0)
     assert abs(impulse(t, f) - impulse(np.array(time), np.array(thrust))) <= slack
 
 

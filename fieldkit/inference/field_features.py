@@ -78,6 +78,10 @@ class Observed:
         readouts[:, [READOUT_NAMES.index(name) for name in names]] = np.nan
         return replace(self, readouts=readouts)
 
+    def with_readouts(self, readouts: Float[Array, "flight readout"]) -> "Observed":
+        """The same flights with these readouts in place of theirs."""
+        return replace(self, readouts=readouts)
+
     def only(self, *names: str) -> "Observed":
         """The same flights with these readouts alone."""
         return self.without(*(name for name in READOUT_NAMES if name not in names))
@@ -145,6 +149,7 @@ def closed_form(
 ) -> dict[str, Array]:
     """Top speed [m/s], apogee [m] and coast [s] straight up, at even thrust, mass and density of the air.
 
+    The height of the burn is stretched by how early the thrust comes.
     Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     empty = dry_mass + motor["casing"]
@@ -158,7 +163,7 @@ def closed_form(
     share = drag * speed**2 / (empty * GRAVITY)
     return {
         "top_speed": speed,
-        "apogee": mass / drag * np.log(np.cosh(reach)) + empty / (2 * drag) * np.log1p(share),
+        "apogee": 2 * (1 - motor["middle"] / motor["burnout"]) * mass / drag * np.log(np.cosh(reach)) + empty / (2 * drag) * np.log1p(share),
         "coast_to_apogee": np.sqrt(empty / (GRAVITY * drag)) * np.arctan(np.sqrt(share)),
     }
 
@@ -299,7 +304,7 @@ def _circumstances(
         "late": motor["burnout"] / motor["burn_time"] - 1,
         "log_density": np.log(density / 1.225),
         "wind": observed.given("wind") / 5.0,
-        "rail_angle": observed.given("rail_angle") * 10.0,
+        "rail_angle": np.abs(observed.given("rail_angle")) * 10.0,
         "rail_length": np.log(observed.given("rail_length")),
     }
 

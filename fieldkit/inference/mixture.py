@@ -17,7 +17,9 @@ WIDTH = 6 * COMPONENTS
 """Outputs of a member: a weight, two means, two log precisions and a slope for each Gaussian."""
 SHARPEST = (-4.0, 7.0)
 """Bounds of the logarithm of a precision: standard deviations of 55 to 0.0009 on the logit's line."""
-_GRID = np.linspace(-1.0, 1.0, 301)
+GUARD_SHARPEST = (-4.0, 6.0)
+"""Bounds of the logarithm of the precision with which a readout is foretold."""
+_GRID = np.linspace(-1.0, 1.0, 161)
 _REACH = 7.0
 
 
@@ -131,3 +133,11 @@ def mixture(
         low,
         high,
     )
+
+
+def logits(
+    values: Float[Array, "flight 2"], low: Float[Array, "flight 2"], high: Float[Array, "flight 2"]
+) -> Float[Array, "flight 2"]:
+    """Parameters on the whole line, where the mixture lives; the ends of an interval come to 14."""
+    place = np.clip((values - low) / (high - low), 1e-6, 1 - 1e-6)
+    return np.asarray(np.log(place / (1 - place)))

@@ -16,6 +16,7 @@ from fieldkit.inference.field_features import (
     ALPHA_RANGE,
     CD_RANGE,
     DECLARED,
+    FIGURES,
     READOUT_NAMES,
     Observed,
     closed_form,
@@ -104,6 +105,11 @@ class Truth:
         return Truth(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
     @property
+    def parameters(self) -> Float[Array, "flight 2"]:
+        """Logarithm of the drag area [log m^2], and alpha [1]."""
+        return np.stack([np.log(self.drag_area), self.alpha], axis=-1)
+
+    @property
     def cd(self) -> Float[Array, "flight"]:
         """Drag coefficient on the true diameter. [1]"""
         return self.drag_area / disc(self.declared[:, DECLARED.index("diameter")])
@@ -126,11 +132,11 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     setup = _draw_field(rng, table, declared, drag_area, alpha)
     order = np.argsort(drag_area / declared["dry_mass"] * table[:, 0] / (declared["dry_mass"] + table[:, 6]))
     flown = fly(_in_order(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row), order))
-    readouts = _readouts(rng, flown)
+    readouts = np.stack([flown.readouts()[name] for name in READOUT_NAMES], axis=-1)
     lifted = (flown.lift_off > 0) & (readouts[:, 0] > 5.0) & (readouts[:, 1] > 3.0)
-    back = order[lifted]
     known = np.stack([declared[name] for name in DECLARED], axis=-1)
-    return Truth(table[back], known[back], readouts[lifted], drag_area[back], alpha[back])
+    flights = Truth(table[order], known[order], readouts, drag_area[order], alpha[order])
+    return flights.rows(rng.permutation(np.flatnonzero(lifted)))
 
 
 def _in_order(setup: Setup, order: Int[Any, "flight"]) -> Setup:
@@ -186,8 +192,7 @@ def _draw_delays(
     sold = np.full((len(motors), longest), np.nan)
     for number, motor in enumerate(motors):
         sold[number, : len(motor.delays)] = [delay if np.isfinite(delay) else np.nan for delay in motor.delays]
-    motor = {"total_impulse": table[:, 0], "burn_time": table[:, 1], "propellant": table[:, 6], "casing": table[:, 7]}
-    coast = closed_form(motor, dry_mass, drag_area, alpha, np.asarray(1.2))["coast_to_apogee"]
+    coast = closed_form(dict(zip(FIGURES, table.T, strict=True)), dry_mass, drag_area, alpha, np.asarray(1.2))["coast_to_apogee"]
     careless = rng.uniform(size=len(row)) < 0.15
     taste = np.where(careless[:, None], 0.0, -np.abs(sold[row] - coast[:, None])) + rng.gumbel(size=(len(row), longest))
     best = np.argmax(np.where(np.isnan(sold[row]), -np.inf, taste), axis=1)
@@ -233,11 +238,6 @@ class _Still:
 
 
 _STILL = _Still(np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 0.0]))
-
-
-def _readouts(rng: np.random.Generator, flown: Flown) -> Float[Array, "flight readout"]:
-    shown = flown.readouts()
-    return np.stack([shown[name] for name in READOUT_NAMES], axis=-1)
 
 
 def measure(rng: np.random.Generator, truth: Truth) -> Observed:

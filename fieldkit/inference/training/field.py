@@ -1,117 +1,128 @@
-"""The recipe of the field ensemble: simulate, train, write the graph and the card that vouches for it."""
+"""The field ensemble: densities of drag area and alpha learnt from simulated flights of every motor."""
 
-import hashlib
-import json
-from collections.abc import Callable, Mapping
+import time
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fieldkit.inference.field_features import ALPHA_RANGE, FEATURES, SEEN, Observed, drag_area_range, features, shown
-from fieldkit.inference.mixture import COMPONENTS, WIDTH
+from fieldkit.errors import BadValue
+from fieldkit.inference.ensemble import from_parts
+from fieldkit.inference.field_features import FEATURES, SEEN, Observed, features, shown
+from fieldkit.inference.judge import judge
+from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
+from fieldkit.inference import guard
+from fieldkit.inference.field import intervals
 from fieldkit.inference.simulated import NOISE, PRIORS, Truth, flown_motors, forget, measure, simulate
-from fieldkit.inference.training.graph import graph
-from fieldkit.inference.training.members import HIDDEN, LAYERS, MEMBERS, Batch, Schedule, train
+from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
+from fieldkit.inference.training.density_graph import density_graph
+from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.motors import Motor, catalogue
 from fieldkit.shapes import Array, Float
 
 HELD_OUT = "Quest"
 """The maker whose motors no member ever sees: the ensemble is judged on them."""
-FLIGHTS = 1_000_000
-SEED = 20240607
+PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=14)}
+"""A first look, and what is shipped."""
+JUDGED = 40_000
+"""Fresh flights the ensemble is judged on, and as many of the maker held out."""
+REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
+"""Features whose bounds in training are kept: beyond them a flyer is warned."""
 
 
-def training_motors() -> list[Motor]:
-    """Every motor up to class I but those of the maker held out."""
-    return [motor for motor in flown_motors(catalogue().motors) if motor.maker != HELD_OUT]
+def train_field(
+    out: Path,
+    *,
+    seed: int = 1,
+    n_train: int = 1_000_000,
+    schedule: str = "published",
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Simulate, train, export into a new folder, judge, and say how good it came out.
+
+    Raises BadValue for an unknown schedule, too few flights or a folder that holds an ensemble already.
+    """
+    if schedule not in PLANS:
+        raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
+    plan = PLANS[schedule]
+    if n_train < plan.batch:
+        raise BadValue(f"found {n_train} flights to train on, expected at least {plan.batch}")
+    claim(out)
+    began = time.perf_counter()
+    known, others = motors_apart()
+    streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(5)]
+    truth = simulate(streams[0], known, n_train)
+    flown = round(time.perf_counter() - began, 1)
+    with one_thread(seed):
+        members, mean, sd = fit(lambda: batch(streams[1], truth), plan, progress)
+    exported = density_graph(members, mean, sd)
+    card = _card(seed, n_train, schedule, plan) | {
+        "simulations": len(truth),
+        "simulation_seconds": flown,
+        "seconds": round(time.perf_counter() - began, 1),
+        "reach": reach(features(measure(streams[2], truth.rows(slice(0, 100_000))))),
+    }
+    card["guard"] = guard.limits(from_parts(exported, card, out), _fresh(streams[3], known))
+    ensemble = from_parts(exported, card, out)
+    card["test"] = judge(ensemble, streams[4], known, JUDGED)
+    card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED)
+    both = card["test"]["all ten"]
+    return {
+        "recipe": "field",
+        "cd_mae": both["cd_mae"],
+        "alpha_mae": both["alpha_mae"],
+        "n_train": n_train,
+        "seconds": card["seconds"],
+        "files": ship(out, exported, card),
+    }
 
 
-def held_out_motors() -> list[Motor]:
-    """Those of the maker held out."""
-    return [motor for motor in flown_motors(catalogue().motors) if motor.maker == HELD_OUT]
-
-
-def logits(truth: Truth, observed: Observed) -> Float[Array, "flight 2"]:
-    """Where drag area (in its logarithm) and alpha lie in their intervals, on the whole line."""
-    low, high = drag_area_range(observed)
-    place = np.stack(
-        [(np.log(truth.drag_area) - low) / (high - low), (truth.alpha - ALPHA_RANGE[0]) / np.ptp(ALPHA_RANGE)], axis=-1
-    )
-    place = np.clip(place, 1e-6, 1 - 1e-6)
-    return np.asarray(np.log(place / (1 - place)))
+def motors_apart() -> tuple[list[Motor], list[Motor]]:
+    """Every motor up to class I but those of the maker held out, and those."""
+    flown = flown_motors(catalogue().motors)
+    return [m for m in flown if m.maker != HELD_OUT], [m for m in flown if m.maker == HELD_OUT]
 
 
 def batch(rng: np.random.Generator, truth: Truth) -> Batch:
     """The flights as observed once, with fresh noise and fresh gaps."""
     whole = measure(rng, truth)
     observed = forget(rng, whole)
-    told = shown(Observed(observed.motor, observed.declared, whole.readouts))
-    arrays = features(observed), logits(truth, observed), told
+    target = logits(truth.parameters, *intervals(observed))
+    arrays = features(observed), target, shown(observed.with_readouts(whole.readouts))
     return Batch(*(np.asarray(array, np.float32) for array in arrays))
 
 
-def train_field(
-    folder: Path,
-    *,
-    flights: int = FLIGHTS,
-    schedule: Schedule | None = None,
-    seed: int = SEED,
-    truth: Truth | None = None,
-    report: Callable[[str], None] = lambda line: None,
-) -> None:
-    """Train the field ensemble and write it into a folder, its card without a verdict yet."""
-    rng = np.random.default_rng(seed)
-    schedule = schedule or Schedule()
-    if truth is None:
-        report(f"flying {flights} flights")
-        truth = simulate(rng, training_motors(), flights)
-    known = truth
-    members, mean, sd = train(lambda _: batch(rng, known), schedule, seed, report)
-    content = graph(members, mean, sd)
-    folder.mkdir(parents=True, exist_ok=True)
-    (folder / "ensemble.onnx").write_bytes(content)
-    card = {
-        "name": "field",
-        "features": list(FEATURES),
-        "outputs": {"outputs": [MEMBERS, WIDTH + 2 * len(SEEN)]},
-        "members": MEMBERS,
-        "hidden": [HIDDEN] * LAYERS,
-        "components": COMPONENTS,
-        "physics": "field",
-        "effects": [],
-        "priors": dict(PRIORS),
-        "noise": {name: [noise.floor, noise.share, noise.step] for name, noise in NOISE.items()},
-        "held_out": HELD_OUT,
-        "seed": seed,
-        "simulations": len(truth),
-        "schedule": {"epochs": schedule.epochs, "batch": schedule.batch, "rate": schedule.rate},
-        "command": "fieldkit train --recipe field",
-        "reach": reach(features(measure(rng, truth.rows(slice(0, 100_000))))),
-        "digests": {"ensemble.onnx": hashlib.sha256(content).hexdigest()},
-    }
-    write_card(folder, card)
-
-
-REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
+def _fresh(rng: np.random.Generator, motors: list[Motor]) -> Observed:
+    """Flights that nothing was learnt from, with gaps."""
+    return forget(rng, measure(rng, simulate(rng, motors, 3 * JUDGED)))
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
-    """Between which bounds nearly all simulated flights lie, for features a flyer can be told about."""
+    """Between which bounds nearly all simulated flights lie."""
+    bounds = np.percentile(columns, [0.02, 99.98], axis=0)
+    return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
+
+
+def _card(seed: int, n_train: int, schedule: str, plan: Plan) -> dict[str, Any]:
+    """What is known before training."""
     return {
-        name: [float(bound) for bound in np.percentile(columns[:, FEATURES.index(name)], [0.02, 99.98])]
-        for name in REACH
+        "name": "field",
+        "recipe": "field",
+        "physics": "field",
+        "effects": [],
+        "command": f"fieldkit train --recipe field --schedule {schedule} --seed {seed} --n-train {n_train} --out DIR",
+        "seed": seed,
+        "n_train": n_train,
+        "priors": dict(PRIORS),
+        "noise": {name: {"floor": n.floor, "share": n.share, "step": n.step} for name, n in NOISE.items()},
+        "held_out": HELD_OUT,
+        "features": list(FEATURES),
+        "outputs": ["log_drag_area", "alpha"],
+        "parts": [MEMBERS, WIDTH + 2 * len(SEEN)],
+        "guarded": list(SEEN),
+        "network": {"members": MEMBERS, "hidden": [HIDDEN] * LAYERS, "layer": "linear, SiLU", "gaussians": COMPONENTS},
+        "training": {"optimiser": "Adam, one cycle", "batch": plan.batch, "epochs": plan.epochs, "rate": plan.rate},
+        "made_with": {name: version(name) for name in ("torch", "onnx", "numpy")},
     }
-
-
-def write_card(folder: Path, card: Mapping[str, Any]) -> None:
-    """The card of an ensemble, as text that reads well in a diff."""
-    (folder / "card.json").write_text(json.dumps(card, indent=1) + "\n", encoding="utf-8")
-
-
-def add_verdict(folder: Path, verdict: Mapping[str, Any]) -> None:
-    """Write what the judge found into the card."""
-    card = json.loads((folder / "card.json").read_text(encoding="utf-8"))
-    write_card(folder, card | dict(verdict))
-
-

@@ -1,52 +1,94 @@
-"""Members as one ONNX graph: features in, the outputs of every member out."""
+"""An ensemble as one ONNX graph: whitening, all members, mean and spread.
 
-from typing import Any
+Features come in as float64 and are whitened in float64; the members compute in float32; mean and spread
+leave as float64. Batch normalisation, being linear once trained, is folded into the linear layers.
+"""
 
 import numpy as np
-from onnx import TensorProto, checker, helper, numpy_helper
+import onnx
+from onnx import TensorProto, helper, numpy_helper
 
-from fieldkit.inference.training.members import LAYERS, Members
+from fieldkit.inference.training.network import EPSILON, Network
+from fieldkit.shapes import Array, Float
+
+OPSET = 17
+"""Old enough for every onnxruntime that fieldkit allows."""
+IR_VERSION = 9
 
 
-def graph(members: Members, mean: np.ndarray[Any, Any], sd: np.ndarray[Any, Any]) -> bytes:
-    """The graph: `features` [flight feature] in float64 in, `outputs` [flight member output] out.
-
-    Scaling happens inside of it, in float64; the members run in float32.
-    """
-    constants: list[Any] = []
-    nodes: list[Any] = []
-
-    def constant(name: str, values: Any) -> str:
-        constants.append(numpy_helper.from_array(np.ascontiguousarray(values), name))
-        return name
-
-    def node(kind: str, inputs: list[str], output: str, **settings: Any) -> str:
-        nodes.append(helper.make_node(kind, inputs, [output], **settings))
-        return output
-
-    value = node("Sub", ["features", constant("mean", mean.astype(np.float64))], "centred")
-    value = node("Div", [value, constant("sd", sd.astype(np.float64))], "scaled")
-    limits = [constant(name, np.array(limit, np.float64)) for name, limit in (("least", -8.0), ("most", 8.0))]
-    value = node("Clip", [value, *limits], "clipped")
-    value = node("Cast", [value], "small", to=TensorProto.FLOAT)
-    for number in range(LAYERS + 1):
-        weight = members.weights[number].detach().numpy().astype(np.float32)
-        bias = members.biases[number].detach().numpy().astype(np.float32)
-        value = node("MatMul", [value, constant(f"weight_{number}", weight)], f"product_{number}")
-        value = node("Add", [value, constant(f"bias_{number}", bias)], f"sum_{number}")
-        if number < LAYERS:
-            gate = node("Sigmoid", [value], f"gate_{number}")
-            value = node("Mul", [value, gate], f"silu_{number}")
-    value = node("Transpose", [value], "turned", perm=[1, 0, 2])
-    node("Cast", [value], "outputs", to=TensorProto.DOUBLE)
-    size = [members.weights[0].shape[0], members.weights[-1].shape[2]]
-    whole = helper.make_graph(
-        nodes,
-        "members",
-        [helper.make_tensor_value_info("features", TensorProto.DOUBLE, ["flight", len(mean)])],
-        [helper.make_tensor_value_info("outputs", TensorProto.DOUBLE, ["flight", *size])],
-        constants,
+def graph(network: Network, mean: Float[Array, "feature"], scale: Float[Array, "feature"], doc: str) -> bytes:
+    """The serialised graph: `features` [flight feature] to `mean` and `spread` [flight output]."""
+    weights: dict[str, np.ndarray] = {"feature_mean": mean, "feature_scale": scale}
+    nodes = [
+        helper.make_node("Sub", ["features", "feature_mean"], ["centred"]),
+        helper.make_node("Div", ["centred", "feature_scale"], ["whitened"]),
+        helper.make_node("Cast", ["whitened"], ["single"], to=TensorProto.FLOAT),
+        helper.make_node("Unsqueeze", ["single", "first_axis"], ["hidden_0"]),
+    ]
+    weights["first_axis"] = np.array([0], dtype=np.int64)
+    layers = _folded(network)
+    for number, (weight, bias) in enumerate(layers):
+        weights |= {f"weight_{number}": weight, f"bias_{number}": bias}
+        nodes += [
+            helper.make_node("MatMul", [f"hidden_{number}", f"weight_{number}"], [f"product_{number}"]),
+            helper.make_node("Add", [f"product_{number}", f"bias_{number}"], [f"sum_{number}"]),
+        ]
+        if number < len(layers) - 1:
+            nodes.append(helper.make_node("Relu", [f"sum_{number}"], [f"hidden_{number + 1}"]))
+    low, high = (side.numpy().reshape(-1).astype(np.float64) for side in (network.low, network.high))
+    weights |= {"low": low, "width": high - low}
+    nodes += [
+        helper.make_node("Sigmoid", [f"sum_{len(layers) - 1}"], ["share"]),
+        helper.make_node("Cast", ["share"], ["double"], to=TensorProto.DOUBLE),
+        helper.make_node("Mul", ["double", "width"], ["stretched"]),
+        helper.make_node("Add", ["stretched", "low"], ["members"]),
+        helper.make_node("ReduceMean", ["members"], ["mean"], axes=[0], keepdims=0),
+        helper.make_node("Sub", ["members", "mean"], ["apart"]),
+        helper.make_node("Mul", ["apart", "apart"], ["square"]),
+        helper.make_node("ReduceMean", ["square"], ["variance"], axes=[0], keepdims=0),
+        helper.make_node("Sqrt", ["variance"], ["spread"]),
+    ]
+    both = [
+        helper.make_tensor_value_info(name, TensorProto.DOUBLE, ["flight", len(low)]) for name in ("mean", "spread")
+    ]
+    model = helper.make_model(
+        helper.make_graph(
+            nodes,
+            "ensemble",
+            [helper.make_tensor_value_info("features", TensorProto.DOUBLE, ["flight", len(mean)])],
+            both,
+            [numpy_helper.from_array(values, name) for name, values in weights.items()],
+        ),
+        producer_name="fieldkit",
+        doc_string=doc,
+        opset_imports=[helper.make_opsetid("", OPSET)],
+        ir_version=IR_VERSION,
     )
-    model = helper.make_model(whole, opset_imports=[helper.make_opsetid("", 17)], ir_version=9)
-    checker.check_model(model)
-    return bytes(model.SerializeToString())
+    onnx.checker.check_model(model, full_check=True)
+    return bytes(model.SerializeToString(deterministic=True))
+
+
+def _folded(network: Network) -> list[tuple[np.ndarray, np.ndarray]]:
+    """Weights [member in out] and biases [member 1 out] in float32.
+
+    A batch norm follows its linear layer at once, so it folds into that layer's own weights.
+    """
+    layers = []
+    for number, linear in enumerate(network.linears):
+        weight = linear.weight.detach().double().numpy()
+        bias = linear.bias.detach().double().numpy()
+        if number < len(network.norms):
+            norm, shape = network.norms[number], bias.shape
+            scale, shift, mean, variance = (
+                values.detach().double().numpy().reshape(shape)
+                for values in (norm.scale, norm.shift, norm.mean, norm.variance)
+            )
+            gain = scale / np.sqrt(variance + EPSILON)
+            weight, bias = weight * gain, (bias - mean) * gain + shift
+        layers.append(
+            (
+                np.ascontiguousarray(weight.transpose(0, 2, 1), dtype=np.float32),
+                np.ascontiguousarray(bias.transpose(0, 2, 1), dtype=np.float32),
+            )
+        )
+    return layers

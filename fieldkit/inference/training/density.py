@@ -10,16 +10,22 @@ from typing import Any
 import numpy as np
 import torch
 from torch import Tensor, nn
+from torch.optim.lr_scheduler import OneCycleLR
 
-from fieldkit.inference.mixture import COMPONENTS, SHARPEST, WIDTH
+from fieldkit.inference.mixture import COMPONENTS, GUARD_SHARPEST, SHARPEST, WIDTH
+from fieldkit.inference.training.fit import Progress
 
 MEMBERS = 5
 HIDDEN = 128
 LAYERS = 3
 GUARD_SHARE = 0.05
 """Weight of the guard's loss against the posterior's. [1]"""
-GUARD_SHARPEST = (-4.0, 6.0)
-"""Bounds of the logarithm of the guard's precision."""
+FARTHEST = 8.0
+"""Standard deviations from its mean to which a feature is clipped. [1]"""
+STEEPEST = 5.0
+"""Largest norm of a step's gradient."""
+Scale = np.ndarray[Any, np.dtype[np.float64]]
+"""One number a feature."""
 
 
 class Members(nn.Module):
@@ -81,48 +87,42 @@ class Batch:
 
 
 @dataclass(frozen=True, slots=True)
-class Schedule:
+class Plan:
     """How long and how fast: passes over fresh observations of the same flights, batch, peak rate."""
 
-    epochs: int = 10
-    batch: int = 2048
-    rate: float = 3e-3
+    epochs: int
+    batch: int = 4096
+    rate: float = 4e-3
 
 
-def train(
-    epoch: Callable[[int], Batch],
-    schedule: Schedule,
-    seed: int,
-    report: Callable[[str], None],
-) -> tuple[Members, np.ndarray[Any, Any], np.ndarray[Any, Any]]:
-    """Members trained on one thread, and the mean and standard deviation that their features are scaled by.
+def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = None) -> tuple[Members, Scale, Scale]:
+    """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
-    `epoch(number)` gives the flights as observed afresh. Each member sees them in another order.
+    `observe()` gives the same flights as observed afresh. Each member sees them in another order.
     """
-    torch.set_num_threads(1)
-    torch.manual_seed(seed)
-    first = epoch(0)
-    mean, sd = first.features.mean(axis=0), first.features.std(axis=0) + 1e-6
-    members = Members(first.features.shape[1], first.shown.shape[1])
-    steps = schedule.epochs * (len(first.features) // schedule.batch)
-    optimiser = torch.optim.Adam(members.parameters(), lr=schedule.rate)
-    rate = torch.optim.lr_scheduler.OneCycleLR(optimiser, schedule.rate, total_steps=steps, pct_start=0.15)
-    for number in range(schedule.epochs):
-        batch = first if number == 0 else epoch(number)
-        tensors = [torch.from_numpy(a) for a in ((batch.features - mean) / sd, batch.target, batch.shown)]
+    batch = observe()
+    count = len(batch.features)
+    mean, sd = batch.features.mean(axis=0, dtype=np.float64), batch.features.std(axis=0, dtype=np.float64) + 1e-6
+    members = Members(batch.features.shape[1], batch.shown.shape[1])
+    optimiser = torch.optim.Adam(members.parameters(), lr=plan.rate)
+    rate = OneCycleLR(optimiser, plan.rate, total_steps=plan.epochs * (count // plan.batch), pct_start=0.15)
+    for epoch in range(1, plan.epochs + 1):
+        batch = observe() if epoch > 1 else batch
+        scaled = ((batch.features - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+        tensors = [torch.from_numpy(array) for array in (scaled, batch.target, batch.shown)]
         losses = []
-        for rows in _orders(len(batch.features), schedule.batch):
+        for rows in _orders(count, plan.batch):
             features, target, shown = (tensor[rows] for tensor in tensors)
-            outputs = members(features.clamp(-8, 8))
-            posterior = -log_density(outputs, target).mean()
-            loss = posterior + GUARD_SHARE * guard_loss(outputs, shown)
+            found = members(features)
+            loss = -log_density(found, target).mean()
             optimiser.zero_grad()
-            loss.backward()
-            nn.utils.clip_grad_norm_(members.parameters(), 1.0 * len(rows))
+            (loss + GUARD_SHARE * guard_loss(found, shown)).backward()
+            nn.utils.clip_grad_norm_(members.parameters(), STEEPEST)
             optimiser.step()
             rate.step()
-            losses.append(posterior.item())
-        report(f"epoch {number + 1} of {schedule.epochs}: {np.mean(losses[-200:]):.4f} nats a flight")
+            losses.append(loss.item())
+        if progress:
+            progress(epoch, plan.epochs, float(np.mean(losses[-100:])))
     return members, mean, sd
 
 

@@ -1,0 +1,1 @@
+"""The command line: each command reads arguments, calls one function of the core and prints one thing."""

@@ -1,0 +1,183 @@
+"""`fieldkit add`: a flight typed in, by answering questions or all at once in options."""
+
+import inspect
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import card, complain, say
+from fieldkit.cli.session import MotorCheck, open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.cli.prompts import Talk
+    from fieldkit.flight import Flight
+    from fieldkit.ledger import Ledger
+
+app = typer.Typer()
+
+TEXTS = ("rocket", "config", "motor", "flight_id", "date_time", "site", "tags", "notes")
+NUMBERS = (
+    "dry_mass_g",
+    "diameter_mm",
+    "delay_s",
+    "site_elevation_m",
+    "temperature_c",
+    "pressure_hpa",
+    "humidity_pct",
+    "wind_mps",
+    "rail_length_m",
+    "rail_angle_deg",
+    "apogee_m",
+    "top_speed_mps",
+    "burn_time_s",
+    "peak_accel_g",
+    "avg_accel_g",
+    "coast_to_apogee_s",
+    "apogee_to_eject_s",
+    "eject_altitude_m",
+    "descent_speed_mps",
+    "duration_s",
+)
+"""Columns of the flight table; written out, for reading them off a flight would wake numpy for `--help`."""
+
+
+def add(context: typer.Context, resume: bool, **given: str | None) -> None:
+    """Type a flight in. Enter takes what is offered, < goes back, ? helps, - is "not recorded".
+
+    With any option of a flight nothing is asked. Without a terminal, answers are read a line each.
+    """
+    changes = {name: text for name, text in given.items() if text is not None}
+    with open_ledger(context) as ledger:
+        if changes:
+            _add(ledger, _from_options(changes), None)
+        else:
+            _add(ledger, *_from_answers(ledger, resume=resume))
+
+
+def _options() -> list[inspect.Parameter]:
+    """The parameters of the command: an option for each column, with and without its unit in the name."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    resume = typer.Option("--resume", help="Go on with a flight typed halfway, without asking.")
+    found = [
+        inspect.Parameter("context", keyword, annotation=typer.Context),
+        inspect.Parameter("resume", keyword, default=False, annotation=Annotated[bool, resume]),
+    ]
+    for header in (*TEXTS, *NUMBERS):
+        name = header.rsplit("_", 1)[0] if header in NUMBERS else header
+        flags = [f"--{name.replace('_', '-')}", f"--{header.replace('_', '-')}"]
+        unit = f"In {header.rsplit('_', 1)[1]}, or with its unit." if header in NUMBERS else ""
+        option = typer.Option(*dict.fromkeys(flags), help=unit, rich_help_panel="The flight")
+        found.append(inspect.Parameter(name, keyword, default=None, annotation=Annotated[str | None, option]))
+    return found
+
+
+add.__signature__ = inspect.Signature(_options())  # type: ignore[attr-defined]  # read by typer
+add.__annotations__ = {parameter.name: parameter.annotation for parameter in _options()}
+app.command()(add)
+
+
+def _from_options(changes: dict[str, str]) -> "Flight":
+    from fieldkit.entry import read_changes
+    from fieldkit.errors import BadValue
+    from fieldkit.flight import Flight
+    from fieldkit.motors import is_cluster
+    from fieldkit.sanity import doubts
+
+    flight = Flight().with_changes(**read_changes(Flight(), changes))
+    if not flight.rocket:
+        raise BadValue("--rocket: found nothing, expected the rocket's name")
+    if flight.motor and not is_cluster(flight.motor) and (complaint := MotorCheck()(flight.motor)):
+        raise BadValue(f"--motor: {complaint}")
+    for phrase in doubts(flight):
+        complain(f"note: {phrase}")
+    return flight
+
+
+def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | None]":
+    """Ask for a flight, or go on with one; the flight, and the name of the draft that it finishes.
+
+    Exits with 1 when a person stops halfway; the draft stays.
+    """
+    import sys
+
+    from fieldkit.cli.prompts import DRAFT, UNITS, Talk, converse, offer
+    from fieldkit.entry import QUESTIONS, read_answer
+
+    person = sys.stdin.isatty()
+    talk = Talk(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
+    _take_up(talk, ledger.draft(DRAFT), resume=resume)
+    talk.units |= (ledger.draft(UNITS) or {}) if person else {}
+    before = dict(talk.units)
+    finished = converse(talk)
+    if person and talk.units != before:
+        ledger.keep_draft(UNITS, talk.units)
+    if not finished and person:
+        complain("kept as it is; `fieldkit add` goes on with it")
+        raise typer.Exit(1)
+    for question in QUESTIONS:
+        if question.offered and question.name not in talk.answers and talk.flight.rocket:
+            value = read_answer(question.name, offer(talk, question))
+            talk.flight = talk.flight.with_changes(**{question.name: value})
+    return talk.flight, DRAFT if talk.keeps else None
+
+
+def _take_up(talk: "Talk", draft: dict[str, str] | None, *, resume: bool) -> None:
+    """Go on with a draft where the flyer wants to; a script that says nothing leaves it where it is."""
+    if not draft:
+        return
+    named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)
+    if resume:
+        talk.answers |= draft
+    elif talk.patient:
+        answer = talk.listen(f"A flight was typed halfway ({named}). Go on with it? [Y/n]: ")
+        if answer is None:
+            raise typer.Exit(1)
+        if not answer.strip().lower().startswith("n"):
+            talk.answers |= draft
+    else:
+        complain(f"note: a flight was typed halfway ({named}); `fieldkit add --resume` goes on with it")
+        talk.keeps = False
+
+
+def _listen_to_person(prompt: str) -> str | None:
+    import contextlib
+
+    with contextlib.suppress(ImportError):
+        import readline  # noqa: F401  # arrow keys while typing
+
+    try:
+        return input(prompt)
+    except (EOFError, KeyboardInterrupt):
+        typer.echo(err=True)
+        return None
+
+
+def _listen_to_pipe(_prompt: str) -> str | None:
+    import sys
+
+    return sys.stdin.readline() or None
+
+
+def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
+    """Give a flight a number and a time where it has none, and put it in the ledger."""
+    from datetime import datetime
+
+    from fieldkit.errors import BadValue
+
+    if not flight.rocket:
+        raise BadValue("the answers ended before the rocket was named, nothing was added")
+    if not (flight.readouts() or flight.tags):
+        raise BadValue("found no readout and no tag, expected at least one; nothing was added")
+    flight = flight.with_changes(
+        flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
+        date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),
+    )
+    added = ledger.add([flight], command="add", draft=draft)
+    if added.conflicts:
+        raise BadValue(added.conflicts[0].error)
+    if added.duplicates:
+        complain("it is in the ledger already")
+        return
+    for title, value in card(flight, added.new[0]):
+        say(f"{title:18} {value}")
+    complain("added; `fieldkit undo` takes it back")

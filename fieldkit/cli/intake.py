@@ -1,0 +1,88 @@
+"""`fieldkit import` and `fieldkit export`: files in, files out."""
+
+from enum import StrEnum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.session import MotorCheck, open_ledger
+
+app = typer.Typer()
+
+
+class Form(StrEnum):
+    """What `export` writes."""
+
+    CSV = "csv"
+    JSON = "json"
+
+
+@app.command("import")
+def import_(
+    context: typer.Context,
+    files: Annotated[list[Path], typer.Argument(help="Logs and flight tables.", show_default=False)],
+    format: Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Take logs and flight tables into the ledger; what is there already changes nothing."""
+    from dataclasses import asdict
+
+    from fieldkit.intake import bring_in
+
+    with open_ledger(context) as ledger:
+        receipt = bring_in(ledger, files, MotorCheck(), format=format, dry_run=dry_run)
+    for row in receipt.rejected:
+        place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
+        complain(f"{', '.join(part for part in place if part)}: {row.error}")
+    for note in receipt.notes:
+        complain(f"note: {note}")
+    if json:
+        print_json(
+            {
+                "imported": len(receipt.ids),
+                "duplicates": receipt.duplicates,
+                "rejected": [asdict(row) for row in receipt.rejected],
+                "flights": list(receipt.ids),
+            }
+        )
+    else:
+        said = "would be imported" if dry_run else "imported"
+        counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
+        say(f"{len(receipt.ids)} {said}, {counts}")
+
+
+@app.command()
+def export(
+    context: typer.Context,
+    file: Annotated[Path | None, typer.Argument(help="The file to write; without one, the screen.")] = None,
+    format: Annotated[Form | None, typer.Option(help="By default what the file's name says, or csv.")] = None,
+    rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.")] = None,
+) -> None:
+    """Write flights as a table or as JSON, to be imported again or opened in a spreadsheet."""
+    import json
+    import sys
+
+    from fieldkit.export import csv_table, document
+
+    with open_ledger(context) as ledger:
+        flights = ledger.flights(rocket)
+    as_json = format is Form.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
+    documents = {"flights": [document(flight) for flight in flights]}
+    text = json.dumps(documents, indent=2, allow_nan=False) + "\n" if as_json else csv_table(flights)
+    if file is None:
+        sys.stdout.write(text)
+    else:
+        _write(file, text)
+        complain(f"{len(flights)} flights written to {file}")
+
+
+def _write(file: Path, text: str) -> None:
+    from fieldkit.errors import FieldkitError
+
+    try:
+        file.write_text(text, encoding="utf-8", newline="")
+    except OSError as error:
+        raise FieldkitError(f"{file}: cannot be written ({error.strerror})") from error

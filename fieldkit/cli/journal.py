@@ -1,0 +1,56 @@
+"""The journal: `undo`, `redo` and `history`."""
+
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.session import open_ledger
+
+app = typer.Typer()
+
+
+@app.command()
+def undo(context: typer.Context) -> None:
+    """Take back the last change; any number of times."""
+    with open_ledger(context) as ledger:
+        change = ledger.undo()
+    say(f"undone: {change.command} {change.what}")
+
+
+@app.command()
+def redo(context: typer.Context) -> None:
+    """Do again what was undone last."""
+    with open_ledger(context) as ledger:
+        change = ledger.redo()
+    say(f"done again: {change.command} {change.what}")
+
+
+@app.command()
+def history(
+    context: typer.Context,
+    last: Annotated[int | None, typer.Option(min=1, help="Only so many of the latest changes.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List what was changed and when, the latest last."""
+    with open_ledger(context) as ledger:
+        changes = ledger.history()[-last if last else 0 :]
+        name = ledger.name
+    if json:
+        keys = ("number", "command", "what", "undone")
+        documents = [{"at": change.at.isoformat()} | {key: getattr(change, key) for key in keys} for change in changes]
+        print_json({"changes": documents})
+    elif changes:
+        rows = [
+            (
+                str(change.number),
+                f"{change.at.astimezone():%Y-%m-%d %H:%M}",
+                change.command,
+                change.what,
+                "undone" if change.undone else "",
+            )
+            for change in changes
+        ]
+        print_table(("no.", "when", "command", "what", ""), rows, numbers=["no."])
+    else:
+        complain(f"nothing was changed in {name} yet")

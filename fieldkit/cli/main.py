@@ -1,0 +1,71 @@
+"""`fieldkit`: its options, its groups of commands, and the one place where errors become a line.
+
+A group is a module of this package that binds `app`; nothing heavy is imported before a command runs.
+"""
+
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from typing import Annotated
+
+import typer
+
+from fieldkit.errors import FieldkitError
+
+GROUPS = ("intake", "add", "records", "journal", "motors")
+"""Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
+
+app = typer.Typer(
+    no_args_is_help=True,
+    pretty_exceptions_enable=False,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from fieldkit import __version__
+
+        typer.echo(f"fieldkit {__version__}")
+        raise typer.Exit
+
+
+@app.callback()
+def options(
+    context: typer.Context,
+    ledger: Annotated[
+        str | None,
+        typer.Option(
+            envvar="FIELDKIT_LEDGER",
+            metavar="PATH_OR_URL",
+            help="Where flights are kept; without it, a file in your data folder.",
+        ),
+    ] = None,
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which fieldkit this is.")
+    ] = False,
+) -> None:
+    """From the altimeter's readouts to the next apogee."""
+    context.obj = ledger
+
+
+for group in GROUPS:
+    app.add_typer(import_module(f"fieldkit.cli.{group}").app)
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line, that of the process by default, and return its exit status."""
+    try:
+        app(args=arguments, prog_name="fieldkit")
+    except FieldkitError as error:
+        from fieldkit.cli.screen import complain
+
+        complain(str(error))
+        return 1
+    except SystemExit as end:
+        return end.code if isinstance(end.code, int) else int(end.code is not None)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,96 @@
+"""`fieldkit motors`: finding a motor, knowing it, and adding one's own."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.session import known_motors
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+
+app = typer.Typer()
+
+MOST = 40
+"""How many motors a table lists."""
+
+
+@app.command()
+def motors(
+    search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")] = None,
+    about: Annotated[bool, typer.Option("--about", help="Say where the motors are from.")] = False,
+    import_: Annotated[
+        Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Search the motors, or add your own."""
+    from fieldkit.errors import UnknownMotor
+    from fieldkit.motors import describe
+
+    if import_ is not None:
+        found = _added(import_)
+    elif about:
+        _about(json)
+        return
+    else:
+        found = known_motors().search(" ".join(search or ()))
+    if json:
+        print_json({"motors": [describe(motor) for motor in found]})
+    elif not found:
+        raise UnknownMotor(f"found no motor for {' '.join(search or ())!r}, expected a name such as F24-4W")
+    else:
+        _list(found)
+
+
+def _added(file: Path) -> "list[Motor]":
+    from fieldkit.motors.own import import_file
+    from fieldkit.places import motor_folder
+
+    found = import_file(file, motor_folder())
+    complain(f"{len(found)} added from {file}")
+    return found
+
+
+def _about(json: bool) -> None:
+    catalogue = known_motors()
+    about = {"motors": len(catalogue), **catalogue.about}
+    about = {key: value for key, value in about.items() if key != "columns"}
+    if json:
+        print_json(about)
+        return
+    for key, value in about.items():
+        said = "; ".join(_counted(*item) for item in value.items()) if isinstance(value, Mapping) else value
+        say(f"{key.replace('_', ' ')}: {said}")
+
+
+def _counted(what: str, value: object) -> str:
+    """One of several facts: names are counted, `[read, kept]` is kept of read."""
+    if isinstance(value, list) and all(isinstance(item, int) for item in value):
+        return f"{what} {' of '.join(map(str, reversed(value)))}"
+    return f"{what} {len(value) if isinstance(value, list) else value}"
+
+
+def _list(found: "list[Motor]") -> None:
+    from fieldkit.motors.motor import delays_text
+
+    headers = ("motor", "mm", "N s", "avg N", "burn s", "grams", "delays", "")
+    rows = [
+        (
+            f"{motor.maker} {motor.designation}",
+            f"{motor.diameter * 1e3:g}",
+            f"{motor.total_impulse:.4g}",
+            f"{motor.average_thrust:.3g}",
+            f"{motor.burn_time:.3g}",
+            f"{motor.loaded_mass * 1e3:.4g}",
+            delays_text(motor.delays),
+            "" if motor.available else "no longer made",
+        )
+        for motor in found[:MOST]
+    ]
+    print_table(headers, rows, numbers=headers[1:6])
+    if len(found) > MOST:
+        complain(f"and {len(found) - MOST} more; a longer name or a diameter such as 24mm narrows it")

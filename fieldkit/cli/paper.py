@@ -1,0 +1,114 @@
+"""`fieldkit paper`: the reference flights, next to what the paper published about them."""
+
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fieldkit.cli.screen import print_json, print_table, say
+
+if TYPE_CHECKING:
+    from fieldkit.loop.paper.report import Report
+
+app = typer.Typer()
+
+
+@app.command()
+def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+    """Put the reference paper to the test on its own twelve flights."""
+    from fieldkit.loop.paper.report import report
+    from fieldkit.loop.paper.words import findings
+
+    found = report()
+    if json:
+        print_json({**found.document(), "findings": findings(found)})
+        return
+    _flights(found)
+    _errors(found)
+    _synthetic(found)
+    _rules(found)
+    _say_findings(findings(found))
+
+
+def _flights(report: "Report") -> None:
+    headers = ("flight", "motor", "apogee", "Cd", "publ.", "alpha", "publ.", "rebuilt", "publ.", "left out")
+    say("Twelve flights: Cd and alpha from the apogee, and the apogee rebuilt from them [m]")
+    say()
+    print_table(headers, (_flight(one) for one in report.flights), numbers=headers[2:])
+    say()
+    say("publ.: published. left out: forecast from the same motor's other valid flights.")
+    say("*: tagged as an anomaly and not counted below.")
+    say()
+
+
+def _flight(one: dict[str, Any]) -> tuple[str, ...]:
+    pairs = (
+        ("cd", "published_cd", ".3f"),
+        ("alpha", "published_alpha", ".3f"),
+        ("reconstructed_m", "published_apogee_m", ".1f"),
+    )
+    compared = [f"{one[key]:{form}}" for here, published, form in pairs for key in (here, published)]
+    name = f"{one['flight_id']} {one['config']}{'' if one['valid'] else ' *'}"
+    return (name, one["motor"], f"{one['apogee_m']:.1f}", *compared, f"{one['next_flight_m']:.1f}")
+
+
+def _errors(report: "Report") -> None:
+    stated = report.published["stated"]
+    rows = [
+        ("rebuilt, here", *_three(report.reconstruction)),
+        ("rebuilt, published", *_three(report.published["reconstruction"])),
+        ("next flight, left out, here", *_three(report.next_flight)),
+        ("OpenRocket column, by its own numbers", *_three(report.openrocket)),
+        ("OpenRocket, as stated", f"{stated['openrocket_mae_m']}", f"{stated['openrocket_rmse_m']}", ""),
+    ]
+    headers = (f"Errors on the {report.reconstruction['n']} valid flights [m]", "MAE", "RMSE", "bias")
+    print_table(headers, rows, numbers=headers[1:])
+    say()
+
+
+def _three(errors: dict[str, float]) -> tuple[str, str, str]:
+    return f"{errors['mae_m']:.1f}", f"{errors['rmse_m']:.1f}", f"{errors['bias_m']:+.1f}"
+
+
+def _synthetic(report: "Report") -> None:
+    stated, found, limit = report.published["stated"], report.synthetic, report.bayes_limit
+    rows = [
+        (
+            title,
+            f"{found[f'{name}_mae']:.4f}",
+            f"{stated[f'{name}_mae']:.3f}",
+            f"{limit[f'{name}_mae']:.4f}",
+            f"{found[f'{name}_coverage_one_sd']:.0%}",
+        )
+        for name, title in (("cd", "Cd"), ("alpha", "alpha"))
+    ]
+    headers = (f"MAE on {found['n']} simulated flights", "here", "published", "least possible", "within spread")
+    print_table(headers, rows, numbers=headers[1:])
+    say()
+
+
+def _rules(report: "Report") -> None:
+    headers = ("Each valid flight forecast from the others [m]", "MAE", "±", "bias", "n")
+    rows = [
+        (
+            rule["title"],
+            f"{rule['mae_m']:.1f}",
+            f"{rule['standard_error_m']:.1f}",
+            f"{rule['bias_m']:+.1f}",
+            str(rule["n"]),
+        )
+        for rule in report.rules
+    ]
+    print_table(headers, rows, numbers=headers[1:])
+    say()
+
+
+def _say_findings(paragraphs: list[str]) -> None:
+    from textwrap import wrap
+
+    from rich.console import Console
+
+    width = min(Console().width, 100)
+    for number, paragraph in enumerate(paragraphs, start=1):
+        for line in wrap(paragraph, width, initial_indent=f"{number}. ", subsequent_indent="   "):
+            say(line)
+        say()

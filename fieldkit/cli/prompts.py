@@ -1,0 +1,163 @@
+"""The conversation of `fieldkit add`: a question at a time, forwards and back, nothing typed is lost."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from fieldkit.cli.screen import complain
+from fieldkit.cli.session import MotorCheck
+from fieldkit.entry import NOTHING, QUESTIONS, Question, answer_text, oddities, read_answer
+from fieldkit.errors import BadValue, UnknownMotor
+from fieldkit.flight import Column, Flight
+from fieldkit.ledger import Ledger
+from fieldkit.safe_text import printable
+
+BACK = "<"
+DRAFT = "add"
+UNITS = "units"
+"""Names under which the ledger keeps what was typed so far, and the units that were typed last."""
+
+Listen = Callable[[str], str | None]
+"""Asks and returns the answer; None when no more will come."""
+
+
+@dataclass(slots=True)
+class Talk:
+    """A conversation: what was answered, as typed and as a flight; `patient` is one with a person.
+
+    `units` are those typed last, by kind of column; only a person, who sees them, is held to them.
+    """
+
+    ledger: Ledger
+    listen: Listen
+    patient: bool
+    motors: MotorCheck
+    flight: Flight = field(default_factory=Flight)
+    answers: dict[str, str] = field(default_factory=dict)
+    units: dict[str, str] = field(default_factory=dict)
+    keeps: bool = True
+
+
+def converse(talk: Talk) -> bool:
+    """Ask all that is not answered yet; False when the answers ended early."""
+    place = 0
+    while place < len(QUESTIONS) and QUESTIONS[place].name in talk.answers:
+        _take(talk, QUESTIONS[place], talk.answers[QUESTIONS[place].name])
+        place += 1
+    while place < len(QUESTIONS):
+        question = QUESTIONS[place]
+        text = talk.listen(_prompt(talk, question))
+        if text is None:
+            return False
+        if text.strip() == BACK:
+            place = max(0, place - 1)
+        elif text.strip() == "?":
+            complain(question.help)
+        elif question.name == "motor" and text.strip().startswith("?"):
+            _search(talk, text.strip()[1:])
+        else:
+            place += _answered(talk, question, text)
+    return True
+
+
+def offer(talk: Talk, question: Question) -> str:
+    """What Enter takes: the answer given before, or the one of the last flight like this."""
+    if question.name in talk.answers:
+        return talk.answers[question.name]
+    if question.name == "tags":
+        return "cluster" if _several(talk.flight.motor) else ""
+    if not question.offered:
+        return ""
+    rocket = None if question.name == "rocket" else talk.flight.rocket
+    config = talk.flight.config if question.name == "dry_mass" else None
+    last = talk.ledger.latest(rocket, config)
+    if last is None and question.name == "site":
+        last = talk.ledger.latest()
+    return answer_text(last, question.name) if last else ""
+
+
+def _prompt(talk: Talk, question: Question) -> str:
+    offered = offer(talk, question)
+    unit = f" ({_unit(talk, question)})" if question.column else ""
+    return f"{question.title}{unit}{f' [{printable(offered)}]' if offered else ''}: "
+
+
+def _unit(talk: Talk, question: Question) -> str:
+    """The unit of a number typed without one."""
+    column = question.column
+    if column is None:
+        return ""
+    return talk.units.get(_kind(column), column.unit) if talk.patient else column.unit
+
+
+def _kind(column: Column) -> str:
+    """Columns that are likely to be typed in one unit: heights are, a height and a diameter are not."""
+    return f"{column.quantity} {column.unit}"
+
+
+def _answered(talk: Talk, question: Question, text: str) -> bool:
+    """Take an answer if it can be read and, where it is odd, is kept on being asked."""
+    text = text.strip() or offer(talk, question)
+    while True:
+        try:
+            _take(talk, question, text)
+        except (BadValue, UnknownMotor) as error:
+            complain(f"{question.title}: {error}")
+            return False
+        odd = oddities(talk.flight, question.name)
+        for phrase in odd:
+            complain(f"{question.title}: {phrase}")
+        again = talk.listen("  Enter keeps it, or type it again: ") if odd and talk.patient else ""
+        if not again or not again.strip():
+            break
+        if again.strip() == BACK:
+            return False
+        text = again.strip()
+    talk.answers[question.name] = _with_unit(talk, question, text)
+    if talk.keeps:
+        talk.ledger.keep_draft(DRAFT, talk.answers)
+    return True
+
+
+def _take(talk: Talk, question: Question, text: str) -> None:
+    """Read an answer into the flight. Raises BadValue or UnknownMotor."""
+    if text == NOTHING:
+        text = ""
+    if question.name == "rocket" and not text:
+        raise BadValue("found nothing, expected the rocket's name")
+    if question.name == "motor" and text:
+        _look_up(talk, text)
+    value = read_answer(question.name, text, _unit(talk, question))
+    talk.flight = talk.flight.with_changes(**{question.name: value})
+
+
+def _with_unit(talk: Talk, question: Question, text: str) -> str:
+    """A number with the unit it was meant in, which is remembered for the next; another text as it is."""
+    column = question.column
+    if column is None or text in ("", NOTHING):
+        return text
+    typed = text.lstrip("+-.,0123456789eE ")
+    unit = talk.units[_kind(column)] = typed or _unit(talk, question)
+    return text if typed else text + unit
+
+
+def _look_up(talk: Talk, text: str) -> None:
+    if _several(text):
+        complain("Motor: several at once; the tag `cluster` keeps the flight from teaching the model")
+        return
+    for note in talk.motors.catalogue.resolve(text).notes:
+        complain(f"Motor: {note}")
+
+
+def _several(motor: str) -> bool:
+    from fieldkit.motors import is_cluster
+
+    return is_cluster(motor)
+
+
+def _search(talk: Talk, text: str) -> None:
+    found = talk.motors.catalogue.search(text)
+    for motor in found[:10]:
+        size = f"{motor.diameter * 1e3:g} mm, {motor.total_impulse:.4g} N s"
+        complain(f"  {motor.maker} {motor.designation}, {size}")
+    if len(found) > 10:
+        complain(f"  and {len(found) - 10} more")

@@ -1,0 +1,124 @@
+"""Flights of the ledger: `flights`, `show`, `edit`, `tag`, `untag` and `remove`."""
+
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import card, complain, in_both_units, print_json, print_table, say
+from fieldkit.cli.session import MotorCheck, open_ledger
+
+app = typer.Typer()
+
+FlightId = Annotated[
+    str, typer.Argument(metavar="FLIGHT", help="Its flight_id, or rocket/flight_id.", show_default=False)
+]
+Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Such as weak_launch.", show_default=False)]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command()
+def flights(
+    context: typer.Context,
+    rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.")] = None,
+    tag: Annotated[str | None, typer.Option(help="Flights with this tag only.")] = None,
+    json: AsJson = False,
+) -> None:
+    """List the flights of the ledger."""
+    from fieldkit.export import document
+
+    with open_ledger(context) as ledger:
+        chosen = [one for one in ledger.flights(rocket) if tag is None or tag in one.tags]
+        ids = ledger.ids(chosen)
+        name = ledger.name
+    if json:
+        print_json({"flights": [document(flight) for flight in chosen]})
+    elif not chosen:
+        complain(f"no such flights in {name}" if rocket or tag else f"no flights in {name} yet")
+    else:
+        headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
+        rows = [
+            (
+                id,
+                f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
+                flight.rocket,
+                flight.config,
+                flight.motor,
+                in_both_units("apogee", flight.apogee),
+                "; ".join(flight.tags),
+            )
+            for id, flight in zip(ids, chosen, strict=True)
+        ]
+        print_table(headers, rows, numbers=["apogee"])
+
+
+@app.command()
+def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None:
+    """Show all that is known of a flight."""
+    from fieldkit.export import document
+
+    with open_ledger(context) as ledger:
+        found = ledger.flight(flight)
+        (id,) = ledger.ids([found])
+    if json:
+        print_json(document(found))
+        return
+    lines = card(found, id)
+    width = max(len(title) for title, _ in lines)
+    for title, value in lines:
+        say(f"{title:{width}}  {value}")
+
+
+@app.command()
+def edit(
+    context: typer.Context,
+    flight: FlightId,
+    changes: Annotated[
+        list[str],
+        typer.Argument(metavar="COLUMN=VALUE...", help="apogee=923ft, notes=; an empty value clears."),
+    ],
+) -> None:
+    """Change columns of a flight."""
+    from fieldkit.entry import read_changes
+    from fieldkit.errors import BadValue
+
+    pairs = dict(change.split("=", 1) for change in changes if "=" in change)
+    for change in changes:
+        if "=" not in change:
+            raise typer.BadParameter(f"found {change!r}, expected COLUMN=VALUE")
+    with open_ledger(context) as ledger:
+        before = ledger.flight(flight)
+        values = read_changes(before, pairs)
+        if (motor := values.get("motor")) and (complaint := MotorCheck()(str(motor))):
+            raise BadValue(f"motor: {complaint}")
+        after = ledger.edit(flight, **values)
+        (id,) = ledger.ids([after])
+    say(f"{id} changed" if after != before else f"{id} is so already")
+
+
+@app.command()
+def tag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
+    """Put tags on a flight; one that marks an anomaly keeps it from teaching the model."""
+    from fieldkit.flight import read_tags
+
+    with open_ledger(context) as ledger:
+        say(f"{flight}: {'; '.join(ledger.tag(flight, *read_tags(';'.join(tags))).tags)}")
+
+
+@app.command()
+def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
+    """Take tags off a flight."""
+    from fieldkit.flight import read_tags
+
+    with open_ledger(context) as ledger:
+        say(f"{flight}: {'; '.join(ledger.untag(flight, *read_tags(';'.join(tags))).tags) or 'no tags'}")
+
+
+@app.command()
+def remove(
+    context: typer.Context,
+    flights: Annotated[list[str], typer.Argument(metavar="FLIGHT...", show_default=False)],
+) -> None:
+    """Take flights out of the ledger; undo brings them back."""
+    with open_ledger(context) as ledger:
+        gone = ledger.remove(*flights)
+    say(f"{len(gone)} removed; `fieldkit undo` brings {'it' if len(gone) == 1 else 'them'} back")

@@ -1,0 +1,80 @@
+"""What commands share on their way to the terminal: tables, JSON, and text that cannot harm it."""
+
+import json
+import sys
+from collections.abc import Iterable, Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from fieldkit.safe_text import printable
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
+
+OTHER_UNITS = {"m": "ft", "mm": "in", "g": "oz", "m/s": "mph", "c": "f", "hpa": "inhg"}
+"""The unit printed beside a column's own, for those who think in it."""
+
+
+def say(text: str = "") -> None:
+    """Print one line of a result."""
+    sys.stdout.write(printable(text) + "\n")
+
+
+def complain(text: str) -> None:
+    """Print a message, a line or a few, where it is not taken for a result."""
+    sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
+
+
+def print_json(document: Mapping[str, object]) -> None:
+    """Print one JSON document, in characters that every terminal and pipe takes."""
+    sys.stdout.write(json.dumps(document, indent=2, allow_nan=False) + "\n")
+
+
+def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: Sequence[str] = ()) -> None:
+    """Print a table fitted to the terminal's width, or to 80 columns where there is none."""
+    from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    for header in headers:
+        right = header in numbers
+        table.add_column(Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis")
+    for row in rows:
+        table.add_row(*(Text(printable(cell)) for cell in row))
+    Console(highlight=False).print(table)
+
+
+def card(flight: "Flight", id: str) -> list[tuple[str, str]]:
+    """What is known of a flight, as titles and values in both units."""
+    from fieldkit.entry import answer_text
+    from fieldkit.flight import COLUMNS
+
+    texts = ("rocket", "config", "motor", "date_time", "site", "tags")
+    lines = [
+        ("Flight", id),
+        *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
+    ]
+    for column in COLUMNS:
+        lines.append((column.title, in_both_units(column.name, flight.number(column.name))))
+    lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
+    return [(title, value) for title, value in lines if value]
+
+
+def in_both_units(name: str, value: float | None) -> str:
+    """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
+    from fieldkit import units
+    from fieldkit.flight import BY_NAME
+
+    column = BY_NAME[name]
+    if value is None:
+        return ""
+    scale = units.unit(column.quantity, column.unit)
+    text = f"{scale.from_si(value):.6g} {_spelled(column.unit)}"
+    other = OTHER_UNITS.get(column.unit) if column.quantity != "acceleration" else None
+    if other is None:
+        return text
+    return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {_spelled(other)})"
+
+
+def _spelled(unit: str) -> str:
+    return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°"}.get(unit, unit)

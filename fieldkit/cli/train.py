@@ -1,0 +1,58 @@
+"""`fieldkit train`: simulate, train, export."""
+
+from enum import Enum
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import print_json, say
+
+app = typer.Typer()
+
+
+class Recipe(str, Enum):
+    """What can be trained."""
+
+    paper = "paper"
+
+
+class Plan(str, Enum):
+    """How long to train."""
+
+    quick = "quick"
+    published = "published"
+
+
+@app.command()
+def train(
+    out: Annotated[Path, typer.Option(help="A new folder for the ensemble and its card.", show_default=False)],
+    recipe: Annotated[Recipe, typer.Option(help="What to train.")] = Recipe.paper,
+    seed: Annotated[int, typer.Option(min=0, help="Of the simulated flights and the networks.")] = 1,
+    schedule: Annotated[
+        Plan, typer.Option(help="The paper's 100 epochs, or 10 that reach the same errors.")
+    ] = Plan.quick,
+    n_train: Annotated[int, typer.Option(min=256, help="Simulated flights to train on.")] = 10_000,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Train an ensemble on simulated flights; needs the extra `fieldkit[train]`."""
+    from rich.console import Console
+    from rich.progress import Progress
+
+    from fieldkit.inference.training import trainer
+
+    train_by_recipe = trainer(recipe.value)
+    with Progress(console=Console(stderr=True), transient=True) as progress:
+        task = progress.add_task("training")
+
+        def tell(epoch: int, epochs: int, loss: float) -> None:
+            progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
+
+        summary = train_by_recipe(out, seed=seed, n_train=n_train, schedule=schedule.value, progress=tell)
+    if json:
+        print_json(summary)
+        return
+    say(f"trained {summary['recipe']} on {summary['n_train']} simulated flights in {summary['seconds']:.0f} s")
+    say(f"mean absolute error on unseen ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
+    for file in summary["files"]:
+        say(file)

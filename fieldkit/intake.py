@@ -1,0 +1,91 @@
+"""Files into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
+from fieldkit.flight import Flight
+from fieldkit.ledger import Arrival, Ledger
+from fieldkit.parsing import CheckMotor, Rejected, read, read_together
+
+
+@dataclass(frozen=True, slots=True)
+class Receipt:
+    """What became of files: ids of the new flights, and what the flyer should know of the others."""
+
+    ids: tuple[str, ...]
+    duplicates: int
+    rejected: tuple[Rejected, ...]
+    notes: tuple[str, ...]
+
+
+def bring_in(
+    ledger: Ledger,
+    paths: Sequence[Path],
+    check_motor: CheckMotor,
+    *,
+    format: str | None = None,
+    dry_run: bool = False,
+) -> Receipt:
+    """Import files as one command.
+
+    Raises FieldkitError for a file that cannot be used at all, before anything goes in.
+    """
+    contents = [_content(path) for path in paths]
+    intakes = read_together(zip(map(str, paths), contents, strict=True), check_motor=check_motor, format=format)
+    arrivals: list[Arrival] = []
+    rejected: list[Rejected] = []
+    notes: list[str] = []
+    for path, content, intake in zip(paths, contents, intakes, strict=True):
+        rejected += intake.rejected
+        notes += intake.notes
+        for flight, row in zip(intake.flights, intake.rows, strict=True):
+            try:
+                arrival, remarks = _with_log(Arrival(flight, content, str(path), row), path.parent, check_motor)
+            except BadValue as error:
+                rejected.append(Rejected(str(path), row, "log", str(error)))
+            else:
+                arrivals.append(arrival)
+                notes += [str(DamagedLog(text, row=row, column="log", source=str(path))) for text in remarks]
+    added = ledger.add(arrivals, dry_run=dry_run)
+    rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
+    return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
+
+
+def _content(path: Path) -> bytes:
+    try:
+        return path.read_bytes()
+    except OSError as error:
+        found = f"cannot be read ({error.strerror}), expected a log or a flight table"
+        raise DamagedLog(found, source=str(path)) from error
+
+
+def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:
+    """An arrival with the bytes and the readouts of the log it names, and what is to be said of that log.
+
+    Raises BadValue for a log outside the folder of its table, wherever links lead.
+    """
+    flight = arrival.flight
+    if not flight.log:
+        return arrival, []
+    path = (folder / flight.log).resolve()
+    if not path.is_relative_to(folder.resolve()):
+        raise BadValue(f"found the log {flight.log!r}, expected a path inside the folder of the table")
+    try:
+        content = path.read_bytes()
+    except OSError as error:
+        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
+    try:
+        found = read(content, flight.log, check_motor).flights
+    except (UnknownFormat, DamagedLog) as error:
+        return replace(arrival, log=content), [f"kept but not read: {error}"]
+    return replace(arrival, flight=_filled(flight, found), log=content), []
+
+
+def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
+    """A flight with the readouts that its row leaves open, where the log is of one flight."""
+    found = list(found)
+    if len(found) != 1:
+        return flight
+    return flight.with_changes(**(found[0].readouts() | flight.readouts()))

@@ -1,0 +1,11 @@
+"""The ledger: flights, logs, model versions and predictions, and a journal that can take each change back.
+
+SQLAlchemy Core rather than its ORM: records are frozen dataclasses with no identity to track, and Core
+alone spares every command about a tenth of a second of imports.
+"""
+
+from fieldkit.ledger.journal import Change
+from fieldkit.ledger.ledger import Ledger
+from fieldkit.ledger.records import Added, Arrival, Conflict, Prediction, Version
+
+__all__ = ["Added", "Arrival", "Change", "Conflict", "Ledger", "Prediction", "Version"]

@@ -1,0 +1,25 @@
+"""Half-typed flights, kept field by field so that a killed prompt can go on."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from sqlalchemy import Connection, delete, insert, select
+
+from fieldkit.ledger.tables import drafts
+
+
+def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
+    """Keep a draft under a name, in place of what was there."""
+    drop(connection, name)
+    connection.execute(insert(drafts).values(name=name, content=dict(content)))
+
+
+def draft(connection: Connection, name: str) -> dict[str, Any] | None:
+    """The draft under a name, or None."""
+    content = connection.scalar(select(drafts.c.content).where(drafts.c.name == name))
+    return None if content is None else dict(content)
+
+
+def drop(connection: Connection, name: str) -> None:
+    """Forget the draft under a name, if there is one."""
+    connection.execute(delete(drafts).where(drafts.c.name == name))

@@ -1,0 +1,6 @@
+"""Run by Alembic when a ledger is upgraded, inside the transaction that `opening.upgrade` began."""
+
+from alembic import context
+
+context.configure(connection=context.config.attributes["connection"], transactional_ddl=True)
+context.run_migrations()

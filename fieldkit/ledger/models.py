@@ -1,0 +1,79 @@
+"""Model versions by rocket, the one in use, and the predictions made."""
+
+from collections.abc import Mapping
+from dataclasses import asdict
+from datetime import datetime
+from typing import Any
+
+from sqlalchemy import Connection, and_, func, insert, select
+
+from fieldkit.errors import LedgerError
+from fieldkit.ledger.journal import Pen, now
+from fieldkit.ledger.records import Prediction, Version
+from fieldkit.ledger.tables import active_versions
+from fieldkit.ledger.tables import predictions as made
+from fieldkit.ledger.tables import versions as kept
+
+
+def keep_version(pen: Pen, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
+    """Keep a model of a rocket under its next number."""
+    last = pen.connection.scalar(select(func.max(kept.c.number)).where(kept.c.rocket == rocket)) or 0
+    at = now()
+    pen.insert(kept, [{"rocket": rocket, "number": last + 1, "at": at, "payload": dict(payload)}])
+    if activate:
+        _use(pen, rocket, last + 1)
+    return Version(rocket, last + 1, datetime.fromisoformat(at), dict(payload), activate)
+
+
+def versions(connection: Connection, rocket: str) -> list[Version]:
+    """The models of a rocket, oldest first."""
+    used = and_(kept.c.rocket == active_versions.c.rocket, kept.c.number == active_versions.c.number)
+    query = select(kept, active_versions.c.number.label("used")).join_from(kept, active_versions, used, isouter=True)
+    return [
+        Version(row.rocket, row.number, datetime.fromisoformat(row.at), row.payload, row.used is not None)
+        for row in connection.execute(query.where(kept.c.rocket == rocket).order_by(kept.c.number))
+    ]
+
+
+def activate(pen: Pen, rocket: str, number: int | None) -> bool:
+    """Use a kept model, or none of them; False where that is so already. Raises LedgerError."""
+    there = {version.number: version.active for version in versions(pen.connection, rocket)}
+    if number is not None and number not in there:
+        known = ", ".join(map(str, there)) or "none"
+        raise LedgerError(f"{rocket} has no model version {number}, expected one of: {known}")
+    if number is None:
+        pen.delete(active_versions, active_versions.c.rocket == rocket)
+    elif not there[number]:
+        _use(pen, rocket, number)
+    return bool(pen.images)
+
+
+def _use(pen: Pen, rocket: str, number: int) -> None:
+    pen.delete(active_versions, active_versions.c.rocket == rocket)
+    pen.insert(active_versions, [{"rocket": rocket, "number": number}])
+
+
+def keep_prediction(
+    connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
+) -> Prediction:
+    """Keep a prediction, or return the one that said the same from the same inputs."""
+    for prediction in predictions(connection, rocket, flight_id):
+        if prediction.digest == digest and prediction.payload == payload:
+            return prediction
+    last = connection.scalar(select(func.max(made.c.number))) or 0
+    new = Prediction(last + 1, datetime.fromisoformat(now()), rocket, flight_id, digest, dict(payload))
+    connection.execute(insert(made).values(asdict(new) | {"at": new.at.isoformat()}))
+    return new
+
+
+def predictions(connection: Connection, rocket: str | None, flight_id: str | None) -> list[Prediction]:
+    """The predictions made, oldest first."""
+    query = select(made).order_by(made.c.number)
+    if rocket is not None:
+        query = query.where(made.c.rocket == rocket)
+    if flight_id is not None:
+        query = query.where(made.c.flight_id == flight_id)
+    return [
+        Prediction(row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, row.payload)
+        for row in connection.execute(query)
+    ]

@@ -1,0 +1,173 @@
+"""Finding, opening and upgrading a ledger, on SQLite or PostgreSQL.
+
+SQLite keeps its rollback journal and `synchronous=EXTRA`: a finished command survives a power cut, and the
+ledger stays one file that can be copied at any time, which a write-ahead log beside it would not allow.
+Alembic is imported only when a ledger is new or older than this program.
+"""
+
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
+from sqlalchemy.engine import URL, make_url
+from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy.pool import ConnectionPoolEntry
+
+from fieldkit.errors import LedgerError
+from fieldkit.places import data_folder
+
+PATIENCE = 15.0
+"""How long a command waits for another one that is writing. [s]"""
+MIGRATIONS = Path(__file__).parent / "migrations"
+STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
+"""Every version of the schema that this program knows, oldest first."""
+
+_DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": "postgresql+psycopg"}
+_LOCK = 0x666B  # any number that nobody else on the server is likely to use
+_SQLITE = {
+    "SQLITE_NOTADB": "this file is not a ledger, expected a file made by fieldkit",
+    "SQLITE_CORRUPT": "the file is damaged; restore a copy, or recover it with `sqlite3 FILE .recover`",
+    "SQLITE_READONLY": "the ledger is read-only, expected a file and folder that may be written",
+    "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
+    "SQLITE_BUSY": f"another program has kept it locked for {PATIENCE:.0f} s; nothing was changed, try again",
+    "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
+    "SQLITE_CANTOPEN": "cannot open the file, expected one in a folder that exists and may be read",
+    "SQLITE_IOERR": "the disk failed to read or write; nothing was changed",
+    "SQLITE_PERM": "no permission to use the file",
+}
+
+
+def location(where: str | Path | None) -> URL:
+    """The URL of a ledger named by a path or URL, by FIELDKIT_LEDGER, or the one in the user's data folder.
+
+    Raises LedgerError for a URL that is neither SQLite's nor PostgreSQL's.
+    """
+    where = where or os.environ.get("FIELDKIT_LEDGER") or data_folder() / "ledger.db"
+    if isinstance(where, Path) or "://" not in where:
+        return URL.create("sqlite", database=str(Path(where).expanduser()))
+    try:
+        url = make_url(where)
+    except ArgumentError:
+        raise LedgerError(f"found the ledger {where!r}, expected a path or a URL such as sqlite:///FILE") from None
+    dialect = url.get_backend_name()
+    if dialect not in _DRIVERS:
+        raise LedgerError(f"found a ledger on {dialect}, expected sqlite or postgresql")
+    return url if "+" in url.drivername else url.set(drivername=_DRIVERS[dialect])
+
+
+def name_of(url: URL) -> str:
+    """A ledger's name for messages: its path, or its URL without the password."""
+    return str(url.database) if url.drivername == "sqlite" and url.database else url.render_as_string()
+
+
+def connect(url: URL) -> Engine:
+    """An engine whose connections keep what they are told; touches no file yet."""
+    sqlite = url.get_backend_name() == "sqlite"
+    try:
+        engine = create_engine(url, connect_args={"timeout": PATIENCE} if sqlite else {})
+    except ModuleNotFoundError as error:
+        raise LedgerError(f"{name_of(url)}: needs {error.name}; install fieldkit[postgres]") from error
+    except (ArgumentError, NoSuchModuleError) as error:
+        raise LedgerError(f"{name_of(url)}: {error}") from error
+    if sqlite:
+        event.listen(engine, "connect", _prepare_sqlite)
+        event.listen(engine, "begin", _begin_sqlite)
+    else:
+        event.listen(engine, "begin", _begin_server)
+    return engine
+
+
+def _prepare_sqlite(connection: object, _entry: ConnectionPoolEntry) -> None:
+    connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are begun below
+    for setting in ("foreign_keys = ON", "synchronous = EXTRA"):
+        connection.execute(f"PRAGMA {setting}")  # type: ignore[attr-defined]
+
+
+def _begin_sqlite(connection: Connection) -> None:
+    writes = connection.get_execution_options().get("writes")
+    connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+
+def _begin_server(connection: Connection) -> None:
+    if connection.get_execution_options().get("writes"):
+        connection.exec_driver_sql(f"SELECT pg_advisory_xact_lock({_LOCK})")
+
+
+@contextmanager
+def reading(engine: Engine) -> Iterator[Connection]:
+    """A connection that sees one state of the ledger."""
+    with _explained(engine), engine.connect() as connection:
+        yield connection
+
+
+@contextmanager
+def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
+    """A connection whose changes are kept together at the end, or not at all; one writer at a time."""
+    with _explained(engine), engine.execution_options(writes=True).connect() as connection:
+        yield connection
+        if keep:
+            connection.commit()
+
+
+@contextmanager
+def _explained(engine: Engine) -> Iterator[None]:
+    try:
+        yield
+    except DBAPIError as error:
+        if why := _reason(error):
+            raise LedgerError(f"{name_of(engine.url)}: {why}") from error
+        raise
+
+
+def _reason(error: DBAPIError) -> str | None:
+    """What the flyer can mend, or None where the fault is ours."""
+    code = getattr(error.orig, "sqlite_errorname", "")
+    for start, why in _SQLITE.items():
+        if code.startswith(start):
+            return why
+    state = getattr(error.orig, "sqlstate", None)
+    refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
+    if refused or (not code and (error.connection_invalidated or type(error).__name__ == "OperationalError")):
+        return " ".join(str(error.orig).split())
+    return None
+
+
+def bring_up_to_date(engine: Engine) -> None:
+    """Make a new ledger's tables, or upgrade an older one's, in one transaction; a current one costs a look.
+
+    Raises LedgerError for a database that is not a ledger, or one made by a newer fieldkit.
+    """
+    with reading(engine) as connection:
+        if _version(connection) == STEPS[-1]:
+            return
+    with writing(engine) as connection:
+        if _version(connection) != STEPS[-1]:  # it may have been upgraded while we waited
+            _upgrade(connection)
+
+
+def _version(connection: Connection) -> str | None:
+    """The step a ledger is at; None for an empty database."""
+    name = name_of(connection.engine.url)
+    tables = inspect(connection)
+    if tables.has_table("alembic_version"):
+        version = connection.scalar(text("SELECT version_num FROM alembic_version"))
+        if version in STEPS:
+            return str(version)
+        if version and re.match(r"m\d{3}_", version):
+            raise LedgerError(f"{name}: made by a newer fieldkit ({version}), expected {STEPS[-1]} or older")
+    elif not tables.get_table_names():
+        return None
+    raise LedgerError(f"{name}: holds another program's tables, expected a ledger or an empty database")
+
+
+def _upgrade(connection: Connection) -> None:
+    from alembic import command
+    from alembic.config import Config
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    command.upgrade(config, "head")

@@ -1,0 +1,58 @@
+"""What a ledger hands out besides flights."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from typing import Any
+
+from fieldkit.flight import Flight
+
+
+@dataclass(frozen=True, slots=True)
+class Arrival:
+    """A flight on its way in, with the original bytes it was read from, and their file and row."""
+
+    flight: Flight
+    log: bytes | None = None
+    source: str = ""
+    row: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Conflict:
+    """A flight that was not taken in, and why, in one line."""
+
+    arrival: Arrival
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
+class Added:
+    """What became of flights given to a ledger; `new` are their ids."""
+
+    new: tuple[str, ...] = ()
+    duplicates: int = 0
+    conflicts: tuple[Conflict, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Version:
+    """A kept model of one rocket; `payload` belongs to whoever made it."""
+
+    rocket: str
+    number: int
+    at: datetime
+    payload: Mapping[str, Any]
+    active: bool
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """A prediction as it was made; `digest` is of everything it was made from."""
+
+    number: int
+    at: datetime
+    rocket: str
+    flight_id: str
+    digest: str
+    payload: Mapping[str, Any]

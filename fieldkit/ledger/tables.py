@@ -1,0 +1,109 @@
+"""The tables of a ledger, as SQLAlchemy Core sees them; the migrations are what makes them.
+
+A rocket, a configuration, a motor or a site is what the flights say it is: their lists are read off the
+flights, so none can be left behind or contradict a flight. Numbers are SI, one column for each of
+`fieldkit.flight.COLUMNS`; times are ISO 8601 text, because a flight's own clock may or may not know its zone.
+"""
+
+from sqlalchemy import (
+    JSON,
+    Column,
+    Double,
+    ForeignKey,
+    ForeignKeyConstraint,
+    Integer,
+    LargeBinary,
+    MetaData,
+    Table,
+    Text,
+    UniqueConstraint,
+)
+
+from fieldkit.flight import COLUMNS
+
+metadata = MetaData()
+document = JSON(none_as_null=True)
+moment = Text().with_variant(Text(collation="C"), "postgresql")
+"""ISO 8601 text that sorts as time on every server."""
+
+logs = Table(
+    "logs",
+    metadata,
+    Column("digest", Text, primary_key=True),  # SHA-256 of the original bytes, in hex
+    Column("size", Integer, nullable=False),  # of the original [byte]
+    Column("content", LargeBinary, nullable=False),  # compressed with zlib
+)
+
+flights = Table(
+    "flights",
+    metadata,
+    Column("entry", Integer, primary_key=True, autoincrement=False),
+    Column("rocket", Text, nullable=False),
+    Column("flight_id", Text, nullable=False),
+    Column("config", Text, nullable=False),
+    Column("motor", Text, nullable=False),
+    Column("date_time", moment),
+    Column("site", Text, nullable=False),
+    Column("notes", Text, nullable=False),
+    Column("log", Text, nullable=False),  # as the flight table names it
+    Column("log_digest", Text, ForeignKey("logs.digest")),
+    Column("source", Text, nullable=False),  # the file it came from
+    *(Column(column.name, Double) for column in COLUMNS),
+    Column("extra", document, nullable=False),
+    Column("entered", document),  # the flight as it came in, once it has been edited
+    UniqueConstraint("rocket", "flight_id"),
+)
+
+tags = Table(
+    "tags",
+    metadata,
+    Column("entry", Integer, ForeignKey("flights.entry"), primary_key=True, autoincrement=False),
+    Column("position", Integer, primary_key=True, autoincrement=False),
+    Column("tag", Text, nullable=False),
+)
+
+versions = Table(
+    "versions",
+    metadata,
+    Column("rocket", Text, primary_key=True),
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("at", moment, nullable=False),
+    Column("payload", document, nullable=False),
+)
+
+active_versions = Table(
+    "active_versions",
+    metadata,
+    Column("rocket", Text, primary_key=True),
+    Column("number", Integer, nullable=False),
+    ForeignKeyConstraint(["rocket", "number"], ["versions.rocket", "versions.number"]),
+)
+
+predictions = Table(
+    "predictions",
+    metadata,
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("at", moment, nullable=False),
+    Column("rocket", Text, nullable=False),
+    Column("flight_id", Text, nullable=False),  # of the planned flight, empty when it has no name yet
+    Column("digest", Text, nullable=False),  # of everything the prediction was made from
+    Column("payload", document, nullable=False),
+)
+
+journal = Table(
+    "journal",
+    metadata,
+    Column("number", Integer, primary_key=True, autoincrement=False),
+    Column("at", moment, nullable=False),
+    Column("command", Text, nullable=False),
+    Column("what", Text, nullable=False),
+    Column("target", Integer, ForeignKey("journal.number")),  # the change that an undo or a redo is about
+    Column("images", document),  # rows before and after; empty where `target` has them
+)
+
+drafts = Table(
+    "drafts",
+    metadata,
+    Column("name", Text, primary_key=True),
+    Column("content", document, nullable=False),
+)

@@ -1,0 +1,1 @@
+"""The loop: predict, compare, find what the model lacks, add it, predict again."""

@@ -1,0 +1,224 @@
+"""The loop on a ledger: what is asked of a rocket by name, answered from the flights that are kept."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.flight import Flight, table_row
+from fieldkit.ledger import Ledger
+from fieldkit.loop.diagnose import Diagnosis, Progress, diagnose, strength
+from fieldkit.loop.model import observe
+from fieldkit.loop.predict import Place, Prediction, predict, rocket_model
+from fieldkit.motors import Catalogue, Found
+
+Which = Literal["before", "after"]
+INHERITED = ("dry_mass", "diameter", "rail_length")
+"""What a plan takes over from the last flight of its rocket and configuration where it says nothing."""
+
+
+def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
+    """The flights of a rocket that physics can follow, in order, each with its motor.
+
+    Clusters, stages and flights without a dry mass are left out.
+    """
+    known = []
+    for flight in ledger.flights(rocket):
+        if flight.dry_mass is None:
+            continue
+        try:
+            known.append((flight, motors.resolve(flight.motor)))
+        except UnknownMotor:
+            continue
+    return known
+
+
+def which_rocket(ledger: Ledger, wanted: str | None) -> str:
+    """The rocket asked for, or the one flown last. Raises NoFlights that lists those there are."""
+    rockets = ledger.names("rocket")
+    if wanted is None:
+        if not rockets:
+            raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
+        return rockets[0]
+    if wanted not in rockets:
+        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none yet'}")
+    return wanted
+
+
+def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tuple[Place, ...]:
+    """The effects in a rocket's model as it is used now, or as it was before the loop added any."""
+    version = ledger.active_version(rocket) if which == "after" else None
+    if version is None:
+        return ()
+    return tuple(Place(entry["effect"], entry.get("where", "")) for entry in version.payload["effects"])
+
+
+def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
+    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none."""
+    alike = [flight for flight in history if flight.config == plan.config] or list(history)
+    missing: dict[str, Any] = {}
+    for name in INHERITED:
+        value = next((v for flight in reversed(alike) if (v := flight.number(name)) is not None), None)
+        if plan.number(name) is None and value is not None:
+            missing[name] = value
+    return plan.with_changes(**missing)
+
+
+def predict_plans(
+    ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], which: Which = "after", *, keep: bool = True
+) -> list[Prediction]:
+    """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
+
+    Raises UnknownMotor, NoFlights for a plan that names no rocket when none was flown, and
+    ImpossibleFlight for one without a mass.
+    """
+    answers: dict[int, Prediction] = {}
+    for rocket in dict.fromkeys(plan.rocket for plan in plans):
+        rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
+        history = flown(ledger, motors, rocket)
+        before = [flight for flight, _ in history]
+        planned = [(completed(plans[row], before), motors.resolve(plans[row].motor)) for row in rows]
+        made = predict(history, planned, accepted_places(ledger, rocket, which))
+        answers |= dict(zip(rows, made, strict=True))
+    if keep:
+        for prediction in answers.values():
+            ledger.keep_prediction(
+                forecast_document(prediction),
+                digest=_digest(prediction),
+                rocket=prediction.plan.rocket,
+                flight_id=prediction.plan.flight_id,
+            )
+    return [answers[row] for row in range(len(plans))]
+
+
+def forecast_document(prediction: Prediction) -> dict[str, Any]:
+    """A prediction under the contract's keys, and what it rests on."""
+    p05, p50, p95 = prediction.apogee_quantiles()
+    document: dict[str, Any] = {"flight_id": prediction.plan.flight_id} if prediction.plan.flight_id else {}
+    document |= {
+        "rocket": prediction.plan.rocket,
+        "config": prediction.plan.config,
+        "motor": prediction.plan.motor,
+        "apogee_m": {
+            "mean": float(prediction.apogee.mean()),
+            "sd": float(prediction.apogee.std()),
+            "p05": float(p05),
+            "p50": float(p50),
+            "p95": float(p95),
+        },
+        "true_apogee_m": float(np.median(prediction.true_apogee)),
+        "ejection_s": _median(prediction.eject),
+        "coast_s": _median(prediction.coast),
+        "top_speed_mps": _median(prediction.top_speed),
+        "rail_speed_mps": _median(prediction.rail_speed),
+        "cd": {"mean": float(prediction.cd.mean()), "sd": float(prediction.cd.std())},
+        "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
+        "flights": prediction.rests_on,
+        "model": prediction.model,
+    }
+    return document
+
+
+def _median(values: Any) -> float | None:
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else None
+
+
+def _digest(prediction: Prediction) -> str:
+    inputs = json.dumps([table_row(prediction.plan), prediction.model, prediction.rests_on], sort_keys=True)
+    return hashlib.sha256(inputs.encode()).hexdigest()
+
+
+def close_loop(
+    ledger: Ledger, motors: Catalogue, rocket: str, *, accept: bool = True, progress: Progress | None = None
+) -> Diagnosis:
+    """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
+
+    A version is kept only where it differs from the one in use. Raises NoFlights for fewer than four clean
+    flights with an apogee.
+    """
+    history = flown(ledger, motors, rocket)
+    teach = [flight.clean and flight.apogee is not None for flight, _ in history]
+    if sum(teach) < 4:
+        raise NoFlights(
+            f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
+        )
+    flights = [flight for flight, _ in history]
+    model = rocket_model(flights, [motor for _, motor in history])
+    diagnosis = diagnose(model, observe(flights, teach), progress)
+    if accept:
+        _keep(ledger, rocket, diagnosis)
+    return diagnosis
+
+
+def _keep(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
+    places = tuple(Place(trial.candidate.effect, trial.candidate.where) for trial in diagnosis.accepted)
+    if places == accepted_places(ledger, rocket):
+        return
+    if not places:
+        ledger.activate(rocket, None)
+        return
+    ledger.keep_version(rocket, version_payload(diagnosis))
+
+
+def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
+    """What a model version keeps: its effects with strengths, the flights behind it, errors, a digest."""
+    payload: dict[str, Any] = {
+        "effects": [
+            {
+                "effect": trial.candidate.effect,
+                "where": trial.candidate.where,
+                **dict(zip(("mean", "sd"), strength(trial), strict=True)),
+                "unit": trial.unit,
+            }
+            for trial in diagnosis.accepted
+        ],
+        "flights": [
+            f.flight_id for f, seen in zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True) if seen
+        ],
+        "confidence": diagnosis.confidence,
+        "before": diagnosis.before.json(),
+        "after": diagnosis.after.json(),
+    }
+    payload["digest"] = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
+    return payload
+
+
+def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+    """A diagnosis under the contract's keys."""
+    before = diagnosis.before.json()
+    candidates = [
+        {
+            "effect": item.effect,
+            "evidence": item.log_bayes,
+            "parameters": {
+                item.best.candidate.name: {
+                    **dict(zip(("mean", "sd"), strength(item.best), strict=True)),
+                    "unit": item.best.unit,
+                }
+            },
+            "after": {key: item.score.json()[key] for key in ("mae_m", "rmse_m", "bias_m")},
+        }
+        for item in diagnosis.ranking
+        if item.effect
+    ]
+    return {
+        "rocket": rocket,
+        "n_flights": int(diagnosis.data.seen[:, 0].sum()),
+        "base_model": "field",
+        "residual": {"before": before, "pattern": list(pattern)},
+        "candidates": candidates,
+        "verdict": {
+            "effect": diagnosis.effect,
+            "confidence": diagnosis.confidence,
+            "why": diagnosis.why,
+            "also": list(diagnosis.also),
+            "tell_apart": list(diagnosis.advice),
+        },
+        "before": before,
+        "after": diagnosis.after.json(),
+        "evaluation": "leave-one-flight-out, effect chosen anew inside every fold",
+    }

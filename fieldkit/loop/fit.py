@@ -1,0 +1,229 @@
+"""The posterior of a model's terms, its evidence, and what it predicts for flights left out.
+
+At a point the readouts are linear in the terms and in the scatter of single flights (derivatives by
+differences of the simulator, all in one batch), so that scatter integrates out exactly, the posterior is
+normal, and leaving a flight out is one subtraction (Gauss-Newton and Laplace; Bishop, Pattern Recognition
+and Machine Learning, 2006, chapters 3 and 4). The point is moved to the posterior mean a few times. How
+large scatter and reading errors are is not known beforehand: both are scaled by factors on a grid, weighed
+by the evidence for each.
+"""
+
+from dataclasses import dataclass
+from math import erf, log, sqrt
+
+import numpy as np
+
+from fieldkit.loop.model import OBSERVED, SCATTER, Data, Model, compared, reading_sd, shown
+from fieldkit.shapes import Array, Flags, Float
+
+SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
+"""Scatter of single flights in units of ordinary scatter. [1]"""
+READING_SCALES = np.array([0.7, 1.2, 2.0])
+"""Reading errors in units of the expected. [1]"""
+_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 1.2) / 0.7) ** 2
+_LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
+ROUNDS = 5
+"""Times the point of linearisation is moved."""
+STEP = 0.25
+"""Step of a difference in standard deviations of the prior. [1]"""
+UNSEEN = 1e3
+"""Standard deviation given to what was not observed."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tangent:
+    """The readouts near a point: values there, derivatives, and what a standard deviation of scatter does."""
+
+    at: Float[Array, "term"]
+    values: Float[Array, "flight readout"]
+    slope: Float[Array, "flight readout term"]
+    scatter_slope: Float[Array, "flight readout scatter"]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A normal posterior of the terms for every pair of scales, at the last point of linearisation.
+
+    Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
+    posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model).
+    """
+
+    model: Model
+    data: Data
+    tangent: Tangent
+    mean: Float[Array, "scale term"]
+    precision: Float[Array, "scale term term"]
+    gain: Float[Array, "scale term"]
+    noise: Float[Array, "scale flight readout readout"]
+    log_weight: Float[Array, "scale"]
+
+    @property
+    def log_evidence(self) -> float:
+        """Log marginal likelihood of the observed readouts. [nat]"""
+        return float(np.logaddexp.reduce(self.log_weight))
+
+    @property
+    def weights(self) -> Float[Array, "scale"]:
+        """Posterior weight of each pair of scales."""
+        return np.asarray(np.exp(self.log_weight - np.logaddexp.reduce(self.log_weight)))
+
+    def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
+        """Posterior mean and standard deviation of every term."""
+        weights, variance = self.weights, np.diagonal(np.linalg.inv(self.precision), axis1=1, axis2=2)
+        mean = weights @ self.mean
+        return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
+
+
+def scale_grid() -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
+    """Scatter scale, reading scale and log prior of every pair."""
+    scatter, reading = np.meshgrid(SCATTER_SCALES, READING_SCALES, indexing="ij")
+    prior = _LOG_SCATTER_PRIOR[:, None] + _LOG_READING_PRIOR
+    prior = prior - np.logaddexp.reduce(prior.ravel())
+    return scatter.ravel(), reading.ravel(), prior.ravel()
+
+
+def tangent(model: Model, at: Float[Array, "term"]) -> Tangent:
+    """Values and derivatives at a point, from one batch of flights and one more for the leaning ones."""
+    count, flights = len(at), len(model.flights)
+    sds = np.array([term.sd for term in model.terms])
+    highs = np.array([term.high for term in model.terms])
+    steps = np.where(at + STEP * sds > highs, -STEP * sds, STEP * sds)
+    upright = [scatter for scatter in SCATTER if scatter.bends != "tilt"]
+    values = np.concatenate([at[None] + np.vstack([np.zeros(count), np.diag(steps)]), np.tile(at, (len(upright), 1))])
+    bends: dict[str, Array] = {scatter.bends: np.zeros((len(values), flights)) for scatter in upright}
+    for row, scatter in enumerate(upright):
+        bends[scatter.bends][1 + count + row] = scatter.sd
+    readings = _stacked(shown(model, values, bends))
+    leaning = _stacked(shown(model, at[None], {"tilt": np.ones((1, flights))}))
+    here = readings[0]
+    with np.errstate(invalid="ignore"):
+        slope = np.moveaxis((readings[1 : 1 + count] - here) / steps[:, None, None], 0, -1)
+        scatter_slope = np.moveaxis(np.concatenate([readings[1 + count :] - here, leaning - here]), 0, -1)
+    return Tangent(at, here, np.nan_to_num(slope), np.nan_to_num(scatter_slope))
+
+
+def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:
+    return compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+
+
+def fit(model: Model, data: Data, start: Float[Array, "term"] | None = None, rounds: int = ROUNDS) -> Fit:
+    """The posterior of a model given data, linearised where it ends up; `start` is where to begin."""
+    at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
+    lows, highs = (np.array([getattr(term, end) for term in model.terms]) for end in ("low", "high"))
+    sds = np.array([term.sd for term in model.terms])
+    result = solve(model, data, tangent(model, at))
+    for _ in range(rounds - 1):
+        wanted = result.mean[int(np.argmax(result.log_weight))]
+        target = np.clip(wanted, lows, highs)
+        move = np.clip(target - at, -2 * sds, 2 * sds)
+        if np.all(np.abs(move) < 0.02 * sds):
+            break
+        at = at + move
+        result = solve(model, data, tangent(model, at))
+    return result
+
+
+def solve(model: Model, data: Data, near: Tangent) -> Fit:
+    """The normal posterior for every pair of scales, the readouts linear about a point."""
+    prior_mean = np.array([term.mean for term in model.terms])
+    prior_precision = np.diag([1 / term.sd**2 for term in model.terms])
+    noise, usable = _noise(data, near)
+    slope = np.where(usable[..., None], near.slope, 0.0)
+    miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
+    weighed = np.linalg.solve(noise, np.broadcast_to(slope, (*noise.shape[:2], *slope.shape[1:])))
+    precision = prior_precision + np.einsum("fot,sfou->stu", slope, weighed)
+    gain = np.einsum("fo,sfou->su", miss, weighed)
+    offset = np.linalg.solve(precision, gain[..., None])[..., 0]
+    _, log_det = np.linalg.slogdet(noise)
+    whitened = np.linalg.solve(noise, np.broadcast_to(miss, noise.shape[:3])[..., None])[..., 0]
+    misfit = np.einsum("fo,sfo->s", miss, whitened) - np.einsum("st,st->s", gain, offset)
+    log_terms = np.linalg.slogdet(precision)[1] - np.linalg.slogdet(prior_precision)[1]
+    log_likelihood = -0.5 * (misfit + log_det.sum(axis=1) + log_terms)
+    mean = prior_mean + offset
+    cut = _log_inside(model, mean, precision)
+    return Fit(model, data, near, mean, precision, gain, noise, log_likelihood + scale_grid()[2] + cut)
+
+
+def _noise(data: Data, near: Tangent) -> tuple[Array, Flags]:
+    """Covariance of each flight's readouts for every pair of scales, and which of them can be compared."""
+    scatter_scale, reading_scale, _ = scale_grid()
+    usable = data.seen & np.isfinite(near.values)
+    spread = np.where(usable[..., None], near.scatter_slope, 0.0)
+    shared = np.einsum("fos,fps->fop", spread, spread)
+    own = np.where(usable, data.sd, UNSEEN) ** 2
+    unit = np.where(usable, reading_scale[:, None, None] ** 2, 1.0)
+    diagonal = (own * unit)[..., None] * np.eye(len(OBSERVED))
+    return scatter_scale[:, None, None, None] ** 2 * shared + diagonal, usable
+
+
+def _log_inside(model: Model, mean: Array, precision: Array) -> Array:
+    """Log of posterior over prior mass inside the bounds of terms that have any, one term at a time."""
+    bounded = [i for i, term in enumerate(model.terms) if np.isfinite(term.low) or np.isfinite(term.high)]
+    total = np.zeros(len(mean))
+    if not bounded:
+        return total
+    sds = np.sqrt(np.diagonal(np.linalg.inv(precision), axis1=1, axis2=2))
+    for i in bounded:
+        term = model.terms[i]
+        prior = _mass(term.low, term.high, term.mean, term.sd)
+        total += [
+            log(max(_mass(term.low, term.high, m, s), 1e-12) / prior)
+            for m, s in zip(mean[:, i], sds[:, i], strict=True)
+        ]
+    return total
+
+
+def _mass(low: float, high: float, mean: float, sd: float) -> float:
+    """Share of a normal distribution between two bounds."""
+    return 0.5 * (erf((high - mean) / (sd * sqrt(2))) - erf((low - mean) / (sd * sqrt(2))))
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """What a fit says of each flight when that flight is left out of it.
+
+    For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
+    (times the evidence of the other flights).
+    """
+
+    mean: Float[Array, "scale flight"]
+    variance: Float[Array, "scale flight"]
+    log_weight: Float[Array, "scale flight"]
+
+
+def leave_one_out(result: Fit) -> LeftOut:
+    """Predictions of every flight from all the others, exactly as far as the readouts are linear."""
+    near, data, model = result.tangent, result.data, result.model
+    usable = data.seen & np.isfinite(near.values)
+    prior_mean = np.array([term.mean for term in model.terms])
+    slope = np.where(usable[..., None], near.slope, 0.0)
+    miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
+    weighed = np.linalg.solve(result.noise, np.broadcast_to(slope, (*result.noise.shape[:2], *slope.shape[1:])))
+    precision = result.precision[:, None] - np.einsum("fot,sfou->sftu", slope, weighed)
+    gain = result.gain[:, None] - np.einsum("fo,sfou->sfu", miss, weighed)
+    offset = np.linalg.solve(precision, gain[..., None])[..., 0]
+    apogee = near.slope[:, 0]
+    mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, prior_mean + offset - near.at)
+    spread = np.linalg.solve(precision, np.broadcast_to(apogee, offset.shape)[..., None])[..., 0]
+    variance = np.einsum("ft,sft->sf", apogee, spread) + _own_variance(result)
+    error = miss - np.einsum("fot,sft->sfo", slope, offset)
+    shared = np.linalg.solve(precision, np.broadcast_to(np.swapaxes(slope, 1, 2), (*offset.shape, slope.shape[1])))
+    covariance = result.noise + slope @ shared
+    surprise = np.linalg.solve(covariance, error[..., None])[..., 0]
+    own = -0.5 * ((error * surprise).sum(axis=-1) + np.linalg.slogdet(covariance)[1])
+    return LeftOut(mean, variance, result.log_weight[:, None] - own)
+
+
+def _own_variance(result: Fit) -> Array:
+    """Variance of a flight's compared apogee about its expectation: scatter and reading. [scale flight]"""
+    scatter_scale, reading_scale, _ = scale_grid()
+    spread = result.tangent.scatter_slope[:, 0]
+    reading = own_reading_sd(np.exp(result.tangent.values[:, 0]))
+    return np.asarray(scatter_scale[:, None] ** 2 * (spread**2).sum(axis=-1) + (reading_scale[:, None] * reading) ** 2)
+
+
+def own_reading_sd(apogee: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
+    raw = np.full((*apogee.shape, len(OBSERVED)), 1.0)
+    raw[..., 0] = apogee
+    return reading_sd(raw)[..., 0]

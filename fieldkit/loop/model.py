@@ -1,0 +1,250 @@
+"""The flight model of one rocket: which numbers are unknown, and what the altimeter shows given them.
+
+Every unknown is a `Term`: a normal prior, possibly cut off, and the weight with which it acts on each
+flight. Terms that act on many flights are shared (drag of the rocket, thrust of a motor type, the strength
+of an effect); what differs from flight to flight is scatter, drawn anew for each.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.motors import Found
+from fieldkit.shapes import Array, Flags, Float
+from fieldkit.simulator.effect import Effect
+from fieldkit.simulator.field import field_setup, recorded
+from fieldkit.simulator.flight import fly
+from fieldkit.simulator.state import Setup
+
+OBSERVED = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+"""Readouts that say something of the ascent. Average acceleration is top speed over burn time and says
+nothing of its own; the rest belongs to the descent."""
+LOGARITHMIC = np.array([True, True, True, True, True, False])
+"""Which of them are compared by ratio rather than by difference."""
+CD = (np.log(0.6), 0.35)
+"""Prior of log Cd: typical models lie between 0.35 and 1.1 (Mandell et al., 1973; Hoerner, 1965)."""
+UNKNOWN_AREA_SD = 0.6
+"""Of log area where the diameter was not recorded and follows from the mass. [1]"""
+
+Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass"]
+
+
+@dataclass(frozen=True, slots=True)
+class Term:
+    """One unknown number: what it bends, its prior, and how strongly it acts on each flight.
+
+    `bends` is a property of the flight, the name of a readout (a bias of the reading, by ratio), or an
+    effect. `low` and `high` cut the prior off.
+    """
+
+    name: str
+    bends: Bends | str | Effect
+    mean: float
+    sd: float
+    weight: Float[Array, "flight"]
+    low: float = -np.inf
+    high: float = np.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Scatter:
+    """What differs from flight to flight: a standard deviation about zero."""
+
+    bends: Bends
+    sd: float
+
+
+SCATTER = (
+    Scatter("thrust", 0.025),
+    Scatter("drag", 0.03),
+    Scatter("stretch", 0.02),
+    Scatter("delay", 0.08),
+    Scatter("tilt", 1.0),
+)
+"""Ordinary scatter of single flights: certified motors vary by 2 to 3 % within a lot, drag with the angle of
+attack, delays by a tenth; `tilt` is in units of a lean of 5 degrees, squared."""
+TILT = np.radians(5.0)
+"""The lean that scatter in tilt is measured in. [rad]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A rocket's flights, in the order flown, and the unknowns they share."""
+
+    flights: tuple[Flight, ...]
+    found: tuple[Found, ...]
+    area: Float[Array, "flight"]
+    terms: tuple[Term, ...]
+
+    @property
+    def names(self) -> list[str]:
+        """Names of the terms, in order."""
+        return [term.name for term in self.terms]
+
+    def with_terms(self, *terms: Term) -> "Model":
+        """The same model with more unknowns."""
+        return Model(self.flights, self.found, self.area, (*self.terms, *terms))
+
+    def part(self, rows: slice) -> "Model":
+        """The same unknowns acting on some of the flights."""
+        terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
+        return Model(self.flights[rows], self.found[rows], self.area[rows], terms)
+
+
+def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """Frontal area of the body; without a diameter, that of a rocket of this dry mass as they are built. [m^2]
+
+    The law of thumb behind it, d = 66 mm (m / 0.4 kg)^0.4, holds within a factor of 1.35 for kits from 30 g
+    to 2 kg.
+    """
+    guess = 0.066 * (recorded(flights, "dry_mass") / 0.4) ** 0.4
+    diameter = recorded(flights, "diameter")
+    result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), np.nanmean(guess), diameter) ** 2
+    return result
+
+
+def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
+    """The group each flight belongs to: its motor type, configuration or site."""
+    if per == "motor":
+        return [f"{item.motor.maker} {item.motor.designation}" for item in found]
+    return [str(getattr(flight, per)) for flight in flights]
+
+
+def base_model(flights: Sequence[Flight], found: Sequence[Found]) -> Model:
+    """The plain model: one drag for the rocket, certified motors, and the small print of both."""
+    area = reference_area(flights)
+    unknown = bool(np.isnan(recorded(flights, "diameter")).any())
+    every = np.ones(len(flights))
+    terms = [
+        Term("drag", "drag", CD[0], float(np.hypot(CD[1], UNKNOWN_AREA_SD * unknown)), every),
+        Term("thrust", "thrust", 0.0, 0.02, every),
+        *_per_group("drag", "drag", 0.03, groups(flights, found, "config")),
+        *_per_group("thrust", "thrust", 0.02, groups(flights, found, "motor")),
+        *_per_group("burn", "stretch", 0.04, groups(flights, found, "motor"), alone=True),
+        *_per_group("delay", "delay", 0.06, groups(flights, found, "motor"), alone=True),
+        Term("top speed read", "top_speed", 0.0, 0.01, every),
+        Term("burn time read", "burn_time", 0.0, 0.05, every),
+        Term("peak read", "peak_accel", 0.0, 0.06, every),
+        Term("coast read", "coast_to_apogee", 0.0, 0.01, every),
+        Term("ejection read", "apogee_to_eject", 0.0, 0.1, every),
+    ]
+    return Model(tuple(flights), tuple(found), area, tuple(terms))
+
+
+def _per_group(name: str, bends: Bends, sd: float, group: Sequence[str], *, alone: bool = False) -> list[Term]:
+    """A term a group where there are several (or `alone`: even where there is one)."""
+    kinds = list(dict.fromkeys(group))
+    if len(kinds) < 2 and not alone:
+        return []
+    return [Term(f"{name} of {kind}", bends, 0.0, sd, np.array([g == kind for g in group], float)) for kind in kinds]
+
+
+def shown(
+    model: Model, values: Float[Array, "draw term"], scatter: Mapping[str, Float[Array, "draw flight"]]
+) -> dict[str, Float[Array, "draw flight"]]:
+    """What the altimeter shows of every flight, in SI, and a few figures it does not show.
+
+    `scatter` bends single flights. A flight that would not leave the pad has nan throughout.
+    """
+    setup, readings_bends = _bent_setup(model, values, scatter)
+    flown = fly(setup)
+    readings: Mapping[str, Any] = flown.readouts()
+    for effect, strength in readings_bends:
+        readings = effect.bend_reading(readings, strength)
+    grounded = flown.lift_off == 0
+    out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
+    for name in OBSERVED:
+        bias = _sum(model, values, name)
+        ratio = name != "apogee_to_eject"
+        out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
+    extras = ("rail_speed", "eject_speed", "drift")
+    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in extras} | {"true": flown.apogee}
+
+
+def _sum(model: Model, values: Array, bends: str) -> Array:
+    """Everything that bends one thing, added up. [draw flight]"""
+    weights = [
+        (index, term.weight)
+        for index, term in enumerate(model.terms)
+        if isinstance(term.bends, str) and term.bends == bends
+    ]
+    total = np.zeros((len(values), len(model.flights)))
+    for index, weight in weights:
+        total += values[:, index, None] * weight
+    return total
+
+
+def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tuple[Setup, list[tuple[Effect, Array]]]:
+    def bend(what: str) -> Array:
+        return np.asarray(_sum(model, values, what) + scatter.get(what, 0.0))
+
+    setup = field_setup(model.flights, model.found, model.area * np.exp(bend("drag")), np.exp(bend("thrust")))
+    setup = setup.with_changes(
+        dry_mass=setup.dry_mass * np.exp(bend("mass")),
+        burn_stretch=np.exp(bend("stretch")),
+        delay=setup.delay * np.exp(bend("delay")),
+    )
+    if np.any(tilt := bend("tilt")):
+        lean = TILT * np.sqrt(np.abs(tilt))
+        setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, lean))
+    readings_bends = []
+    for index, term in enumerate(model.terms):
+        if isinstance(term.bends, Effect):
+            strength = term.bends.strength(values[:, index, None]) * term.weight
+            setup = term.bends.bend_setup(setup, strength, model.flights)
+            readings_bends.append((term.bends, strength))
+    return setup, readings_bends
+
+
+@dataclass(frozen=True, slots=True)
+class Data:
+    """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
+
+    `sd` is the expected error of reading one off the altimeter; `seen` marks what was recorded on flights
+    that teach.
+    """
+
+    values: Float[Array, "flight readout"]
+    sd: Float[Array, "flight readout"]
+    seen: Flags
+
+
+def observe(flights: Sequence[Flight], teach: Sequence[bool]) -> Data:
+    """The observed readouts of flights, those that `teach` marked as seen."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        raw = np.stack([recorded(flights, name) for name in OBSERVED], axis=-1)
+        raw = _speed_from_average(raw, flights)
+        seen = np.isfinite(raw) & (~LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
+        values = np.where(seen, compared(raw), 0.0)
+    return Data(values, np.where(seen, reading_sd(raw), 1.0), seen)
+
+
+def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:
+    """Readouts in SI as the fit compares them."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        result: Float[Array, "*batch readout"] = np.where(LOGARITHMIC, np.log(raw), raw)
+    return result
+
+
+def reading_sd(raw: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
+    """Expected error of each readout as compared: resolution, noise and what the device makes of a flight.
+
+    Apogee 1.5 m and 0.5 %; speed 0.7 m/s and 1.5 %; burn time 0.07 s and 2 %; peak 0.5 m/s^2 and 4 %; coast
+    0.08 s and 1 %; apogee to ejection 0.15 s.
+    """
+    fixed = np.array([1.5, 0.7, 0.07, 0.5, 0.08, 0.15])
+    share = np.array([0.005, 0.015, 0.02, 0.04, 0.01, 0.0])
+    safe = np.where(np.isfinite(raw) & (raw > 0), raw, 1.0)
+    return np.where(LOGARITHMIC, np.hypot(fixed / safe, share), fixed)
+
+
+def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:
+    """Top speed from average acceleration and burn time, where only those were recorded."""
+    speed, burn = OBSERVED.index("top_speed"), OBSERVED.index("burn_time")
+    derived = recorded(flights, "avg_accel") * raw[:, burn]
+    raw = raw.copy()
+    raw[:, speed] = np.where(np.isnan(raw[:, speed]), derived, raw[:, speed])
+    return raw

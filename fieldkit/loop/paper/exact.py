@@ -1,0 +1,64 @@
+"""What an apogee alone can say, by brute force: the posterior on a grid over the paper's prior."""
+
+from typing import Any
+
+import numpy as np
+
+from fieldkit.inference.synthetic import ALPHA_RANGE, APOGEE_NOISE, CD_RANGE
+from fieldkit.loop.paper.reference import Reference, height_grid, heights
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator import paper
+from fieldkit.simulator.flight import apogees
+from fieldkit.simulator.motor import Burns
+
+
+def cells(ends: tuple[float, float], count: int) -> Float[Array, "cell"]:
+    """Middles of equal cells between two ends."""
+    return np.linspace(*ends, 2 * count + 1)[1::2]
+
+
+def reconstructions(flights: Reference, curves: Burns, count: int = 40) -> Float[Array, "flight"]:
+    """Apogee at the exact posterior mean of Cd and alpha given the apogee itself. [m]
+
+    Uniform prior, normal noise of the paper's 3 m, Gauss-Legendre quadrature with `count` nodes a side:
+    its nodes crowd at the prior's ends, and there the posterior of a low flight sits.
+    """
+    node, share = np.polynomial.legendre.leggauss(count)
+    cd, alpha = (low + (high - low) * (node + 1) / 2 for low, high in (CD_RANGE, ALPHA_RANGE))
+    grid = height_grid(flights, cd, alpha, curves)
+    misfit = 0.5 * ((grid - flights.apogee[:, None, None]) / APOGEE_NOISE) ** 2
+    weight = np.exp(misfit.min(axis=(1, 2), keepdims=True) - misfit) * share[:, None] * share
+    weight /= weight.sum(axis=(1, 2), keepdims=True)
+    return heights(flights, weight.sum(axis=2) @ cd, weight.sum(axis=1) @ alpha, curves)
+
+
+def lowest(flights: Reference, curves: Burns) -> Float[Array, "flight"]:
+    """The lowest apogee that the prior can produce: most drag, least thrust. [m]"""
+    most, least = np.full(len(flights), CD_RANGE[1]), np.full(len(flights), ALPHA_RANGE[0])
+    return heights(flights, most, least, curves)
+
+
+def bayes_limit(count: int = 90, step: float = 1.5) -> dict[str, float]:
+    """Smallest possible mean absolute errors of Cd and alpha from the apogee alone, over the paper's prior. [1]
+
+    For each motor and configuration, each apogee on a scale of `step` metres that the altimeter could show
+    is answered by the posterior median, the best answer there is by this measure, and its misses are
+    averaged over all Cd and alpha of `count` cells each that could have led there.
+    """
+    cd, alpha = cells(CD_RANGE, count), cells(ALPHA_RANGE, count)
+    pairs = [(motor, mass) for motor in range(len(paper.MOTORS)) for mass in paper.DRY_MASS.values()]
+    total = np.zeros(2)
+    for motor, mass in pairs:
+        grid = apogees(paper.paper_setup(np.asarray(motor), np.asarray(mass), cd[:, None], alpha[None]))
+        shown = np.arange(grid.min() - 4 * APOGEE_NOISE, grid.max() + 4 * APOGEE_NOISE, step)
+        weight = np.exp(-0.5 * ((grid - shown[:, None, None]) / APOGEE_NOISE) ** 2)
+        weight *= step / (APOGEE_NOISE * np.sqrt(2 * np.pi) * grid.size * len(pairs))
+        total += _least_miss(weight.sum(axis=2), cd), _least_miss(weight.sum(axis=1), alpha)
+    return {"cd_mae": float(total[0]), "alpha_mae": float(total[1])}
+
+
+def _least_miss(weight: Float[Array, "shown cell"], value: Float[Array, "cell"]) -> Any:
+    """Sum of weighted misses when each row is answered by its median."""
+    passed = (weight.cumsum(axis=1) - 0.5 * weight) / weight.sum(axis=1, keepdims=True)
+    median = np.array([np.interp(0.5, row, value) for row in passed])
+    return (weight * np.abs(value - median[:, None])).sum()

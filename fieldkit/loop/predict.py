@@ -1,0 +1,156 @@
+"""The next flight, as a distribution: the posterior of a rocket's model, flown many times.
+
+Draws of the shared unknowns come from the posterior, scatter and reading errors anew for every flight, and
+all of them fly in one batch. With no flight to learn from the priors are flown, and the prediction says so.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.loop.candidates import effect_term, place_weight
+from fieldkit.loop.fit import Fit, fit, own_reading_sd, scale_grid
+from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
+from fieldkit.motors import Found
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import effects
+
+DRAWS = 1000
+"""Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
+LEVELS = (0.05, 0.5, 0.95)
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """An accepted effect and the group of flights it acts in, empty for all."""
+
+    effect: str
+    where: str = ""
+
+    def __str__(self) -> str:
+        return f"{self.effect} of {self.where}" if self.where else self.effect
+
+
+@dataclass(frozen=True, slots=True)
+class Prediction:
+    """What the altimeter will show of a planned flight, as draws of the apogee and figures drawn with it. SI.
+
+    `coast` is from top speed to apogee, `eject` from apogee to the ejection charge (nan without a delay),
+    `cd` and `alpha` the drag coefficient and thrust factor flown with. `rests_on` counts the flights that
+    taught the model.
+    """
+
+    plan: Flight
+    found: Found
+    apogee: Float[Array, "draw"]
+    true_apogee: Float[Array, "draw"]
+    eject: Float[Array, "draw"]
+    coast: Float[Array, "draw"]
+    top_speed: Float[Array, "draw"]
+    rail_speed: Float[Array, "draw"]
+    eject_speed: Float[Array, "draw"]
+    cd: Float[Array, "draw"]
+    alpha: Float[Array, "draw"]
+    rests_on: int
+    model: str
+
+    def apogee_quantiles(self) -> Float[Array, "level"]:
+        """At 5, 50 and 95 %. [m]"""
+        return np.asarray(np.quantile(self.apogee, LEVELS))
+
+
+def rocket_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
+    """The model of a rocket with the effects that were accepted into it."""
+    model = base_model(flights, found)
+    known = effects()
+    terms = [
+        effect_term(
+            place.effect, known[place.effect], place_weight(known[place.effect], model, place.where), place.where
+        )
+        for place in accepted
+        if place.effect in known
+    ]
+    return model.with_terms(*terms)
+
+
+def model_name(accepted: Sequence[Place]) -> str:
+    """`field`, or `field+wind`."""
+    return "+".join(["field", *(place.effect for place in accepted)])
+
+
+def predict(
+    flown: Sequence[tuple[Flight, Found]],
+    planned: Sequence[tuple[Flight, Found]],
+    accepted: Sequence[Place] = (),
+    *,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> list[Prediction]:
+    """Predict planned flights of one rocket from those it has flown, in the order flown.
+
+    Flights with an anomaly tag count as flown and do not teach. Raises ImpossibleFlight for a flight
+    without a dry mass.
+    """
+    both = [*flown, *planned]
+    flights, found = [flight for flight, _ in both], [motor for _, motor in both]
+    teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
+    model = rocket_model(flights, found, accepted)
+    result = fit(model, observe(flights, teach))
+    rng = np.random.default_rng(seed)
+    values, scales = sample(result, draws, rng)
+    ahead = slice(len(flown), None)
+    part = model.part(ahead)
+    scatter: dict[str, Array] = {
+        kind.bends: rng.normal(size=(draws, len(planned))) * kind.sd * scales[:, :1]
+        for kind in SCATTER
+        if kind.bends != "tilt"
+    }
+    readings = shown(part, values, scatter)
+    lean = result.tangent.scatter_slope[ahead, 0, -1] * rng.normal(size=(draws, len(planned))) * scales[:, :1]
+    apogee = readings["apogee"] * np.exp(lean)
+    reading = own_reading_sd(apogee) * scales[:, 1:] * rng.normal(size=apogee.shape)
+    cd = np.exp(_bent(part, values, "drag") + scatter["drag"])
+    alpha = np.exp(_bent(part, values, "thrust") + scatter["thrust"])
+    taught = int(np.sum(np.asarray(teach) & (result.data.seen.any(axis=1))))
+    return [
+        Prediction(
+            plan=flight,
+            found=motor,
+            apogee=np.nan_to_num(apogee[:, i] * np.exp(reading[:, i])),
+            true_apogee=readings["true"][:, i],
+            eject=readings["apogee_to_eject"][:, i],
+            coast=readings["coast_to_apogee"][:, i],
+            top_speed=readings["top_speed"][:, i],
+            rail_speed=readings["rail_speed"][:, i],
+            eject_speed=readings["eject_speed"][:, i],
+            cd=cd[:, i],
+            alpha=alpha[:, i],
+            rests_on=taught,
+            model=model_name(accepted),
+        )
+        for i, (flight, motor) in enumerate(planned)
+    ]
+
+
+def _bent(model: Model, values: Array, what: str) -> Array:
+    return np.asarray(
+        sum(
+            values[:, i, None] * term.weight
+            for i, term in enumerate(model.terms)
+            if isinstance(term.bends, str) and term.bends == what
+        )
+    )
+
+
+def sample(
+    result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
+    """Draws of a model's terms within their bounds, and the scales of scatter and reading that go with each."""
+    scatter_scale, reading_scale, _ = scale_grid()
+    which = rng.choice(len(result.weights), size=draws, p=result.weights)
+    roots = np.linalg.cholesky(np.linalg.inv(result.precision))
+    values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
+    lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
+    return np.clip(values, lows, highs), np.stack([scatter_scale[which], reading_scale[which]], axis=-1)

@@ -1,0 +1,15 @@
+"""Where a flyer's own files are on this computer: the ledger and the motors they added."""
+
+from pathlib import Path
+
+
+def data_folder() -> Path:
+    """The folder of the user's data, made where it is not there yet."""
+    from platformdirs import user_data_path
+
+    return user_data_path("fieldkit", appauthor=False, ensure_exists=True)
+
+
+def motor_folder() -> Path:
+    """The folder of the flyer's own motor files, which may not be there."""
+    return data_folder() / "motors"

@@ -1,0 +1,80 @@
+"""An effect: one thing the plain flight model lacks, with a strength that is zero when it is not there.
+
+It bends the set-up before the flight, the acceleration in it, or the reading after. Effects are files in
+`models/effects/`, each binding `EFFECT`; nothing else needs to know of them.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, cast
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.shelf import plugins
+from fieldkit.simulator.state import Force, Setup
+
+Strength = Float[Array, "*draw flight"]
+BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
+Readings = Mapping[str, Float[Array, "*draw flight"]]
+BendReading = Callable[[Readings, Strength], Readings]
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """What is believed of a strength before any flight: a normal distribution cut off at its bounds."""
+
+    mean: float
+    sd: float
+    low: float = -np.inf
+    high: float = np.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """One bend of the flight model.
+
+    `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
+    (`squared`), it is the square that is fitted and the prior speaks of. `per` names the column of a flight
+    whose groups may differ in strength ("motor", "config", "site"), `everywhere` says whether it may also
+    act on all flights alike. `needs` is the column without which the effect cannot act. One that `grows`
+    acts with its strength times the flights flown before. `explains` tells a flyer what it is, `tell_apart`
+    what to fly or write down to be sure of it.
+    """
+
+    title: str
+    explains: str
+    unit: str
+    prior: Prior
+    source: str
+    tell_apart: str
+    setup: BendSetup | None = None
+    acceleration: Force | None = None
+    reading: BendReading | None = None
+    per: Literal["", "motor", "config", "site"] = ""
+    everywhere: bool = True
+    needs: str = ""
+    grows: bool = False
+    squared: bool = False
+
+    def strength(self, fitted: Strength) -> Strength:
+        """The strength that belongs to a fitted value."""
+        return np.sqrt(np.maximum(fitted, 0.0)) if self.squared else fitted
+
+    def bend_setup(self, setup: Setup, strength: Strength, flights: Sequence[Flight]) -> Setup:
+        """The set-up, and the forces in it, as this effect has them at a strength."""
+        if self.setup is not None:
+            setup = self.setup(setup, strength, flights)
+        if self.acceleration is not None:
+            setup = setup.with_changes(forces=(*setup.forces, (self.acceleration, strength)))
+        return setup
+
+    def bend_reading(self, readings: Readings, strength: Strength) -> Readings:
+        """The readings as this effect shows them at a strength."""
+        return readings if self.reading is None else self.reading(readings, strength)
+
+
+def effects() -> Mapping[str, Effect]:
+    """Every effect on the shelf, by name."""
+    return cast(Mapping[str, Effect], plugins("models.effects", "EFFECT"))

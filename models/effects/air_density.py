@@ -1,0 +1,27 @@
+"""Air density: a site that lies higher, or a day that is hotter, than was written down."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The air at the pad, denser by this share."""
+    return setup.with_changes(air=replace(setup.air, density=setup.air.density * (1 + strength)))
+
+
+EFFECT = Effect(
+    title="other air than declared",
+    explains="the air at a site is thinner or denser than what was written down, so drag is",
+    unit="share of the density",
+    prior=Prior(mean=0.0, sd=0.12, low=-0.45, high=0.4),
+    source="U.S. Standard Atmosphere 1976: a tenth less density for each 1,000 m or 28 K",
+    tell_apart="write down the site's elevation, the temperature and the pressure",
+    setup=setup,
+    per="site",
+    everywhere=False,
+)

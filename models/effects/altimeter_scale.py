@@ -1,0 +1,21 @@
+"""Altimeter scale: the altimeter shows a share too much or too little, and its clock does not."""
+
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior, Readings
+
+
+def reading(readings: Readings, strength: Float[Array, "*draw flight"]) -> Readings:
+    """Heights, more by this share; speeds and times stay."""
+    heights = {name: readings[name] * (1 + strength) for name in ("apogee", "eject_altitude") if name in readings}
+    return {**readings, **heights}
+
+
+EFFECT = Effect(
+    title="an altimeter that reads high or low",
+    explains="the altimeter's heights are off by a constant share, while speed and times are right",
+    unit="share of the height",
+    prior=Prior(mean=0.0, sd=0.05, low=-0.3, high=0.3),
+    source="a barometric altimeter that takes the air for standard errs by 0.35 % a kelvin",
+    tell_apart="fly a second altimeter beside it",
+    reading=reading,
+)

@@ -1,0 +1,25 @@
+"""Early ejection: the delay burns shorter than its number, and the parachute opens on the way up."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The delay, shorter by this share."""
+    return setup.with_changes(delay=setup.delay * (1 - strength))
+
+
+EFFECT = Effect(
+    title="early ejection",
+    explains="the ejection charge fires before apogee and the parachute ends the climb",
+    unit="share of the named delay",
+    prior=Prior(mean=0.25, sd=0.2, low=0.0, high=0.9),
+    source="delays of certified motors vary by up to 20 % or 1.5 s (NFPA 1125)",
+    tell_apart="write down apogee to ejection, or fly the same motor with a longer delay",
+    setup=setup,
+    per="motor",
+)

@@ -1,0 +1,28 @@
+"""Launch angle: a rail that leans, though nobody wrote it down."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The rail leans by this angle more, at right angles to a lean that was declared. [deg]"""
+    return setup.with_changes(rail_angle=np.hypot(setup.rail_angle, np.radians(strength)))
+
+
+EFFECT = Effect(
+    title="a leaning rail",
+    explains="the rocket leaves the pad at an angle from vertical, so part of its speed is spent sideways",
+    unit="deg",
+    prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),
+    source="projection of thrust and speed; angle from vertical",
+    tell_apart="measure the rail's angle, or fly once with the rail plumb",
+    setup=setup,
+    per="site",
+    squared=True,
+)

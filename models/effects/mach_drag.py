@@ -1,0 +1,30 @@
+"""Mach drag: drag rises towards the speed of sound."""
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.pull import smooth_step
+from fieldkit.simulator.state import State
+
+ONSET = 0.6
+"""Mach number at which the rise begins. [1]"""
+FULL = 1.05
+"""Mach number at which it is complete. [1]"""
+
+
+def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Drag grows by this share between the onset and just above the speed of sound."""
+    mach = state.speed / state.air.sound_speed(state.height)
+    return np.asarray(-strength * smooth_step((mach - ONSET) / (FULL - ONSET)) * state.drag)
+
+
+EFFECT = Effect(
+    title="drag rise near the speed of sound",
+    explains="fast flights meet more drag than slow ones, because Cd grows towards Mach 1",
+    unit="share of Cd added at Mach 1.05",
+    prior=Prior(mean=0.5, sd=0.5, low=0.0, high=3.0),
+    source="Hoerner, Fluid-Dynamic Drag (1965), chapter 16: drag of slender bodies doubles through Mach 1",
+    tell_apart="fly a slower motor of the same diameter",
+    acceleration=acceleration,
+)

@@ -1,0 +1,25 @@
+"""Mass offset: a configuration that is heavier or lighter than it was weighed."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The dry mass, more by this share."""
+    return setup.with_changes(dry_mass=setup.dry_mass * (1 + strength))
+
+
+EFFECT = Effect(
+    title="a mass weighed wrong",
+    explains="the rocket weighs more or less than the figure it was entered with",
+    unit="share of the dry mass",
+    prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.6),
+    source="weighing without payload, recovery or ballast is the common mistake",
+    tell_apart="weigh the rocket again as it stands on the pad, without the motor",
+    setup=setup,
+    per="config",
+)

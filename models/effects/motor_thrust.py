@@ -1,0 +1,25 @@
+"""Motor thrust: a motor type, or all of a lot, that pushes more or less than its certificate."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """Thrust and impulse, more by this share."""
+    return setup.with_changes(thrust_factor=setup.thrust_factor * (1 + strength))
+
+
+EFFECT = Effect(
+    title="a weak or strong motor",
+    explains="this motor delivers less or more thrust and impulse than its certificate says",
+    unit="share of the thrust",
+    prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.5),
+    source="certification allows the mean impulse to differ and single motors to scatter by 6.7 % (NFPA 1125)",
+    tell_apart="fly the motor from another lot, or write down top speed and peak acceleration",
+    setup=setup,
+    per="motor",
+)

@@ -1,0 +1,24 @@
+"""Rail friction: buttons or lugs that bind cost speed on the rail."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The rail slows the rocket by this acceleration until it leaves. [m/s^2]"""
+    return setup.with_changes(rail_friction=setup.rail_friction + strength)
+
+
+EFFECT = Effect(
+    title="friction on the rail",
+    explains="the rail or rod holds the rocket back until it leaves",
+    unit="m/s^2",
+    prior=Prior(mean=15.0, sd=15.0, low=0.0, high=120.0),
+    source="Coulomb friction of a side load, an acceleration of the order of g",
+    tell_apart="polish or change the rail and fly the same motor again",
+    setup=setup,
+)

@@ -1,0 +1,25 @@
+"""Thrust curve: the same impulse delivered over a longer or shorter burn than the certified curve."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The burn, longer by this share at the same impulse."""
+    return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
+
+
+EFFECT = Effect(
+    title="another thrust curve",
+    explains="this motor delivers its impulse over a longer or shorter burn than its certified curve",
+    unit="share of the burn time",
+    prior=Prior(mean=0.0, sd=0.25, low=-0.7, high=1.5),
+    source="curves of one motor differ between certifications, temperatures and nozzles (ThrustCurve.org)",
+    tell_apart="write down burn time and peak acceleration",
+    setup=setup,
+    per="motor",
+)

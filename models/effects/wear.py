@@ -1,0 +1,25 @@
+"""Wear: dents, scratches and loose fins make drag grow flight by flight."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """Drag, more by this share."""
+    return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
+
+
+EFFECT = Effect(
+    title="wear",
+    explains="drag grows from flight to flight, as finish and fins suffer",
+    unit="share of Cd a flight",
+    prior=Prior(mean=0.02, sd=0.02, low=0.0, high=0.2),
+    source="a rough finish alone adds a tenth to a third of Cd (Hoerner, Fluid-Dynamic Drag, 1965)",
+    tell_apart="mend and polish the rocket and fly the same motor again",
+    setup=setup,
+    grows=True,
+)

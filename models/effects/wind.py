@@ -1,0 +1,33 @@
+"""Wind: off the rail a stable rocket turns into the wind it feels, and climbs at a slant.
+
+The rocket flies as a point mass whose axis follows the relative wind; the strength scales the wind that it
+follows, so that 1 is a rocket that turns at once and fully, and 0 one that does not care.
+"""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.field import recorded
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The declared wind, as strong as this rocket turns into it."""
+    return setup.with_changes(wind=strength * np.nan_to_num(recorded(flights, "wind"), nan=0.0))
+
+
+EFFECT = Effect(
+    title="weathercocking in the wind",
+    explains="in wind the rocket turns into it off the rail and flies a slanted, lower path",
+    unit="share of the wind it turns into",
+    prior=Prior(mean=0.5, sd=0.7, low=0.0, high=6.0),
+    source="Mandell, Caporaso and Bengen, Topics in Advanced Model Rocketry (1973), dynamic stability",
+    tell_apart="fly the same motor once in calm air and once in wind, and write the wind down",
+    setup=setup,
+    needs="wind",
+    squared=True,
+)

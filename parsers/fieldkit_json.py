@@ -1,0 +1,77 @@
+"""Flights as fieldkit writes them in JSON: what `export` to a `.json` file and `flights --json` print.
+
+One document, `{"flights": [{...}, ...]}`, with the columns of the flight table. Numbers are in the unit
+that the column's name says, `null` is "not recorded"; a column that fieldkit does not know is kept.
+A flight's row is its place in the list, counted from 1.
+"""
+
+import json
+import sys
+
+from fieldkit import units
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
+from fieldkit.logtext import decode, shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+
+HEADERS = {column.header: column for column in COLUMNS}
+
+
+def recognises(head: bytes) -> bool:
+    text = decode(head).lstrip()
+    return text.startswith("{") and '"flights"' in text
+
+
+def read(log: bytes) -> list[Found]:
+    try:
+        document = json.loads(decode(log))
+    except (ValueError, RecursionError) as error:
+        line = error.lineno if isinstance(error, json.JSONDecodeError) else None
+        raise DamagedLog("found no whole JSON document, expected what export writes", row=line) from error
+    flights = document.get("flights") if isinstance(document, dict) else None
+    if not isinstance(flights, list):
+        raise DamagedLog('found no list of flights, expected {"flights": [...]}')
+    found = [_reading(row, flight) for row, flight in enumerate(flights, start=1)]
+    return found or [Note("found a list without flights")]
+
+
+def _reading(row: int, flight: object) -> Found:
+    """The flight of one entry, or what is wrong with it."""
+    if not isinstance(flight, dict):
+        return DamagedLog(f"found {shown(str(flight))}, expected a flight in braces", row=row)
+    stated: dict[str, object] = {}
+    extra: dict[str, str] = {}
+    for name, value in flight.items():
+        try:
+            if name in HEADERS:
+                stated[HEADERS[name].name] = _number(name, value)
+            elif name in TEXT_COLUMNS:
+                stated[name] = _text(name, value)
+            elif value not in (None, ""):
+                extra[name] = value if isinstance(value, str) else json.dumps(value)
+        except BadValue as error:
+            return DamagedLog(str(error), row=row, column=name)
+    columns = {column.name: header for header, column in HEADERS.items()}
+    return Reading(stated, extra, columns, row)
+
+
+def _number(name: str, value: object) -> float | None:
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= sys.float_info.max:
+        raise BadValue(f"found {shown(str(value))}, expected a number or null")
+    column = HEADERS[name]
+    return units.unit(column.quantity, column.unit).to_si(float(value))
+
+
+def _text(name: str, value: object) -> object:
+    if value is None:
+        value = ""
+    if not isinstance(value, str):
+        raise BadValue(f"found {shown(str(value))}, expected a text")
+    if name == "tags":
+        return read_tags(value)
+    return read_date(value) if name == "date_time" else value
+
+
+PARSER = Parser("fieldkit's own flights (JSON)", recognises, read)

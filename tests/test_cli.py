@@ -1,0 +1,387 @@
+"""The record commands, as a flyer and as a script use them."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import GROUPS, main
+from fieldkit.ledger import Ledger
+
+TABLE = """flight_id,rocket,config,motor,dry_mass_g,diameter_mm,apogee_m,tags,notes,log,Lot
+1,Astra,A,F24-4W,322,66,281.3,,good,,B7
+2,Astra,A,F24-4W,322,66,246.6,off_axis,,,
+3,Astra,B,E35-5W,448,66,169.8,,,,
+"""
+
+
+class Said:
+    """What a command printed, and how it ended."""
+
+    def __init__(self, status: int, out: str, err: str) -> None:
+        self.status, self.out, self.err = status, out, err
+
+    @property
+    def document(self) -> dict[str, object]:
+        return json.loads(self.out)
+
+
+Run = Callable[..., Said]
+
+
+@pytest.fixture(autouse=True)
+def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.delenv("FIELDKIT_LEDGER", raising=False)
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
+    """Runs a command line on a ledger of its own."""
+
+    def run(*arguments: object) -> Said:
+        capsys.readouterr()
+        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
+        return Said(status, *capsys.readouterr())
+
+    return run
+
+
+@pytest.fixture
+def table(tmp_path: Path) -> Path:
+    path = tmp_path / "table.csv"
+    path.write_text(TABLE, encoding="utf-8")
+    return path
+
+
+@pytest.fixture
+def full(run: Run, table: Path) -> Run:
+    """The same, with the table imported."""
+    assert run("import", table).status == 0
+    return run
+
+
+def test_help_wakes_nothing_heavy() -> None:
+    code = (
+        "import sys; from fieldkit.cli.main import main; main(['--help']); main(['add', '--help'])\n"
+        "heavy = {'numpy', 'scipy', 'sqlalchemy', 'alembic', 'torch', 'textual', 'onnxruntime'}\n"
+        "print(*(heavy & set(sys.modules)), sep='', end='', file=sys.stderr)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.stderr == ""
+    assert "import" in done.stdout
+    assert "--apogee-m" in done.stdout
+
+
+def test_every_group_of_commands_is_listed(run: Run) -> None:
+    text = run("--help").out
+    assert len(GROUPS) >= 5
+    commands = "import export add flights show edit tag untag remove undo redo history motors"
+    assert all(f" {command} " in text for command in commands.split(" "))
+
+
+def test_the_version_is_said(run: Run) -> None:
+    assert run("--version").out.startswith("fieldkit ")
+
+
+def test_wrong_usage_ends_with_two(run: Run) -> None:
+    assert run("flights", "--no-such-option").status == 2
+    assert run("no-such-command").status == 2
+    assert run("edit", "1", "apogee").status == 2
+    assert run("import").status == 2
+
+
+def test_import_counts_what_is_new_and_what_is_there(run: Run, table: Path) -> None:
+    first = run("import", table, "--json").document
+    assert first == {"imported": 3, "duplicates": 0, "rejected": [], "flights": ["1", "2", "3"]}
+    assert run("import", table, "--json").document["duplicates"] == 3
+    assert run("import", table).out == "0 imported, 3 there already, 0 rejected\n"
+
+
+def test_a_dry_run_changes_nothing(run: Run, table: Path) -> None:
+    assert run("import", table, "--dry-run").out.startswith("3 would be imported")
+    assert run("flights", "--json").document == {"flights": []}
+
+
+def test_rejected_rows_are_named_on_stderr_and_the_rest_goes_in(run: Run, table: Path) -> None:
+    table.write_text(TABLE.replace("281.3", "28l.3").replace("E35-5W", "ZZ99"), encoding="utf-8")
+    said = run("import", table, "--json")
+    assert said.status == 0
+    assert said.document["imported"] == 1
+    bad = {row["column"]: row for row in said.document["rejected"]}
+    assert (bad["apogee_m"]["row"], bad["motor"]["row"]) == (2, 4)
+    first, second = said.err.splitlines()
+    assert first.startswith(f"{table}, row 2, apogee_m: found")
+    assert "ZZ99" in second
+
+
+def test_a_changed_row_is_rejected_with_the_way_to_change_it(full: Run, table: Path) -> None:
+    table.write_text(TABLE.replace("281.3", "290"), encoding="utf-8")
+    said = full("import", table, "--json").document
+    assert said["duplicates"] == 2
+    (row,) = said["rejected"]
+    assert row["row"] == 2
+    assert "fieldkit edit" in row["error"]
+
+
+def test_a_missing_or_unreadable_file_ends_with_one_and_takes_nothing_in(run: Run, table: Path) -> None:
+    junk = table.with_name("junk.csv")
+    junk.write_bytes(bytes(range(256)) * 64)
+    for bad in (table.with_name("absent.csv"), junk, table.parent):
+        said = run("import", table, bad)
+        assert said.status == 1
+        assert bad.name in said.err
+        assert len(said.err.splitlines()) == 1
+    assert run("import", table, "--format", "nonsense").status == 1
+    assert run("flights", "--json").document == {"flights": []}
+
+
+def test_several_files_are_one_command(run: Run, table: Path) -> None:
+    other = table.with_name("other.csv")
+    other.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
+    said = run("import", table, other, "--json").document
+    assert said["imported"] == 6
+    assert said["flights"][0] == "Astra/1"
+    run("undo")
+    assert run("flights", "--json").document == {"flights": []}
+
+
+def test_a_log_named_by_a_table_is_kept_with_its_flight(run: Run, table: Path, tmp_path: Path) -> None:
+    (tmp_path / "logs").mkdir()
+    log = tmp_path / "logs" / "one.txt"
+    log.write_bytes(b"0.0,1.0\n")
+    table.write_text(TABLE.replace("good,,", "good,logs/one.txt,"), encoding="utf-8")
+    said = run("import", table, "--json")
+    assert said.document["imported"] == 3
+    assert "row 2, log: kept but not read" in said.err
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert ledger.log("1") == b"0.0,1.0\n"
+        assert ledger.log("2") == table.read_bytes()
+
+
+def test_a_log_fills_the_readouts_that_its_row_leaves_open(run: Run, table: Path, tmp_path: Path) -> None:
+    one = "flight_id,rocket,motor,apogee_m,duration_s\n1,Astra,F24-4W,300,48.5\n"
+    (tmp_path / "one.csv").write_text(one, encoding="utf-8")
+    table.write_text(TABLE.replace("good,,", "good,one.csv,"), encoding="utf-8")
+    run("import", table)
+    said = run("show", "1", "--json").document
+    assert (said["apogee_m"], said["duration_s"]) == (281.3, 48.5)
+
+
+@pytest.mark.parametrize("path", ["../secret.txt", "/etc/hostname", "link/secret.txt"])
+def test_a_log_outside_the_tables_folder_is_never_read(run: Run, tmp_path: Path, path: str) -> None:
+    (tmp_path / "secret.txt").write_text("secret")
+    folder = tmp_path / "folder"
+    folder.mkdir()
+    (folder / "link").symlink_to(tmp_path, target_is_directory=True)
+    table = folder / "table.csv"
+    table.write_text(TABLE.replace("good,,", f"good,{path},"), encoding="utf-8")
+    said = run("import", table, "--json").document
+    assert said["imported"] == 2
+    (row,) = said["rejected"]
+    assert (row["row"], row["column"]) == (2, "log")
+
+
+def test_a_log_that_is_not_there_costs_only_itself(run: Run, table: Path) -> None:
+    table.write_text(TABLE.replace("good,,", "good,gone.csv,"), encoding="utf-8")
+    said = run("import", table)
+    assert said.out.startswith("3 imported")
+    assert "row 2, log: found 'gone.csv', which cannot be read" in said.err
+
+
+def test_flights_are_listed_within_eighty_columns(full: Run) -> None:
+    full("edit", "1", "rocket=" + "A very long name of a rocket " * 4, "notes=x" * 50)
+    lines = full("flights").out.splitlines()
+    assert max(map(len, lines)) <= 80
+    assert "281.3 m (922.9 ft)" in full("flights").out
+
+
+def test_flights_can_be_chosen_by_rocket_and_tag(full: Run) -> None:
+    full("edit", "3", "rocket=Comet")
+    ids = [
+        [f["flight_id"] for f in full("flights", *how, "--json").document["flights"]]
+        for how in (("--rocket", "Comet"), ("--tag", "off_axis"), ("--rocket", "Comet", "--tag", "off_axis"))
+    ]
+    assert ids == [["3"], ["2"], []]
+    assert "no such flights" in full("flights", "--tag", "nonsense").err
+
+
+def test_an_empty_ledger_says_so(run: Run) -> None:
+    said = run("flights")
+    assert (said.status, said.out) == (0, "")
+    assert "no flights in" in said.err
+    assert "nothing was changed" in run("history").err
+
+
+def test_the_json_of_flights_has_the_columns_of_the_table(full: Run) -> None:
+    first, *_ = full("flights", "--json").document["flights"]
+    assert first["apogee_m"] == 281.3
+    assert first["duration_s"] is None
+    assert (first["notes"], first["Lot"]) == ("good", "B7")
+
+
+def test_text_from_a_file_cannot_reach_the_terminal(run: Run, table: Path) -> None:
+    table.write_text(TABLE.replace("good", "\x1b[31m[bold]red[/bold]\u202e"), encoding="utf-8")
+    run("import", table)
+    run("edit", "2", "rocket=[red]x[/red]")
+    for said in (run("show", "1"), run("flights"), run("history"), run("import", table)):
+        assert "\x1b" not in said.out + said.err
+        assert "\u202e" not in said.out + said.err
+    assert "[bold]red[/bold]" in run("show", "1").out
+    assert "[red]" in run("flights").out
+
+
+def test_show_gives_both_units(full: Run) -> None:
+    said = full("show", "1").out
+    assert "Apogee    281.3 m (922.9 ft)" in said
+    assert "322 g (11.36 oz)" in said
+    assert "Duration" not in said
+
+
+def test_an_unknown_flight_is_met_with_near_ones(full: Run) -> None:
+    for command in (["show", "11"], ["edit", "11", "apogee=3"], ["tag", "11", "a"], ["remove", "1", "11"]):
+        said = full(*command)
+        assert said.status == 1
+        assert said.err == "no flight '11'; did you mean 1?\n"
+    assert len(full("flights", "--json").document["flights"]) == 3
+
+
+def test_two_rockets_with_one_flight_id_are_told_apart(full: Run, table: Path) -> None:
+    table.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
+    full("import", table)
+    said = full("show", "2")
+    assert (said.status, said.err) == (1, "2 may be Astra/2 or Comet/2\n")
+    assert full("show", "Comet/2", "--json").document["rocket"] == "Comet"
+    assert "Comet/2" in full("flights").out
+
+
+def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
+    assert full("edit", "1", "apogee=923ft", "top_speed_mph=140", "tags=Weak launch; mine", "Lot=C1").status == 0
+    said = full("show", "1", "--json").document
+    assert abs(said["apogee_m"] - 281.3304) < 1e-9
+    assert abs(said["top_speed_mps"] - 62.5856) < 1e-9
+    assert (said["tags"], said["Lot"]) == ("weak_launch;mine", "C1")
+    full("edit", "1", "apogee=", "Lot=", "date_time=2026-05-01 10:30")
+    said = full("show", "1", "--json").document
+    assert (said["apogee_m"], said["date_time"]) == (None, "2026-05-01T10:30:00")
+    assert "Lot" not in said
+    assert "so already" in full("edit", "1", "apogee=").out
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ("apogee=high", "apogee: found 'high', expected a number, such as"),
+        ("apogee=3kg", "found the unit 'kg', expected one of m, mm"),
+        ("apogee=1e9", "apogee: found 1e+09 m, expected"),
+        ("apogge_m=3", "no column 'apogge_m', did you mean apogee_m"),
+        ("motor=ZZ99", "motor: 'ZZ99': found no such motor"),
+        ("date_time=soon", "date_time: found 'soon', expected a date"),
+        ("flight_id=2", "flight 2 of Astra is in the ledger already"),
+        ("flight_id=", "found an empty flight_id"),
+    ],
+)
+def test_a_bad_change_is_refused_in_one_line(full: Run, change: str, found: str) -> None:
+    said = full("edit", "1", "notes=other", change)
+    assert said.status == 1
+    assert found in said.err
+    assert len(said.err.splitlines()) == 1
+    assert full("show", "1", "--json").document["notes"] == "good"
+
+
+def test_tags_come_and_go(full: Run) -> None:
+    assert full("tag", "1", "Off-axis", "mine").out == "1: off_axis; mine\n"
+    assert full("untag", "1", "off axis").out == "1: mine\n"
+    assert full("untag", "1", "mine").out == "1: no tags\n"
+    said = full("untag", "1", "mine")
+    assert (said.status, said.err) == (1, "1 has no tag 'mine', it has none\n")
+
+
+def test_undo_and_redo_go_through_every_change(full: Run) -> None:
+    full("tag", "1", "mine")
+    assert full("remove", "1", "2").out.startswith("2 removed")
+    assert full("undo").out == "undone: remove 1, 2\n"
+    assert full("undo").out == "undone: tag 1 mine\n"
+    assert full("redo").out == "done again: tag 1 mine\n"
+    assert full("undo").status == full("undo").status == 0
+    said = full("undo")
+    assert (said.status, said.err) == (1, "nothing left to undo\n")
+    changes = full("history", "--json").document["changes"]
+    assert [change["command"] for change in changes][:3] == ["import", "tag", "remove"]
+    assert len(full("history").out.splitlines()) == len(changes) + 1
+    assert len(full("history", "--last", "2", "--json").document["changes"]) == 2
+
+
+@pytest.mark.parametrize("name", ["out.csv", "out.json"])
+def test_what_is_exported_imports_again_into_the_same_ledger(full: Run, tmp_path: Path, name: str) -> None:
+    full("edit", "1", "temperature=71.3F", "apogee=923ft", 'notes=a, "b"; ü', "log=gone.csv", "wind=4.4mph")
+    before = full("flights", "--json").out
+    assert full("export", tmp_path / name).status == 0
+    said = full("import", tmp_path / name, "--json").document
+    assert (said["imported"], said["duplicates"], said["rejected"]) == (0, 3, [])
+    full("remove", "1", "2", "3")
+    assert full("import", tmp_path / name, "--json").document["imported"] == 3
+    assert full("flights", "--json").out == before
+
+
+def test_export_writes_to_the_screen_or_says_why_it_cannot_write(full: Run, tmp_path: Path) -> None:
+    rows = list(csv.DictReader(full("export").out.splitlines()))
+    assert [row["flight_id"] for row in rows] == ["1", "2", "3"]
+    documents = full("export", "--format", "json", "--rocket", "Astra").document
+    assert len(documents["flights"]) == 3
+    said = full("export", tmp_path / "absent" / "out.csv")
+    assert said.status == 1
+    assert "absent" in said.err
+
+
+def test_motors_are_found_and_shown(run: Run) -> None:
+    assert "F24W" in run("motors", "f24").out
+    documents = run("motors", "F24", "--json").document["motors"]
+    assert documents[0]["name"] == "F24"
+    assert max(map(len, run("motors", "24mm").out.splitlines())) <= 80
+    assert "more" in run("motors").err
+    assert run("motors", "--about").out.startswith("motors: ")
+    assert run("motors", "--about", "--json").document["motors"] > 500
+
+
+def test_ones_own_motor_can_be_added_and_flown(run: Run, tmp_path: Path, table: Path) -> None:
+    own = tmp_path / "mine.eng"
+    own.write_text("G999 24 70 4-7 0.019 0.0629 Mine\n0.014 36.1\n1.0 20\n2.13 0\n", encoding="utf-8")
+    table.write_text(TABLE.replace("E35-5W", "G999"), encoding="utf-8")
+    assert run("import", table, "--json").document["imported"] == 2
+    assert run("motors", "--import", own).status == 0
+    said = run("import", table, "--json").document
+    assert (said["imported"], said["duplicates"]) == (1, 2)
+    assert run("motors", "--import", tmp_path / "absent.eng").status == 1
+
+
+def test_the_ledger_comes_from_the_environment_where_no_option_names_it(
+    tmp_path: Path, table: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "mine.db"))
+    assert main(["import", str(table)]) == 0
+    assert (tmp_path / "mine.db").exists()
+    monkeypatch.delenv("FIELDKIT_LEDGER")
+    assert main(["import", str(table)]) == 0
+    capsys.readouterr()
+
+
+def test_a_command_that_is_cut_short_by_its_reader_leaves_no_traceback(tmp_path: Path, table: Path) -> None:
+    environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "ledger.db")}
+    command = [sys.executable, "-m", "fieldkit.cli.main"]
+    subprocess.run([*command, "import", str(table)], env=environment, check=True, capture_output=True)
+    reading = subprocess.Popen(
+        [*command, "export"], env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+    assert reading.stdout
+    assert reading.stderr
+    reading.stdout.close()
+    assert "Traceback" not in reading.stderr.read()
+    reading.wait()
+    reading.stderr.close()

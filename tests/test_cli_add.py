@@ -1,0 +1,291 @@
+"""Typing a flight in: by answers, by options, halfway and back."""
+
+import io
+import os
+import pty
+import select
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterable
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.add import NUMBERS, TEXTS
+from fieldkit.cli.main import main
+from fieldkit.cli.prompts import DRAFT, Talk, converse
+from fieldkit.cli.session import MotorCheck
+from fieldkit.entry import QUESTIONS
+from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Flight
+from fieldkit.ledger import Ledger
+
+READ_OFF = ["923ft", "140 mph", "2.14", "7.9", "2.98", "5.6", "-.4", "905ft", "6.2", "48.3"]
+ANSWERS = ["Astra", "A", "F24-4W", *READ_OFF, "", "322g", "66", "North field", "2", "71F", "calm"]
+LAST = Flight(
+    flight_id="7",
+    rocket="Astra",
+    config="A",
+    motor="F24-4W",
+    dry_mass=0.322,
+    diameter=0.066,
+    site="North field",
+    apogee=281.3,
+)
+
+
+@pytest.fixture(autouse=True)
+def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "ledger.db"
+
+
+Add = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def add(file: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Add:
+    """Runs `fieldkit add` with answers on a pipe; returns its status, output and messages."""
+
+    def add(answers: Iterable[str] = (), *options: str) -> tuple[int, str, str]:
+        monkeypatch.setattr("sys.stdin", io.StringIO("".join(f"{answer}\n" for answer in answers)))
+        status = main(["--ledger", str(file), "add", *options])
+        return status, *capsys.readouterr()
+
+    return add
+
+
+def held(file: Path) -> list[Flight]:
+    with Ledger.open(file) as ledger:
+        return ledger.flights()
+
+
+def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Talk, list[str]]:
+    """A conversation with somebody who gives these answers and then leaves; what they were asked."""
+    asked: list[str] = []
+    waiting = iter(answers)
+
+    def listen(prompt: str) -> str | None:
+        asked.append(prompt)
+        return next(waiting, None)
+
+    talk = Talk(ledger, listen, True, MotorCheck(), **state)
+    converse(talk)
+    return talk, asked
+
+
+def test_a_flight_is_typed_in_from_top_to_bottom(add: Add, file: Path) -> None:
+    status, out, err = add(ANSWERS)
+    assert (status, err) == (0, "added; `fieldkit undo` takes it back\n")
+    (flight,) = held(file)
+    assert (flight.rocket, flight.flight_id, flight.motor) == ("Astra", "1", "F24-4W")
+    assert flight.apogee == pytest.approx(281.3304)
+    assert flight.top_speed == pytest.approx(62.5856)
+    assert flight.temperature == pytest.approx(294.82, abs=0.01)
+    assert flight.apogee_to_eject == -0.4
+    assert len(flight.readouts()) == 10
+    assert (flight.site, flight.notes, flight.wind) == ("North field", "calm", 2.0)
+    assert flight.date_time is not None
+    assert "Apogee             281.33 m (923 ft)" in out
+
+
+def test_the_readouts_are_asked_in_the_order_of_the_altimeter() -> None:
+    asked = [question.name for question in QUESTIONS]
+    assert asked[3:13] == [column.name for column in READOUTS]
+    assert asked[:3] == ["rocket", "config", "motor"]
+
+
+def test_an_empty_answer_is_not_recorded_and_never_zero(add: Add, file: Path) -> None:
+    assert add(["Astra", "A", "F24-4W", "923ft", *[""] * 9])[0] == 0
+    (flight,) = held(file)
+    assert flight.readouts().keys() == {"apogee"}
+    assert flight.wind is None
+
+
+def test_a_typing_error_in_the_third_field_is_asked_again_in_one_line(add: Add, file: Path) -> None:
+    answers = [*ANSWERS]
+    answers[2:3] = ["F24-4W "]
+    answers[3:4] = ["9z3ft", "923 kg", "923ft"]
+    status, _, err = add(answers)
+    assert status == 0
+    first, second, _ = err.splitlines()
+    assert first.startswith("Apogee: found")
+    assert second.startswith("Apogee: found the unit 'kg', expected one of m, mm")
+    assert held(file)[0].apogee == pytest.approx(281.3304)
+
+
+def test_an_unknown_motor_is_asked_again_with_the_nearest(add: Add, file: Path) -> None:
+    status, _, err = add(["Astra", "A", "F2555", "?F24", "F24-4W", "281.3"])
+    assert status == 0
+    assert "nearest:" in err
+    assert "AeroTech F24W, 24 mm" in err
+    assert held(file)[0].motor == "F24-4W"
+
+
+def test_several_motors_are_taken_and_tagged(add: Add, file: Path) -> None:
+    status, _, err = add(["Astra", "A", "3xC6-5", "281.3", *[""] * 9, ""])
+    assert status == 0
+    assert "`cluster`" in err
+    assert held(file)[0].tags == ("cluster",)
+
+
+def test_what_is_odd_is_said_and_taken(add: Add, file: Path) -> None:
+    answers = ["Astra", "A", "F24-4W", "3m", "100", "2.14", "2", "2.98", "", "", "50"]
+    status, _, err = add(answers)
+    assert status == 0
+    assert "apogee 3 m is unusual" in err
+    assert "times average acceleration times burn time" in err
+    assert "average acceleration 2.98 g is above peak acceleration 2 g" in err
+    assert "ejection altitude 50 m is above apogee 3 m" in err
+    assert held(file)[0].eject_altitude == 50
+
+
+def test_the_last_flight_is_offered(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([LAST])
+        talk, asked = person(ledger, ["", "", "", *READ_OFF, "", "", "", "", "", "", ""])
+    assert asked[:3] == ["Rocket [Astra]: ", "Configuration [A]: ", "Motor [F24-4W]: "]
+    assert "Dry mass (g) [322 g]: " in asked
+    assert talk.flight.with_changes(**talk.flight.readouts()).dry_mass == pytest.approx(0.322)
+    assert (talk.flight.site, talk.flight.diameter) == ("North field", pytest.approx(0.066))
+
+
+def test_a_dash_takes_nothing_of_what_is_offered(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([LAST])
+        talk, _ = person(ledger, ["", "-", "-", "100m", *[""] * 9, "-", "-"])
+    assert (talk.flight.config, talk.flight.motor, talk.flight.dry_mass) == ("", "", None)
+
+
+def test_another_build_of_a_rocket_is_not_offered_the_mass_of_the_last(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.add([LAST])
+        _, asked = person(ledger, ["", "B", "", *[""] * 11])
+    assert "Dry mass (g): " in asked
+
+
+def test_back_goes_to_the_field_before_and_offers_what_was_said(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        talk, asked = person(ledger, ["<", "Astra", "A", "<", "B", "F24-4W", "100m", "<", "110m"])
+    assert asked[:2] == ["Rocket: ", "Rocket: "]
+    assert asked[4] == "Configuration [A]: "
+    assert "Apogee (m) [100m]: " in asked
+    assert (talk.flight.config, talk.flight.apogee) == ("B", 110.0)
+
+
+def test_a_person_may_correct_what_is_odd_or_keep_it(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        talk, asked = person(ledger, ["Astra", "", "F24-4W", "28000m", "280m", "800", ""])
+    assert (talk.flight.apogee, talk.flight.top_speed) == (280.0, 800.0)
+    assert asked.count("  Enter keeps it, or type it again: ") == 2
+
+
+def test_the_unit_typed_last_is_the_next_ones(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        answers = ["Astra", "A", "F24-4W", "923ft", *[""] * 6, "905", "14mph", "", "", "11.4oz", "2.6in"]
+        talk, asked = person(ledger, answers)
+        assert "Ejection altitude (ft): " in asked
+        assert talk.flight.eject_altitude == pytest.approx(275.844)
+        assert "Peak acceleration (g): " in asked
+        assert talk.flight.dry_mass == pytest.approx(0.3232, abs=1e-4)
+        _, asked = person(ledger, ["Astra", "A", "F24-4W"], units=talk.units)
+    assert "Apogee (ft): " in asked
+
+
+def test_a_question_mark_explains(add: Add) -> None:
+    assert "Highest point above the pad." in add(["Astra", "A", "F24-4W", "?", "100"])[2]
+
+
+def test_answers_that_end_too_soon_add_nothing(add: Add, file: Path) -> None:
+    assert add([])[0] == 1
+    status, _, err = add(["Astra", "A", "F24-4W"])
+    assert status == 1
+    assert "no readout" in err
+    assert held(file) == []
+
+
+def test_every_column_is_an_option() -> None:
+    assert set(TEXTS) == set(TEXT_COLUMNS) - {"log"}
+    assert list(NUMBERS) == [column.header for column in COLUMNS]
+
+
+def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file: Path) -> None:
+    options = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "923ft", "--top-speed-mps", "62.6"]
+    more = [
+        "--flight-id",
+        "x1",
+        "--date-time",
+        "2026-05-01T10:30",
+        "--tags",
+        "Weak launch;mine",
+        "--wind-mps=2",
+    ]
+    assert add(["not", "an", "answer"], *options, *more)[0] == 0
+    (flight,) = held(file)
+    assert (flight.flight_id, flight.tags, flight.wind) == ("x1", ("weak_launch", "mine"), 2.0)
+    assert flight.date_time == datetime(2026, 5, 1, 10, 30)
+    status, _, err = add([], *options, *more)
+    assert (status, err) == (0, "it is in the ledger already\n")
+    status, _, err = add([], *options, *more, "--apogee", "900ft")
+    assert status == 1
+    assert "fieldkit edit" in err
+
+
+@pytest.mark.parametrize(
+    ("options", "found"),
+    [
+        (["--apogee", "100"], "--rocket: found nothing"),
+        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "--motor: 'ZZ99': found no such motor"),
+        (["--rocket", "Astra", "--apogee", "1oo"], "apogee: found"),
+        (["--rocket", "Astra"], "no readout"),
+    ],
+)
+def test_a_bad_option_is_named(add: Add, file: Path, options: list[str], found: str) -> None:
+    status, _, err = add([], *options)
+    assert status == 1
+    assert found in err
+    assert held(file) == []
+
+
+def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_go_on(add: Add, file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B"})
+    status, _, err = add(ANSWERS)
+    assert (status, held(file)[0].rocket) == (0, "Astra")
+    assert "`fieldkit add --resume` goes on with it" in err
+    assert add(["F24-4W", "923ft"], "--resume")[0] == 0
+    assert {flight.rocket for flight in held(file)} == {"Astra", "Comet"}
+    with Ledger.open(file) as ledger:
+        assert ledger.draft(DRAFT) is None
+
+
+def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tuple[str, int]:
+    """Talk to `fieldkit add` in a terminal of its own, kill it once it says these words; all it said."""
+    controller, terminal = pty.openpty()
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(file), "add"]
+    adding = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True)
+    os.close(terminal)
+    os.write(controller, "".join(f"{answer}\n" for answer in answers).encode())
+    said, deadline = "", time.monotonic() + 15
+    while last_words not in said and time.monotonic() < deadline:
+        if select.select([controller], [], [], 0.1)[0]:
+            said += os.read(controller, 4096).decode()
+    adding.send_signal(signal.SIGKILL)
+    adding.wait()
+    os.close(controller)
+    return said, adding.returncode
+
+
+def test_add_killed_at_the_fifth_prompt_offers_to_go_on(file: Path) -> None:
+    said, _ = converse_in_terminal(file, ["Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
+    assert "Top speed (m/s): " in said
+    assert held(file) == []
+    said, _ = converse_in_terminal(file, ["y"], "Top speed (m/s): ")
+    assert "A flight was typed halfway (rocket Astra, config A, motor F24-4W, apogee 923ft)." in said
+    assert "Rocket" not in said.split("[Y/n]")[1]

@@ -1,0 +1,339 @@
+"""Flights in, flights out, and every change taken back, on SQLite and on PostgreSQL where there is one."""
+
+import os
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta, timezone
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from sqlalchemy import create_engine, text
+from sqlalchemy.engine import make_url
+
+from fieldkit.errors import BadValue, LedgerError
+from fieldkit.flight import COLUMNS, Flight
+from fieldkit.ledger import Ledger
+
+SERVER = os.environ.get("FIELDKIT_TEST_POSTGRES")
+needs_server = pytest.mark.skipif(not SERVER, reason="FIELDKIT_TEST_POSTGRES holds no URL")
+
+FIRST = Flight(
+    flight_id="1",
+    rocket="Astra",
+    config="A",
+    motor="F24-4W",
+    date_time=datetime(2024, 5, 4, 10, 30),
+    site="North field",
+    tags=("weak_launch", "mine"),
+    notes="drifted; found",
+    dry_mass=0.322,
+    diameter=0.066,
+    apogee=281.3,
+    extra={"Weather": "grey"},
+)
+SECOND = FIRST.with_changes(flight_id="2", tags=(), apogee=290.1, extra={}, date_time=datetime(2024, 5, 5))
+
+
+@pytest.fixture(params=["sqlite", pytest.param("postgres", marks=[pytest.mark.postgres, needs_server])])
+def where(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
+    """Where an empty ledger may be made."""
+    if request.param == "sqlite":
+        yield str(tmp_path / "ledger.db")
+        return
+    url = make_url(str(SERVER)).set(drivername="postgresql+psycopg")
+    server = create_engine(url, isolation_level="AUTOCOMMIT")
+    with server.connect() as connection:
+        connection.execute(text("DROP DATABASE IF EXISTS fieldkit_test"))
+        connection.execute(text("CREATE DATABASE fieldkit_test"))
+    yield url.set(database="fieldkit_test").render_as_string(hide_password=False)
+    with server.connect() as connection:
+        connection.execute(text("DROP DATABASE fieldkit_test WITH (FORCE)"))
+    server.dispose()
+
+
+@pytest.fixture
+def ledger(where: str) -> Iterator[Ledger]:
+    with Ledger.open(where) as ledger:
+        yield ledger
+
+
+words = st.text(st.characters(exclude_characters="\0", exclude_categories=["Cs"]), max_size=12)
+zones = st.none() | st.integers(-14 * 60, 14 * 60).map(lambda m: timezone(timedelta(minutes=m)))
+numbers = st.none() | st.floats(allow_nan=False, allow_infinity=False)
+records = st.builds(
+    Flight,
+    flight_id=words.filter(bool),
+    rocket=words,
+    config=words,
+    motor=words,
+    site=words,
+    notes=words,
+    log=words,
+    date_time=st.none() | st.datetimes(timezones=zones),
+    tags=st.lists(words, max_size=3).map(tuple),
+    extra=st.dictionaries(words, words, max_size=3),
+    **{column.name: numbers for column in COLUMNS},
+)
+
+
+def test_ledger_in_ledger_out_same_flight(where: str) -> None:
+    @settings(max_examples=25, deadline=None)
+    @given(st.lists(records, max_size=4, unique_by=lambda flight: (flight.rocket, flight.flight_id)))
+    def law(flights: list[Flight]) -> None:
+        with Ledger.open(where) as ledger:
+            ledger.remove(*ledger.ids(ledger.flights()))
+            ids = ledger.add(flights).new
+            assert [ledger.flight(id) for id in ids] == flights
+            assert len(ledger.flights()) == len(flights)
+            if flights:
+                assert ledger.undo().command == "import"
+                assert ledger.flights() == []
+                ledger.redo()
+                assert [ledger.flight(id) for id in ids] == flights
+
+    law()
+
+
+def test_importing_the_same_flight_twice_changes_nothing(ledger: Ledger) -> None:
+    assert ledger.add([FIRST, SECOND]).new == ("1", "2")
+    again = ledger.add([FIRST, SECOND])
+    assert (again.new, again.duplicates, again.conflicts) == ((), 2, ())
+    assert ledger.flights() == [FIRST, SECOND]
+    assert len(ledger.history()) == 1
+
+
+def test_the_same_flight_through_other_units_is_the_same_flight(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    there_and_back = 281.3 * (1 + 1e-12)
+    assert ledger.add([FIRST.with_changes(apogee=there_and_back)]).duplicates == 1
+    assert ledger.flight("1").apogee == 281.3
+
+
+def test_another_content_under_a_taken_name_is_a_conflict_that_points_to_edit(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    added = ledger.add([FIRST.with_changes(apogee=300.0, config="B"), SECOND])
+    assert added.new == ("2",)
+    (conflict,) = added.conflicts
+    assert "config, apogee" in conflict.error
+    assert "fieldkit edit" in conflict.error
+    assert ledger.flight("1") == FIRST
+
+
+def test_a_flight_edited_since_is_still_the_one_that_its_table_holds(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    ledger.edit("1", apogee=300.0)
+    ledger.tag("1", "off_axis")
+    ledger.edit("1", flight_id="one")
+    assert ledger.add([FIRST]).duplicates == 1
+    assert len(ledger.flights()) == 1
+    assert ledger.holds(FIRST)
+    assert ledger.holds(ledger.flight("one"))
+    assert not ledger.holds(FIRST.with_changes(apogee=301.0))
+
+
+def test_a_dry_run_says_what_would_happen_and_changes_nothing(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    added = ledger.add([FIRST, SECOND], log=b"bytes", dry_run=True)
+    assert (added.new, added.duplicates) == (("2",), 1)
+    assert ledger.flights() == [FIRST]
+    assert len(ledger.history()) == 1
+
+
+def test_two_of_one_name_in_one_table_are_a_duplicate_or_a_conflict(ledger: Ledger) -> None:
+    added = ledger.add([FIRST, FIRST, FIRST.with_changes(apogee=1.0)])
+    assert (len(added.new), added.duplicates, len(added.conflicts)) == (1, 1, 1)
+
+
+@pytest.mark.parametrize(
+    ("change", "found"),
+    [
+        ({"flight_id": ""}, "flight_id"),
+        ({"apogee": float("nan")}, "apogee_m: found nan"),
+        ({"wind": float("inf")}, "wind_mps: found inf"),
+        ({"notes": "a\0b"}, "notes"),
+        ({"tags": ("\ud800",)}, "tags"),
+    ],
+)
+def test_what_a_ledger_cannot_keep_is_named_and_the_rest_goes_in(
+    ledger: Ledger, change: dict[str, object], found: str
+) -> None:
+    added = ledger.add([FIRST.with_changes(**change), SECOND])
+    assert added.new == ("2",)
+    assert found in added.conflicts[0].error
+    with pytest.raises((LedgerError, BadValue), match=found.split(":")[0]):
+        ledger.edit("2", **change)
+    assert ledger.flight("2") == SECOND
+
+
+def test_flights_come_by_date_then_entry_and_undated_ones_last(ledger: Ledger) -> None:
+    undated = SECOND.with_changes(flight_id="0", date_time=None)
+    twin = SECOND.with_changes(flight_id="9")
+    ledger.add([undated, twin, SECOND, FIRST])
+    assert [flight.flight_id for flight in ledger.flights()] == ["1", "9", "2", "0"]
+
+
+def test_an_id_is_the_flight_id_where_that_says_enough(ledger: Ledger) -> None:
+    other = FIRST.with_changes(rocket="Comet")
+    assert ledger.add([FIRST, SECOND]).new == ("1", "2")
+    assert ledger.add([other]).new == ("Comet/1",)
+    assert ledger.ids(ledger.flights()) == ["Astra/1", "Comet/1", "2"]
+    assert ledger.flight("Comet/1") == other
+    assert ledger.flight("Astra/2") == SECOND
+    with pytest.raises(LedgerError, match="1 may be Astra/1 or Comet/1"):
+        ledger.flight("1")
+
+
+def test_an_unknown_id_suggests_near_ones(ledger: Ledger) -> None:
+    ledger.add([FIRST.with_changes(flight_id="astra-07"), SECOND])
+    with pytest.raises(LedgerError, match="did you mean astra-07"):
+        ledger.flight("astra-7")
+    with pytest.raises(LedgerError, match="holds 2 flights"):
+        ledger.flight("zzzz")
+
+
+def test_every_kind_of_change_can_be_undone_and_redone(ledger: Ledger) -> None:
+    states = [ledger.flights()]
+
+    def then(change: object) -> None:
+        states.append(ledger.flights())
+
+    then(ledger.add([FIRST, SECOND]))
+    then(ledger.edit("1", apogee=300.0, extra={"a": "b"}, date_time=None))
+    then(ledger.edit("1", rocket="Comet", flight_id="7"))
+    then(ledger.tag("7", "off_axis"))
+    then(ledger.untag("7", "mine", "weak_launch"))
+    then(ledger.remove("7", "2"))
+    for state in reversed(states[:-1]):
+        assert ledger.undo().undone
+        assert ledger.flights() == state
+    with pytest.raises(LedgerError, match="nothing left to undo"):
+        ledger.undo()
+    for state in states[1:]:
+        ledger.redo()
+        assert ledger.flights() == state
+    with pytest.raises(LedgerError, match="nothing left to redo"):
+        ledger.redo()
+    commands = [change.command for change in ledger.history()]
+    assert commands == ["import", "edit", "edit", "tag", "untag", "remove", *["undo"] * 6, *["redo"] * 6]
+
+
+def test_a_change_after_an_undo_ends_what_could_be_redone(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    ledger.tag("1", "late")
+    ledger.undo()
+    ledger.tag("1", "later")
+    with pytest.raises(LedgerError, match="nothing left to redo"):
+        ledger.redo()
+    assert [change.undone for change in ledger.history()] == [False, True, False, False]
+    ledger.undo()
+    ledger.undo()
+    assert ledger.flights() == []
+
+
+def test_a_change_that_changes_nothing_stays_out_of_the_journal(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    ledger.tag("1", "mine")
+    ledger.edit("1", apogee=FIRST.apogee)
+    ledger.activate("Astra", None)
+    ledger.add([])
+    assert len(ledger.history()) == 1
+
+
+def test_an_edit_to_a_taken_name_is_refused(ledger: Ledger) -> None:
+    ledger.add([FIRST, SECOND])
+    with pytest.raises(LedgerError, match="flight 1 of Astra is in the ledger already"):
+        ledger.edit("2", flight_id="1")
+    assert ledger.flights() == [FIRST, SECOND]
+
+
+def test_taking_off_a_tag_that_is_not_there_names_those_that_are(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    with pytest.raises(LedgerError, match="it has weak_launch, mine"):
+        ledger.untag("1", "damaged")
+
+
+def test_one_unknown_id_among_several_removes_nothing(ledger: Ledger) -> None:
+    ledger.add([FIRST, SECOND])
+    with pytest.raises(LedgerError, match="no flight '3'"):
+        ledger.remove("1", "3")
+    assert len(ledger.flights()) == 2
+
+
+def test_the_bytes_of_a_log_come_back_as_they_were(ledger: Ledger) -> None:
+    ledger.add([FIRST], log=b"\0\xff" * 5000)
+    ledger.add([SECOND], log=b"two")
+    assert ledger.log("1") == b"\0\xff" * 5000
+    ledger.remove("1")
+    ledger.undo()
+    assert ledger.log("1") == b"\0\xff" * 5000
+    assert ledger.log("2") == b"two"
+    ledger.add([FIRST.with_changes(flight_id="3")])
+    assert ledger.log("3") is None
+
+
+def test_what_was_used_last_is_offered_first(ledger: Ledger) -> None:
+    assert ledger.latest() is None
+    ledger.add([SECOND.with_changes(rocket="Comet", config=""), FIRST])
+    assert ledger.names("rocket") == ["Astra", "Comet"]
+    assert ledger.names("config") == ["A"]
+    assert ledger.names("motor", "Comet") == ["F24-4W"]
+    assert ledger.latest() == FIRST
+    assert ledger.latest("Comet").flight_id == "2"
+    assert ledger.latest("Comet", "A") is None
+    assert ledger.next_flight_id("Comet") == "3"
+    assert ledger.next_flight_id("New") == "1"
+
+
+def test_model_versions_are_numbered_by_rocket_and_one_is_in_use(ledger: Ledger) -> None:
+    assert ledger.active_version("Astra") is None
+    ledger.keep_version("Astra", {"effect": "wind", "sd": 0.1})
+    second = ledger.keep_version("Astra", {"effect": "none"}, activate=False)
+    assert (second.number, second.active) == (2, False)
+    assert ledger.keep_version("Comet", {}).number == 1
+    assert ledger.active_version("Astra").payload == {"effect": "wind", "sd": 0.1}
+    ledger.activate("Astra", 2)
+    assert [version.active for version in ledger.versions("Astra")] == [False, True]
+    ledger.activate("Astra", None)
+    assert ledger.active_version("Astra") is None
+    with pytest.raises(LedgerError, match="no model version 3, expected one of: 1, 2"):
+        ledger.activate("Astra", 3)
+
+
+def test_accepting_a_model_version_can_be_undone(ledger: Ledger) -> None:
+    ledger.keep_version("Astra", {"effect": "wind"})
+    ledger.keep_version("Astra", {"effect": "mass_offset"})
+    ledger.undo()
+    assert ledger.active_version("Astra").payload == {"effect": "wind"}
+    ledger.activate("Astra", None)
+    ledger.undo()
+    assert ledger.active_version("Astra").number == 1
+    ledger.undo()
+    assert ledger.versions("Astra") == []
+
+
+def test_a_prediction_is_kept_once_and_undo_passes_it_by(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    made = ledger.keep_prediction({"p50": 281.0}, digest="d1", rocket="Astra", flight_id="2")
+    assert made.at.tzinfo is UTC
+    assert ledger.keep_prediction({"p50": 281.0}, digest="d1", rocket="Astra", flight_id="2") == made
+    ledger.keep_prediction({"p50": 282.0}, digest="d2", rocket="Astra", flight_id="2")
+    ledger.keep_prediction({"p50": 1.0}, digest="d3", rocket="Comet")
+    assert [one.payload["p50"] for one in ledger.predictions("Astra")] == [281.0, 282.0]
+    assert [one.digest for one in ledger.predictions(flight_id="2")] == ["d1", "d2"]
+    ledger.undo()
+    assert ledger.flights() == []
+    assert len(ledger.predictions()) == 3
+
+
+def test_a_draft_is_kept_until_it_is_dropped(ledger: Ledger) -> None:
+    assert ledger.draft("add") is None
+    ledger.keep_draft("add", {"rocket": "Astra"})
+    ledger.keep_draft("add", {"rocket": "Astra", "apogee": "923ft"})
+    assert ledger.draft("add") == {"rocket": "Astra", "apogee": "923ft"}
+    ledger.drop_draft("add")
+    assert ledger.draft("add") is None
+    assert ledger.history() == []
+    ledger.keep_draft("add", {"rocket": "Astra"})
+    ledger.add([FIRST], draft="add")
+    assert ledger.draft("add") is None

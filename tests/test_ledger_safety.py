@@ -1,0 +1,237 @@
+"""What a ledger survives, and what it says where it cannot."""
+
+import os
+import signal
+import sqlite3
+import subprocess
+import sys
+import threading
+import time
+from pathlib import Path
+
+import pytest
+from alembic.autogenerate import compare_metadata
+from alembic.migration import MigrationContext
+from sqlalchemy import create_engine, event
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, opening
+from fieldkit.ledger.tables import metadata
+
+FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
+
+ADDS = """
+import sys
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+with Ledger.open(sys.argv[1]) as ledger:
+    for number in range(100000):
+        ledger.add([Flight(flight_id=str(number), rocket="Astra", tags=("a", "b"))], log=bytes(20000))
+        print(number, flush=True)
+"""
+
+
+def test_a_killed_process_loses_at_most_the_command_in_flight(tmp_path: Path) -> None:
+    moments = {tmp_path / "a.db": 0.0, tmp_path / "b.db": 0.013, tmp_path / "c.db": 0.041}
+    command = [sys.executable, "-c", ADDS]
+    running = {file: subprocess.Popen([*command, file], stdout=subprocess.PIPE, text=True) for file in moments}
+    for file, moment in moments.items():
+        adding = running[file]
+        assert adding.stdout
+        first = adding.stdout.readline()
+        time.sleep(moment)
+        adding.send_signal(signal.SIGKILL)
+        finished = len((first + adding.communicate()[0]).splitlines())
+        with Ledger.open(file) as ledger:
+            kept = ledger.flights()
+            assert len(kept) in (finished, finished + 1)
+            assert [flight.flight_id for flight in kept] == [str(number) for number in range(len(kept))]
+            assert all(flight.tags == ("a", "b") for flight in kept)
+            assert len(ledger.history()) == len(kept)
+            assert ledger.log("0") == bytes(20000)
+            ledger.undo()
+        with sqlite3.connect(file) as raw:
+            assert raw.execute("PRAGMA integrity_check").fetchone() == ("ok",)
+            assert raw.execute("PRAGMA foreign_key_check").fetchall() == []
+        raw.close()
+
+
+def test_two_writers_at_once_both_get_in(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+
+    def add(rocket: str) -> None:
+        with Ledger.open(file) as ledger:
+            for number in range(15):
+                ledger.add([Flight(flight_id=str(number), rocket=rocket)])
+
+    writers = [threading.Thread(target=add, args=[name]) for name in ("Astra", "Comet", "Drake")]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 45
+        assert [change.number for change in ledger.history()] == list(range(1, 46))
+
+
+def test_a_failure_in_the_middle_of_a_command_leaves_nothing_behind(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([FIRST])
+        monkeypatch.setattr("fieldkit.ledger.journal._enter", lambda *_, **__: 1 / 0)
+        for change in (lambda: ledger.add([FIRST.with_changes(flight_id="2")]), lambda: ledger.remove("1")):
+            with pytest.raises(ZeroDivisionError):
+                change()
+        assert ledger.flights() == [FIRST]
+
+
+def test_a_file_that_is_no_ledger_is_said_to_be_none(tmp_path: Path) -> None:
+    junk = tmp_path / "junk.db"
+    junk.write_bytes(bytes(range(256)) * 64)
+    with pytest.raises(LedgerError, match=r"junk\.db: this file is not a ledger"):
+        Ledger.open(junk)
+    assert junk.read_bytes() == bytes(range(256)) * 64
+
+
+def test_another_programs_database_is_left_alone(tmp_path: Path) -> None:
+    file = tmp_path / "other.db"
+    with sqlite3.connect(file) as raw:
+        raw.execute("CREATE TABLE songs (name TEXT)")
+    raw.close()
+    with pytest.raises(LedgerError, match="holds another program's tables"):
+        Ledger.open(file)
+
+
+def test_a_ledger_of_a_newer_program_is_not_touched(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    Ledger.open(file).close()
+    with sqlite3.connect(file) as raw:
+        raw.execute("UPDATE alembic_version SET version_num = 'm999_telepathy'")
+    raw.close()
+    with pytest.raises(LedgerError, match=r"made by a newer fieldkit \(m999_telepathy\)"):
+        Ledger.open(file)
+
+
+def test_a_damaged_ledger_is_said_to_be_damaged(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST.with_changes(flight_id=str(n)) for n in range(200)])
+    content = bytearray(file.read_bytes())
+    content[4096:] = b"\x5a" * (len(content) - 4096)
+    file.write_bytes(content)
+    with pytest.raises(LedgerError, match="damaged"), Ledger.open(file) as ledger:
+        ledger.flights()
+
+
+def test_a_read_only_ledger_can_be_read_and_says_why_it_cannot_be_changed(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+    with Ledger.open(f"sqlite:///file:{file}?mode=ro&uri=true") as ledger:
+        assert ledger.flights() == [FIRST]
+        with pytest.raises(LedgerError, match="read-only"):
+            ledger.undo()
+
+
+def test_a_full_disk_changes_nothing_and_says_so(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([FIRST])
+        event.listen(ledger._engine, "begin", lambda conn: conn.exec_driver_sql("PRAGMA max_page_count = 1"))
+        with pytest.raises(LedgerError, match="disk is full"):
+            ledger.add([FIRST.with_changes(flight_id="2")], log=os.urandom(100_000))
+        assert ledger.flights() == [FIRST]
+
+
+def test_a_lock_that_is_not_let_go_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    file = tmp_path / "ledger.db"
+    Ledger.open(file).close()
+    other = sqlite3.connect(file, isolation_level=None)
+    other.execute("BEGIN IMMEDIATE")
+    monkeypatch.setattr(opening, "PATIENCE", 0.05)
+    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="another program"):
+        ledger.add([FIRST])
+    other.close()
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(LedgerError, match=r"absent.*cannot open the file"):
+        Ledger.open(tmp_path / "absent" / "ledger.db")
+    with pytest.raises(LedgerError, match="cannot open the file"):
+        Ledger.open(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("url", "found"),
+    [
+        ("mysql://host/db", "found a ledger on mysql, expected sqlite or postgresql"),
+        ("://", "expected a path or a URL"),
+        ("sqlite+telepathy:///x.db", "telepathy"),
+    ],
+)
+def test_a_url_that_no_ledger_can_have_is_refused(url: str, found: str) -> None:
+    with pytest.raises(LedgerError, match=found):
+        Ledger.open(url)
+
+
+def test_a_server_that_does_not_answer_is_named_without_its_password() -> None:
+    with pytest.raises(LedgerError, match=r"127\.0\.0\.1") as error:
+        Ledger.open("postgresql://me:secret@127.0.0.1:1/db?connect_timeout=1")
+    assert "secret" not in str(error.value)
+    assert "\n" not in str(error.value)
+
+
+def test_a_password_stays_out_of_messages() -> None:
+    url = opening.location("postgresql://me:secret@host/db")
+    assert url.drivername == "postgresql+psycopg"
+    assert "secret" not in opening.name_of(url)
+
+
+def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "mine.db"))
+    with Ledger.open() as ledger:
+        assert ledger.name == str(tmp_path / "mine.db")
+    monkeypatch.delenv("FIELDKIT_LEDGER")
+    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
+    monkeypatch.setattr("sys.platform", "linux")
+    assert str(opening.location(None).database).endswith("ledger.db")
+
+
+def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:
+    Ledger.open(tmp_path / "ledger.db").close()
+    code = (
+        "import sys; from fieldkit.ledger import Ledger\n"
+        f"with Ledger.open({str(tmp_path / 'ledger.db')!r}) as ledger: ledger.flights()\n"
+        "print([name for name in ('alembic', 'sqlalchemy.orm', 'torch', 'scipy') if name in sys.modules])"
+    )
+    assert subprocess.check_output([sys.executable, "-c", code], text=True) == "[]\n"
+
+
+def test_the_migrations_make_the_tables_that_the_code_expects(tmp_path: Path) -> None:
+    Ledger.open(tmp_path / "ledger.db").close()
+    engine = create_engine(f"sqlite:///{tmp_path / 'ledger.db'}")
+    with engine.connect() as connection:
+        context = MigrationContext.configure(connection, opts={"compare_type": True})
+        assert compare_metadata(context, metadata) == []
+    engine.dispose()
+
+
+@pytest.mark.parametrize("step", opening.STEPS)
+def test_every_old_schema_is_upgraded_and_keeps_its_flights(step: str, tmp_path: Path) -> None:
+    schema = Path(__file__).parent / "old_ledgers" / f"{step}.sql"
+    file = tmp_path / "ledger.db"
+    with sqlite3.connect(file) as raw:
+        raw.executescript(schema.read_text(encoding="utf-8"))
+    raw.close()
+    with Ledger.open(file) as ledger:
+        assert [flight.flight_id for flight in ledger.flights()] == ["1", "2"]
+        assert ledger.flight("2").tags == ("weak_launch",)
+        assert ledger.flight("1").extra == {"Weather": "grey"}
+        assert ledger.flight("1").apogee == 281.3
+        assert ledger.log("1") == b"a log"
+        assert ledger.active_version("Astra").payload == {"effect": "wind"}
+        assert ledger.predictions()[0].digest == "d1"
+        while ledger.history()[0].undone is False:
+            ledger.undo()
+        assert ledger.flights() == []
