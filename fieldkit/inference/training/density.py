@@ -18,7 +18,7 @@ from fieldkit.inference.training.fit import Progress
 MEMBERS = 5
 HIDDEN = 128
 LAYERS = 3
-GUARD_SHARE = 0.05
+GUARD_SHARE = 0.1
 """Weight of the guard's loss against the posterior's. [1]"""
 FARTHEST = 8.0
 """Standard deviations from its mean to which a feature is clipped. [1]"""
@@ -91,8 +91,8 @@ class Plan:
     """How long and how fast: passes over fresh observations of the same flights, batch, peak rate."""
 
     epochs: int
-    batch: int = 4096
-    rate: float = 4e-3
+    batch: int = 2048
+    rate: float = 3e-3
 
 
 def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = None) -> tuple[Members, Scale, Scale]:

@@ -24,7 +24,7 @@ from fieldkit.shapes import Array, Float
 
 HELD_OUT = "Quest"
 """The maker whose motors no member ever sees: the ensemble is judged on them."""
-PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=14)}
+PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=16)}
 """A first look, and what is shipped."""
 JUDGED = 40_000
 """Fresh flights the ensemble is judged on, and as many of the maker held out."""
