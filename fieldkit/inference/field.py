@@ -193,5 +193,3 @@ def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
         return ""
     told = "apogee alone cannot tell drag from thrust here" if seen == ["apogee"] else "these readouts tell little here"
     return f"{told}: {' and '.join(unknown)} hardly better known than before the flight"
-
-

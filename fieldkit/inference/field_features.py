@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
-from fieldkit.flight import READOUTS, Flight
+from fieldkit.flight import CONDITIONS, READOUTS, Flight
 from fieldkit.motors import Found, Motor
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.atmosphere import GRAVITY, altimeter_gain, pad_air
@@ -26,14 +26,21 @@ SLIMMEST, WIDEST = 0.013, 0.1
 """The prior of the diameter reaches from here, or from a motor's width, to there. [m]"""
 
 READOUT_NAMES = tuple(column.name for column in READOUTS)
-DECLARED = (
-    "dry_mass diameter delay site_elevation temperature pressure humidity wind rail_length rail_angle"
-).split()
+DECLARED = ("dry_mass", "diameter", "delay", *(column.name for column in CONDITIONS))
 """What a flyer may write down beside the readouts; only the dry mass is needed."""
-SEEN = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
-SEEN += ("eject_altitude", "descent_speed", "duration")
+SEEN = tuple(name for name in READOUT_NAMES if name != "avg_accel")
 """The readouts that are evidence of their own: average acceleration is top speed over burn time."""
-FIGURES = "total_impulse burn_time burnout peak_thrust middle spread propellant casing diameter".split()
+FIGURES = (
+    "total_impulse",
+    "burn_time",
+    "burnout",
+    "peak_thrust",
+    "middle",
+    "spread",
+    "propellant",
+    "casing",
+    "diameter",
+)
 """What a motor physically is, as the ensemble sees it, in SI: `middle` and `spread` are the mean and the
 standard deviation of time weighted by thrust."""
 _PROBES = np.array([[1.0, 1.0], [2.0, 1.0], [0.5, 1.0], [1.0, 1.15], [1.0, 0.85]])
@@ -163,7 +170,8 @@ def closed_form(
     share = drag * speed**2 / (empty * GRAVITY)
     return {
         "top_speed": speed,
-        "apogee": 2 * (1 - motor["middle"] / motor["burnout"]) * mass / drag * np.log(np.cosh(reach)) + empty / (2 * drag) * np.log1p(share),
+        "apogee": 2 * (1 - motor["middle"] / motor["burnout"]) * mass / drag * np.log(np.cosh(reach))
+        + empty / (2 * drag) * np.log1p(share),
         "coast_to_apogee": np.sqrt(empty / (GRAVITY * drag)) * np.arctan(np.sqrt(share)),
     }
 
@@ -230,9 +238,7 @@ def _columns(observed: Observed) -> dict[str, Array]:
         low, high = drag_area_range(observed)
         weather = [observed.given(name) for name in ("site_elevation", "temperature", "pressure")]
         density = pad_air(weather[0], weather[1], weather[2], observed.given("humidity")).density
-        probes = closed_form(
-            motor, dry_mass, _PROBES[:, :1] * np.exp(0.5 * (low + high)), _PROBES[:, 1:], density
-        )
+        probes = closed_form(motor, dry_mass, _PROBES[:, :1] * np.exp(0.5 * (low + high)), _PROBES[:, 1:], density)
         nominal = {name: values[0] for name, values in probes.items()}
         columns = _readouts(observed, motor, nominal, altimeter_gain(weather[0], weather[1], weather[2]))
         columns |= _circumstances(observed, motor, nominal, (low, high), density)
@@ -266,14 +272,18 @@ def _readouts(observed: Observed, motor: dict[str, Array], nominal: dict[str, Ar
         "duration": _log(observed.readout("duration") / (up + down)),
     }
     flags = {f"has_{name}": np.isfinite(columns[name]).astype(float) for name in SEEN}
-    return columns | flags | {
-        "has_avg_accel": np.isfinite(observed.readout("avg_accel")).astype(float),
-        "rise_by_speed": _log((apogee - 0.5 * speed * known_burn) * 2 * GRAVITY / speed**2),
-        "coast_by_speed": _log(coast * GRAVITY / speed),
-        "rise_by_coast": _log((apogee - 0.5 * nominal["top_speed"] * known_burn) / (0.5 * GRAVITY * coast**2)),
-        "delay": _log(observed.given("delay") / nominal["coast_to_apogee"]),
-        "charge": np.arcsinh(coast + ejected - observed.given("delay")),
-    }
+    return (
+        columns
+        | flags
+        | {
+            "has_avg_accel": np.isfinite(observed.readout("avg_accel")).astype(float),
+            "rise_by_speed": _log((apogee - 0.5 * speed * known_burn) * 2 * GRAVITY / speed**2),
+            "coast_by_speed": _log(coast * GRAVITY / speed),
+            "rise_by_coast": _log((apogee - 0.5 * nominal["top_speed"] * known_burn) / (0.5 * GRAVITY * coast**2)),
+            "delay": _log(observed.given("delay") / nominal["coast_to_apogee"]),
+            "charge": np.arcsinh(coast + ejected - observed.given("delay")),
+        }
+    )
 
 
 def _circumstances(

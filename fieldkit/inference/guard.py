@@ -117,5 +117,3 @@ def _line(name: str, value: float, shown_value: float, ends: Float[Array, "2"]) 
         f"{column.title.lower()} of {found} {column.unit} does not fit the rest of the flight, which leads to "
         f"expect {low} to {high} {column.unit}; it is left out"
     )
-
-

@@ -115,7 +115,9 @@ def table(card: Mapping[str, Any]) -> list[str]:
     lines = []
     for title, key in (("fresh flights", "test"), (f"motors of {card['held_out']}, never seen", "test_held_out")):
         lines.append(f"{title}")
-        lines.append(f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage of drag area, alpha at 50 80 90 95 %")
+        lines.append(
+            f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage at 50/80/90/95 %: drag area, alpha"
+        )
         for name, one in card[key].items():
             cover = ["/".join(f"{100 * c:.1f}" for c in one["coverage"][p].values()) for p in ("drag_area", "alpha")]
             lines.append(

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 COMPONENTS = 8
 """Gaussians of each member."""
@@ -48,7 +48,7 @@ class Mixture:
     def log_density(self, values: Float[Array, "*draw flight 2"]) -> Float[Array, "*draw flight"]:
         """Log of the density in the two parameters themselves; -inf outside of their intervals."""
         place = (values - self.low) / (self.high - self.low)
-        inside = ((place > 0) & (place < 1)).all(axis=-1)
+        inside: Flags = np.all((place > 0) & (place < 1), axis=-1)
         place = np.where(inside[..., None], place, 0.5)
         stretch = np.log(place * (1 - place) * (self.high - self.low)).sum(axis=-1)
         offset = np.log(place / (1 - place))[..., None, :] - self.mean
@@ -57,7 +57,7 @@ class Mixture:
         parts = np.log(self.weight + 1e-300) + self.sharp.sum(axis=-1) - 0.5 * square
         top = parts.max(axis=-1)
         total = top + np.log(np.exp(parts - top[..., None]).sum(axis=-1)) - np.log(2 * np.pi)
-        return np.where(inside, total - stretch, -np.inf)
+        return np.asarray(np.where(inside, total - stretch, -np.inf))
 
     def draws(self, rng: np.random.Generator, count: int) -> Float[Array, "draw flight 2"]:
         """Draws of the two parameters."""
@@ -67,7 +67,7 @@ class Mixture:
         z = rng.normal(size=(count, len(self), 2))
         z[..., 1] += self.slope[flight, part] * z[..., 0]
         logit = self.mean[flight, part] + z * np.exp(-self.sharp[flight, part])
-        return self.low + (self.high - self.low) / (1 + np.exp(-logit))
+        return np.asarray(self.low + (self.high - self.low) / (1 + np.exp(-logit)))
 
     def margin(self, axis: int) -> "Margin":
         """The distribution of one parameter by itself."""

@@ -26,13 +26,15 @@ from fieldkit.inference.field_features import (
 )
 from fieldkit.motors import Motor
 from fieldkit.shapes import Array, Flags, Float, Int
-from fieldkit.simulator.atmosphere import GRAVITY, altimeter_gain, pad_air, standard_temperature
+from fieldkit.simulator.atmosphere import GRAVITY, altimeter_gain, pad_air
 from fieldkit.simulator.flight import fly
 from fieldkit.simulator.motor import burns
-from fieldkit.simulator.state import Flown, Setup
+from fieldkit.simulator.state import Setup
 
 CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
 """Impulse classes of the motors flown; each class is as likely as any other that the catalogue has."""
+SMALLEST = 0.008
+"""Motors of this diameter and less are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
 """Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
 STEPS = 8
@@ -116,8 +118,8 @@ class Truth:
 
 
 def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
-    """Those up to class I."""
-    return [motor for motor in motors if motor.impulse_class in CLASSES]
+    """Those up to class I that can lift an altimeter: the 6 mm ones cannot."""
+    return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > SMALLEST]
 
 
 def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> Truth:
@@ -125,7 +127,7 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     row = _draw_motors(rng, motors, count)
     table = np.stack([figures(motor) for motor in motors])[row]
     declared = _draw_declared(rng, table)
-    cd = np.exp(rng.uniform(*np.log(CD_RANGE), count))
+    cd = _log_uniform(rng, *(np.full(count, end) for end in CD_RANGE))
     alpha = rng.uniform(*ALPHA_RANGE, count)
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
@@ -192,7 +194,9 @@ def _draw_delays(
     sold = np.full((len(motors), longest), np.nan)
     for number, motor in enumerate(motors):
         sold[number, : len(motor.delays)] = [delay if np.isfinite(delay) else np.nan for delay in motor.delays]
-    coast = closed_form(dict(zip(FIGURES, table.T, strict=True)), dry_mass, drag_area, alpha, np.asarray(1.2))["coast_to_apogee"]
+    coast = closed_form(dict(zip(FIGURES, table.T, strict=True)), dry_mass, drag_area, alpha, np.asarray(1.2))[
+        "coast_to_apogee"
+    ]
     careless = rng.uniform(size=len(row)) < 0.15
     taste = np.where(careless[:, None], 0.0, -np.abs(sold[row] - coast[:, None])) + rng.gumbel(size=(len(row), longest))
     best = np.argmax(np.where(np.isnan(sold[row]), -np.inf, taste), axis=1)
@@ -200,7 +204,11 @@ def _draw_delays(
 
 
 def _draw_field(
-    rng: np.random.Generator, table: Float[Array, "flight figure"], declared: dict[str, Array], area: Array, alpha: Array
+    rng: np.random.Generator,
+    table: Float[Array, "flight figure"],
+    declared: dict[str, Array],
+    area: Array,
+    alpha: Array,
 ) -> Setup:
     """What truly flew: the declared figures with their errors, and what nobody declares."""
     count = len(table)

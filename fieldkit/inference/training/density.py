@@ -5,6 +5,7 @@ Five small networks trained side by side cost a thread little more than one, and
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ Scale = np.ndarray[Any, np.dtype[np.float64]]
 """One number a feature."""
 
 
-class Members(nn.Module):
+class Members(nn.Module):  # type: ignore[misc]
     """Members that each map standardised features to their outputs; the first axis is the member.
 
     A member's outputs are the mixture's (see `fieldkit.inference.mixture`), then for each readout the mean
@@ -40,8 +41,7 @@ class Members(nn.Module):
         sizes = [inputs, *[hidden] * LAYERS, WIDTH + 2 * seen]
         self.seen = seen
         self.weights = nn.ParameterList(
-            nn.Parameter(torch.randn(members, a, b) * (1.5 / a) ** 0.5)
-            for a, b in zip(sizes[:-1], sizes[1:], strict=True)
+            nn.Parameter(torch.randn(members, a, b) * (1.5 / a) ** 0.5) for a, b in pairwise(sizes)
         )
         self.biases = nn.ParameterList(nn.Parameter(torch.zeros(members, 1, b)) for b in sizes[1:])
         with torch.no_grad():

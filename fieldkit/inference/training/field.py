@@ -8,12 +8,12 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import BadValue
+from fieldkit.inference import guard
 from fieldkit.inference.ensemble import from_parts
+from fieldkit.inference.field import intervals
 from fieldkit.inference.field_features import FEATURES, SEEN, Observed, features, shown
 from fieldkit.inference.judge import judge
 from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
-from fieldkit.inference import guard
-from fieldkit.inference.field import intervals
 from fieldkit.inference.simulated import NOISE, PRIORS, Truth, flown_motors, forget, measure, simulate
 from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
 from fieldkit.inference.training.density_graph import density_graph
