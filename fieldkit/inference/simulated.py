@@ -37,6 +37,8 @@ SMALLEST = 0.008
 """Motors of this diameter and less are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
 """Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
+_KNOTS = (16, 22, 28, 36, 50)
+"""Bounds between motors of few and of many knots."""
 STEPS = 8
 """Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
 
@@ -132,8 +134,9 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
     setup = _draw_field(rng, table, declared, drag_area, alpha)
-    order = np.argsort(drag_area / declared["dry_mass"] * table[:, 0] / (declared["dry_mass"] + table[:, 6]))
-    flown = fly(_in_order(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row), order))
+    setup = setup.with_changes(burns=burns(motors, steps=STEPS), motor=row)
+    order = _like_with_like(setup)
+    flown = fly(setup.flat((count,)).part(order))
     readouts = np.stack([flown.readouts()[name] for name in READOUT_NAMES], axis=-1)
     lifted = (flown.lift_off > 0) & (readouts[:, 0] > 5.0) & (readouts[:, 1] > 3.0)
     known = np.stack([declared[name] for name in DECLARED], axis=-1)
@@ -141,9 +144,15 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     return flights.rows(rng.permutation(np.flatnonzero(lifted)))
 
 
-def _in_order(setup: Setup, order: Int[Any, "flight"]) -> Setup:
-    """Like flights side by side, so that a hard one does not hold up a chunk of easy ones."""
-    return setup._mapped(lambda values: values if np.size(values) == 1 else np.asarray(values)[order])
+def _like_with_like(setup: Setup) -> Int[Any, "flight"]:
+    """An order in which a flight that takes many steps does not hold up a chunk of others.
+
+    First by the number of knots of the motor, then by how stiff drag is: light, wide and fast.
+    """
+    knots = (np.diff(setup.burns.edge, axis=0) > 0).sum(axis=0)[setup.motor]
+    impulse = setup.burns.propellant_mass[setup.motor] * 1e3
+    stiffness = setup.drag_area * impulse / setup.dry_mass**2
+    return np.lexsort((stiffness, np.digitize(knots, _KNOTS)))
 
 
 def _draw_motors(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> Int[Any, "flight"]:

@@ -85,8 +85,8 @@ class Setup:
 
         return self._mapped(spread)
 
-    def part(self, rows: slice) -> "Setup":
-        """Some rows of a flat set-up; draws that share a motor share its entry."""
+    def part(self, rows: slice | Int[Any, "row"]) -> "Setup":
+        """Some rows of a flat set-up, in this order; draws that share a motor share its entry."""
         part = self._mapped(lambda values: values if len(values) == 1 else values[rows])
         shared = (part.motor == part.motor[0]).all()
         return replace(part, motor=part.motor[:1]) if shared else part
