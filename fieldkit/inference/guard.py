@@ -13,6 +13,8 @@ from fieldkit.shapes import Array, Flags, Float, Int
 if TYPE_CHECKING:
     from fieldkit.inference.ensemble import Ensemble
 
+BLOCK = 500
+"""Flights foretold together: few enough for the processor's cache."""
 FALSE_ALARMS = 0.01
 """Share of good flights that are warned about. [1]"""
 
@@ -32,7 +34,13 @@ class Foretold:
 
 
 def foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
-    """Each readout from the others, in one run of the graph."""
+    """Each readout from the others, in one run of the graph for a block of flights."""
+    blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
+    parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
+    return Foretold(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd")))
+
+
+def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
     flights, seen = len(observed), len(SEEN)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
     for number, name in enumerate(SEEN):

@@ -8,7 +8,7 @@ import numpy as np
 from fieldkit.inference import guard
 from fieldkit.inference.field import posterior
 from fieldkit.inference.field_features import Observed
-from fieldkit.inference.mixture import Mixture
+from fieldkit.inference.mixture import Mixture, joined
 from fieldkit.inference.simulated import SUBSETS, Truth, forget, measure, simulate
 from fieldkit.motors import Motor
 from fieldkit.shapes import Array, Float
@@ -36,7 +36,8 @@ def judge(ensemble: "Ensemble", rng: np.random.Generator, motors: Sequence[Motor
 
 
 def _verdict(rng: np.random.Generator, ensemble: "Ensemble", truth: Truth, observed: Observed) -> dict[str, Any]:
-    density = posterior(observed, ensemble)
+    blocks = [slice(first, first + BLOCK) for first in range(0, len(truth), BLOCK)]
+    density = joined([posterior(observed.rows(block), ensemble) for block in blocks])
     found, median = score(rng, density, truth.parameters)
     area = truth.drag_area / truth.cd
     odd = float((guard.misfit(ensemble, observed) >= 0).mean())

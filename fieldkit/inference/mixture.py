@@ -4,6 +4,7 @@ A parameter that lies in an interval is carried to the whole line by the logit o
 draw can ever leave the interval. The mixture lives there.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -133,6 +134,11 @@ def mixture(
         low,
         high,
     )
+
+
+def joined(parts: Sequence[Mixture]) -> Mixture:
+    """Flights of several mixtures as one."""
+    return Mixture(*(np.concatenate([getattr(part, name) for part in parts]) for name in Mixture.__dataclass_fields__))
 
 
 def logits(
