@@ -10,6 +10,7 @@ from fieldkit.flight import Flight
 from fieldkit.inference import guard
 from fieldkit.inference.field_features import (
     ALPHA_RANGE,
+    ALPHA_SD,
     CD_RANGE,
     FEATURES,
     READOUT_NAMES,
@@ -152,7 +153,7 @@ def _prior_sd(observed: Observed) -> tuple[Array, float]:
     """Standard deviation before the flight of the logarithm of drag area, and of alpha."""
     low, high = drag_area_range(observed)
     cd_span = np.log(CD_RANGE[1] / CD_RANGE[0])
-    return np.sqrt((cd_span**2 + (high - low - cd_span) ** 2) / 12), float(np.ptp(ALPHA_RANGE)) / 12**0.5
+    return np.sqrt((cd_span**2 + (high - low - cd_span) ** 2) / 12), ALPHA_SD
 
 
 def _warnings(

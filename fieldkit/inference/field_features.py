@@ -20,8 +20,12 @@ from fieldkit.simulator.field import delays, recorded
 
 CD_RANGE = (0.2, 1.5)
 """The prior of Cd: uniform in its logarithm. [1]"""
-ALPHA_RANGE = (0.75, 1.25)
-"""The prior of alpha: uniform. [1]"""
+ALPHA_RANGE, ALPHA_SD = (0.6, 1.4), 0.13
+"""The prior of alpha: normal around 1 with this standard deviation, between these ends. [1]
+
+Certified motors keep within 7 % of their impulse (NFPA 1125); alpha also takes up what a scale or a rod
+that is further off than thought does to the thrust.
+"""
 SLIMMEST, WIDEST = 0.013, 0.1
 """The prior of the diameter reaches from here, or from a motor's width, to there. [m]"""
 

@@ -76,21 +76,18 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
 def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     """The readout that does not fit, as a place in `SEEN`, or -1.
 
-    It is the one without which the others agree best.
+    Of those too far from what the others foretell, it is the one without which the others agree best.
     """
     limit = np.array([ensemble.card["guard"][name] for name in SEEN])
-    odd = _worst(ensemble, observed, limit) > 1
+    far: Flags = foretell(ensemble, observed).distance > limit
+    odd = far.any(axis=1)
     found = np.full(len(observed), -1)
     if odd.any():
         some = observed.rows(odd)
-        there: Flags = np.isfinite(shown(some))
-        left = np.stack([_worst(ensemble, some.without(*_told_by(name)), limit) for name in SEEN], axis=-1)
-        found[odd] = np.argmin(np.where(there, left, np.inf), axis=1)
+        left = [foretell(ensemble, some.without(*_told_by(name))).distance / limit for name in SEEN]
+        worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
+        found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
     return found
-
-
-def _worst(ensemble: "Ensemble", observed: Observed, limit: Array) -> Float[Array, "flight"]:
-    return np.asarray((foretell(ensemble, observed).distance / limit).max(axis=1))
 
 
 def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:

@@ -14,6 +14,7 @@ import numpy as np
 
 from fieldkit.inference.field_features import (
     ALPHA_RANGE,
+    ALPHA_SD,
     CD_RANGE,
     DECLARED,
     FIGURES,
@@ -46,20 +47,20 @@ PRIORS: Mapping[str, str] = MappingProxyType(
     {
         "motor": "class uniform among those up to I, motor uniform within its class",
         "cd": f"log-uniform {CD_RANGE[0]} to {CD_RANGE[1]} [1]",
-        "alpha": f"uniform {ALPHA_RANGE[0]} to {ALPHA_RANGE[1]} [1]",
+        "alpha": f"normal, 1 and {ALPHA_SD}, between {ALPHA_RANGE[0]} and {ALPHA_RANGE[1]} [1]",
         "dry_mass": "log-uniform where mean thrust to weight is 2.2 to 30, at least 8 g and 0.35 of the motor [kg]",
         "diameter": "log-uniform from the motor + 1 mm (13 mm) to 100 mm, five motors, 20 mm sqrt(mass / 7 g) [m]",
-        "weighing": "true over declared dry mass: normal, 1.5 %; casing mass: normal, 5 %",
-        "burn_stretch": "log-normal, 5 % [1]",
+        "weighing": "normal, 1.5 %; in 30 % heavier by half-normal 8 %, in 30 % by up to 12 g; casing: normal, 5 %",
+        "burn_stretch": "log-normal, 6 % [1]",
         "wind": "Rayleigh, mean 3.1 m/s, at a strength uniform 0 to 1 [m/s]",
-        "rail_angle": "normal, 4 degrees, declared to 1.5 degrees [rad]",
+        "rail_angle": "normal, 5 degrees, declared to 1.5 degrees [rad]",
         "rail_length": "log-uniform 0.9 to 2.5 [m]",
         "site_elevation": "60 % uniform to 300, 30 % to 1000, 10 % to 2200 [m]",
         "temperature": "normal, 20 and 9 degrees Celsius at sea level, less 4.5 K a km; declared to 1.5 K",
         "pressure": "normal, 1015 and 7 hPa at sea level; declared to 1 hPa",
-        "delay": "of those on sale, near the coast in 85 %; normal, 8 %; 4 % early by 20 to 70 %; none: no charge",
+        "delay": "of those on sale, near the coast in 85 %; normal, 10 %; 6 % early by 20 to 70 %; none: no charge",
         "descent_speed": "log-normal, 5.5 m/s and 45 %",
-        "altimeter_gain": "that of the air, and 0.6 % of the device [1]",
+        "altimeter_gain": "that of the air, and 1 % of the device [1]",
     }
 )
 """Every prior and nuisance, in words; what each readout suffers is in `NOISE`."""
@@ -76,16 +77,16 @@ class Noise:
 
 NOISE: Mapping[str, Noise] = MappingProxyType(
     {
-        "apogee": Noise(0.5, 0.004, 0.3048),
-        "top_speed": Noise(0.3, 0.015, 0.44704),
-        "burn_time": Noise(0.03, 0.02, 0.1),
-        "peak_accel": Noise(1.5, 0.04, 0.980665),
+        "apogee": Noise(0.8, 0.006, 0.3048),
+        "top_speed": Noise(0.4, 0.025, 0.44704),
+        "burn_time": Noise(0.05, 0.04, 0.1),
+        "peak_accel": Noise(1.5, 0.09, 0.980665),
         "avg_accel": Noise(0.0, 0.0, 0.980665),
-        "coast_to_apogee": Noise(0.08, 0.01, 0.1),
-        "apogee_to_eject": Noise(0.08, 0.0, 0.1),
-        "eject_altitude": Noise(1.0, 0.006, 0.3048),
-        "descent_speed": Noise(0.2, 0.06, 0.44704),
-        "duration": Noise(0.3, 0.01, 0.1),
+        "coast_to_apogee": Noise(0.1, 0.02, 0.1),
+        "apogee_to_eject": Noise(0.15, 0.0, 0.1),
+        "eject_altitude": Noise(1.5, 0.01, 0.3048),
+        "descent_speed": Noise(0.3, 0.1, 0.44704),
+        "duration": Noise(0.4, 0.015, 0.1),
     }
 )
 """What the sensors add; average acceleration follows from speed and burn time as measured."""
@@ -130,7 +131,7 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     table = np.stack([figures(motor) for motor in motors])[row]
     declared = _draw_declared(rng, table)
     cd = _log_uniform(rng, *(np.full(count, end) for end in CD_RANGE))
-    alpha = rng.uniform(*ALPHA_RANGE, count)
+    alpha = _draw_alpha(rng, count)
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
     setup = _draw_field(rng, table, declared, drag_area, alpha)
@@ -181,8 +182,15 @@ def _draw_declared(rng: np.random.Generator, table: Float[Array, "flight figure"
         "humidity": rng.uniform(0.2, 1.0, count),
         "wind": rng.rayleigh(2.5, count),
         "rail_length": _log_uniform(rng, np.full(count, 0.9), np.full(count, 2.5)),
-        "rail_angle": rng.normal(0.0, np.radians(4.0), count),
+        "rail_angle": rng.normal(0.0, np.radians(5.0), count),
     }
+
+
+def _draw_alpha(rng: np.random.Generator, count: int) -> Float[Array, "flight"]:
+    alpha = rng.normal(1.0, ALPHA_SD, count)
+    while (beyond := (alpha <= ALPHA_RANGE[0]) | (alpha >= ALPHA_RANGE[1])).any():
+        alpha[beyond] = rng.normal(1.0, ALPHA_SD, beyond.sum())
+    return alpha
 
 
 def _log_uniform(rng: np.random.Generator, low: Array, high: Array) -> Array:
@@ -224,8 +232,11 @@ def _draw_field(
     elevation = declared["site_elevation"]
     temperature = declared["temperature"] + rng.normal(0.0, 1.5, count)
     pressure = declared["pressure"] + rng.normal(0.0, 100.0, count)
-    early = np.where(rng.uniform(size=count) < 0.04, rng.uniform(0.3, 0.8, count), 1.0)
-    weighed = declared["dry_mass"] * (1 + 0.015 * rng.normal(size=count)) + 0.05 * table[:, 7] * rng.normal(size=count)
+    early = np.where(rng.uniform(size=count) < 0.06, rng.uniform(0.3, 0.8, count), 1.0)
+    heavier = np.where(rng.uniform(size=count) < 0.3, 0.08 * np.abs(rng.normal(size=count)), 0.0)
+    forgotten = np.where(rng.uniform(size=count) < 0.3, rng.uniform(0.0, 0.012, count), 0.0)
+    weighed = declared["dry_mass"] * (1 + 0.015 * rng.normal(size=count) + heavier) + forgotten
+    weighed = weighed + 0.05 * table[:, 7] * rng.normal(size=count)
     gain = altimeter_gain(elevation, temperature, pressure)
     return Setup(
         burns=burns([_STILL]),
@@ -233,13 +244,13 @@ def _draw_field(
         dry_mass=np.maximum(weighed, 0.5 * declared["dry_mass"]),
         drag_area=area,
         thrust_factor=alpha,
-        burn_stretch=np.exp(0.05 * rng.normal(size=count)),
+        burn_stretch=np.exp(0.06 * rng.normal(size=count)),
         rail_length=declared["rail_length"],
         rail_angle=declared["rail_angle"] + rng.normal(0.0, np.radians(1.5), count),
         wind=declared["wind"] * np.exp(0.2 * rng.normal(size=count)) * rng.uniform(size=count),
-        delay=np.maximum(declared["delay"] * (1 + 0.08 * rng.normal(size=count)) * early, 0.2),
+        delay=np.maximum(declared["delay"] * (1 + 0.1 * rng.normal(size=count)) * early, 0.2),
         descent_speed=5.5 * np.exp(0.45 * rng.normal(size=count)),
-        altimeter_gain=gain * (1 + 0.006 * rng.normal(size=count)),
+        altimeter_gain=gain * (1 + 0.01 * rng.normal(size=count)),
     )
 
 
@@ -281,9 +292,9 @@ def forget(rng: np.random.Generator, observed: Observed) -> Observed:
     count = len(observed)
     for name, share in (("diameter", 0.25), ("delay", 0.3)):
         declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
-    silent = rng.uniform(size=count) < 0.4
+    share = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
     for name in DECLARED[3:]:
-        declared[silent | (rng.uniform(size=count) < 0.3), DECLARED.index(name)] = np.nan
+        declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
     return Observed(observed.motor, declared, readouts)
 
 

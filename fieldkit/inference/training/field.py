@@ -24,9 +24,9 @@ from fieldkit.shapes import Array, Float
 
 HELD_OUT = "Quest"
 """The maker whose motors no member ever sees: the ensemble is judged on them."""
-PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=16)}
+PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=20)}
 """A first look, and what is shipped."""
-JUDGED = 40_000
+JUDGED = 20_000
 """Fresh flights the ensemble is judged on, and as many of the maker held out."""
 REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
 """Features whose bounds in training are kept: beyond them a flyer is warned."""
@@ -96,7 +96,7 @@ def batch(rng: np.random.Generator, truth: Truth) -> Batch:
 
 def _fresh(rng: np.random.Generator, motors: list[Motor]) -> Observed:
     """Flights that nothing was learnt from, with gaps."""
-    return forget(rng, measure(rng, simulate(rng, motors, 3 * JUDGED)))
+    return forget(rng, measure(rng, simulate(rng, motors, 4 * JUDGED)))
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
