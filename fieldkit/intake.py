@@ -1,6 +1,7 @@
 """Files into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
 
-from collections.abc import Iterable, Sequence
+import os
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -26,39 +27,55 @@ def bring_in(
     check_motor: CheckMotor,
     *,
     format: str | None = None,
+    defaults: Mapping[str, object] | None = None,
     dry_run: bool = False,
 ) -> Receipt:
-    """Import files as one command.
+    """Import files as one command; `defaults` are fields for flights that leave them open.
 
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
-    contents = [_content(path) for path in paths]
-    intakes = read_together(zip(map(str, paths), contents, strict=True), check_motor=check_motor, format=format)
+    names = [_name(path) for path in paths]
+    contents = [read_file(path) for path in paths]
+    intakes = read_together(zip(names, contents, strict=True), check_motor=check_motor, format=format)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
-    for path, content, intake in zip(paths, contents, intakes, strict=True):
+    for path, name, content, intake in zip(paths, names, contents, intakes, strict=True):
         rejected += intake.rejected
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
             try:
-                arrival, remarks = _with_log(Arrival(flight, content, str(path), row), path.parent, check_motor)
+                arrival, remarks = _with_log(
+                    Arrival(_completed(flight, defaults or {}), content, name, row), path.parent, check_motor
+                )
             except BadValue as error:
-                rejected.append(Rejected(str(path), row, "log", str(error)))
+                rejected.append(Rejected(name, row, "log", str(error)))
             else:
                 arrivals.append(arrival)
-                notes += [str(DamagedLog(text, row=row, column="log", source=str(path))) for text in remarks]
+                notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
     added = ledger.add(arrivals, dry_run=dry_run)
     rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
 
 
-def _content(path: Path) -> bytes:
+def _name(path: Path) -> str:
+    """A file's name for messages and the ledger, also where it is not written in Unicode."""
+    return os.fsencode(path).decode("utf-8", "replace")
+
+
+def _completed(flight: Flight, defaults: Mapping[str, object]) -> Flight:
+    """A flight with defaults for the fields that it leaves open."""
+    empty = (None, "", ())
+    return flight.with_changes(**{f: v for f, v in defaults.items() if getattr(flight, f) in empty})
+
+
+def read_file(path: Path) -> bytes:
+    """The bytes of a log or a table. Raises DamagedLog that says why they cannot be read."""
     try:
         return path.read_bytes()
     except OSError as error:
         found = f"cannot be read ({error.strerror}), expected a log or a flight table"
-        raise DamagedLog(found, source=str(path)) from error
+        raise DamagedLog(found, source=_name(path)) from error
 
 
 def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:

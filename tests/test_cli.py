@@ -67,16 +67,35 @@ def full(run: Run, table: Path) -> Run:
     return run
 
 
+def plain() -> dict[str, str]:
+    """The environment of a flyer, who checks no shapes."""
+    return {name: value for name, value in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
+
+
 def test_help_wakes_nothing_heavy() -> None:
     code = (
         "import sys; from fieldkit.cli.main import main; main(['--help']); main(['add', '--help'])\n"
         "heavy = {'numpy', 'scipy', 'sqlalchemy', 'alembic', 'torch', 'textual', 'onnxruntime'}\n"
         "print(*(heavy & set(sys.modules)), sep='', end='', file=sys.stderr)"
     )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=plain())
     assert done.stderr == ""
     assert "import" in done.stdout
     assert "--apogee-m" in done.stdout
+
+
+def test_keeping_records_waits_for_no_arrays(table: Path, tmp_path: Path) -> None:
+    code = (
+        "import sys; from fieldkit.cli.main import main\n"
+        "ledger = ['--ledger', sys.argv[1]]\n"
+        "main([*ledger, 'flights']); main([*ledger, 'tag', '1', 'mine']); main([*ledger, 'undo'])\n"
+        "print(*({'numpy', 'scipy', 'alembic', 'fieldkit.motors'} & set(sys.modules)), file=sys.stderr)"
+    )
+    assert main(["--ledger", str(tmp_path / "l.db"), "import", str(table)]) == 0
+    command = [sys.executable, "-c", code, str(tmp_path / "l.db")]
+    done = subprocess.run(command, capture_output=True, text=True, check=True, env=plain())
+    assert done.stderr == "\n"
+    assert "undone: tag 1 mine" in done.stdout
 
 
 def test_every_group_of_commands_is_listed(run: Run) -> None:
@@ -119,6 +138,36 @@ def test_rejected_rows_are_named_on_stderr_and_the_rest_goes_in(run: Run, table:
     first, second = said.err.splitlines()
     assert first.startswith(f"{table}, row 2, apogee_m: found")
     assert "ZZ99" in second
+
+
+def test_what_a_file_leaves_open_can_be_set(run: Run, table: Path) -> None:
+    settings = ["--set", "wind=4mph", "--set", "config=Z", "--set", "notes=calm"]
+    assert run("import", table, *settings).status == 0
+    first, second, _ = run("flights", "--json").document["flights"]
+    assert (first["config"], first["notes"], second["notes"]) == ("A", "good", "calm")
+    assert abs(second["wind_mps"] - 1.78816) < 1e-9
+    assert run("import", table, "--set", "motor=ZZ99").status == 1
+    assert run("import", table, "--set", "motor").status == 2
+
+
+def test_a_name_that_is_not_unicode_is_taken_all_the_same(run: Run, table: Path) -> None:
+    odd = table.with_name(os.fsdecode(b"odd\xff.csv"))
+    odd.write_text(TABLE, encoding="utf-8")
+    assert run("import", odd).status == 0
+    assert "odd\ufffd.csv" in run("history", "--json").document["changes"][0]["what"]
+    said = run("flights", "--rocket", os.fsdecode(b"\xff"))
+    assert (said.status, len(said.err.splitlines())) == (1, 1)
+
+
+def test_a_terminal_that_lacks_a_letter_still_gets_the_line(table: Path, tmp_path: Path) -> None:
+    table.write_text(TABLE.replace("good", "Größe →"), encoding="utf-8")
+    environment = {**os.environ, "FIELDKIT_LEDGER": str(tmp_path / "l.db"), "PYTHONIOENCODING": "ascii"}
+    command = [sys.executable, "-m", "fieldkit.cli.main"]
+    subprocess.run([*command, "import", table], env=environment, check=True, capture_output=True)
+    shown = subprocess.run([*command, "show", "1"], env=environment, check=True, capture_output=True)
+    assert b"Gr??e ?" in shown.stdout
+    table = subprocess.run([*command, "export"], env=environment, check=True, capture_output=True)
+    assert "Größe →" in table.stdout.decode("utf-8")
 
 
 def test_a_changed_row_is_rejected_with_the_way_to_change_it(full: Run, table: Path) -> None:

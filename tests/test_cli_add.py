@@ -2,9 +2,7 @@
 
 import io
 import os
-import pty
 import select
-import signal
 import subprocess
 import sys
 import time
@@ -14,7 +12,6 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.cli.add import NUMBERS, TEXTS
 from fieldkit.cli.main import main
 from fieldkit.cli.prompts import DRAFT, Talk, converse
 from fieldkit.cli.session import MotorCheck
@@ -92,7 +89,7 @@ def test_a_flight_is_typed_in_from_top_to_bottom(add: Add, file: Path) -> None:
     assert len(flight.readouts()) == 10
     assert (flight.site, flight.notes, flight.wind) == ("North field", "calm", 2.0)
     assert flight.date_time is not None
-    assert "Apogee             281.33 m (923 ft)" in out
+    assert "Apogee                281.33 m (923 ft)" in out
 
 
 def test_the_readouts_are_asked_in_the_order_of_the_altimeter() -> None:
@@ -200,6 +197,7 @@ def test_the_unit_typed_last_is_the_next_ones(file: Path) -> None:
 
 def test_a_question_mark_explains(add: Add) -> None:
     assert "Highest point above the pad." in add(["Astra", "A", "F24-4W", "?", "100"])[2]
+    assert "so far Astra\n" in add(["?", "Astra", "A", "F24-4W", "100"])[2]
 
 
 def test_answers_that_end_too_soon_add_nothing(add: Add, file: Path) -> None:
@@ -210,9 +208,11 @@ def test_answers_that_end_too_soon_add_nothing(add: Add, file: Path) -> None:
     assert held(file) == []
 
 
-def test_every_column_is_an_option() -> None:
-    assert set(TEXTS) == set(TEXT_COLUMNS) - {"log"}
-    assert list(NUMBERS) == [column.header for column in COLUMNS]
+def test_every_column_is_an_option(add: Add, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("TERMINAL_WIDTH", "200")
+    text = add([], "--help")[1]
+    for header in {*TEXT_COLUMNS, *(column.header for column in COLUMNS)} - {"log"}:
+        assert f"--{header.replace('_', '-')}" in text
 
 
 def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file: Path) -> None:
@@ -240,8 +240,8 @@ def test_a_script_adds_a_flight_in_one_line_and_is_asked_nothing(add: Add, file:
 @pytest.mark.parametrize(
     ("options", "found"),
     [
-        (["--apogee", "100"], "--rocket: found nothing"),
-        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "--motor: 'ZZ99': found no such motor"),
+        (["--apogee", "100"], "rocket: found nothing"),
+        (["--rocket", "Astra", "--motor", "ZZ99", "--apogee", "100"], "motor: 'ZZ99': found no such motor"),
         (["--rocket", "Astra", "--apogee", "1oo"], "apogee: found"),
         (["--rocket", "Astra"], "no readout"),
     ],
@@ -265,8 +265,20 @@ def test_a_script_leaves_a_persons_draft_alone_until_it_is_asked_to_go_on(add: A
         assert ledger.draft(DRAFT) is None
 
 
+def test_a_draft_that_no_longer_reads_is_asked_again_from_there(add: Add, file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.keep_draft(DRAFT, {"rocket": "Comet", "config": "B", "motor": "ZZ99", "apogee": "300m"})
+    status, _, err = add(["F24-4W", ""], "--resume")
+    assert status == 0
+    assert "Motor: 'ZZ99': found no such motor" in err
+    (flight,) = held(file)
+    assert (flight.motor, flight.apogee) == ("F24-4W", 300.0)
+
+
 def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tuple[str, int]:
     """Talk to `fieldkit add` in a terminal of its own, kill it once it says these words; all it said."""
+    import pty
+
     controller, terminal = pty.openpty()
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(file), "add"]
     adding = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True)
@@ -276,12 +288,13 @@ def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tup
     while last_words not in said and time.monotonic() < deadline:
         if select.select([controller], [], [], 0.1)[0]:
             said += os.read(controller, 4096).decode()
-    adding.send_signal(signal.SIGKILL)
+    adding.kill()
     adding.wait()
     os.close(controller)
     return said, adding.returncode
 
 
+@pytest.mark.skipif(sys.platform == "win32", reason="Windows has no pseudo-terminals")
 def test_add_killed_at_the_fifth_prompt_offers_to_go_on(file: Path) -> None:
     said, _ = converse_in_terminal(file, ["Astra", "A", "F24-4W", "923ft"], "Top speed (m/s): ")
     assert "Top speed (m/s): " in said

@@ -1,7 +1,6 @@
 """What a ledger survives, and what it says where it cannot."""
 
 import os
-import signal
 import sqlite3
 import subprocess
 import sys
@@ -41,7 +40,7 @@ def test_a_killed_process_loses_at_most_the_command_in_flight(tmp_path: Path) ->
         assert adding.stdout
         first = adding.stdout.readline()
         time.sleep(moment)
-        adding.send_signal(signal.SIGKILL)
+        adding.kill()
         finished = len((first + adding.communicate()[0]).splitlines())
         with Ledger.open(file) as ledger:
             kept = ledger.flights()

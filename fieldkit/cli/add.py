@@ -1,12 +1,12 @@
 """`fieldkit add`: a flight typed in, by answering questions or all at once in options."""
 
-import inspect
 from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import card, complain, say
-from fieldkit.cli.session import MotorCheck, open_ledger
+from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
+from fieldkit.cli.screen import complain, print_card
+from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
     from fieldkit.cli.prompts import Talk
@@ -15,33 +15,14 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-TEXTS = ("rocket", "config", "motor", "flight_id", "date_time", "site", "tags", "notes")
-NUMBERS = (
-    "dry_mass_g",
-    "diameter_mm",
-    "delay_s",
-    "site_elevation_m",
-    "temperature_c",
-    "pressure_hpa",
-    "humidity_pct",
-    "wind_mps",
-    "rail_length_m",
-    "rail_angle_deg",
-    "apogee_m",
-    "top_speed_mps",
-    "burn_time_s",
-    "peak_accel_g",
-    "avg_accel_g",
-    "coast_to_apogee_s",
-    "apogee_to_eject_s",
-    "eject_altitude_m",
-    "descent_speed_mps",
-    "duration_s",
-)
-"""Columns of the flight table; written out, for reading them off a flight would wake numpy for `--help`."""
 
-
-def add(context: typer.Context, resume: bool, **given: str | None) -> None:
+def add(
+    context: typer.Context,
+    resume: Annotated[
+        bool, typer.Option("--resume", help="Go on with a flight typed halfway, without asking.")
+    ] = False,
+    **given: str | None,
+) -> None:
     """Type a flight in. Enter takes what is offered, < goes back, ? helps, - is "not recorded".
 
     With any option of a flight nothing is asked. Without a terminal, answers are read a line each.
@@ -54,40 +35,18 @@ def add(context: typer.Context, resume: bool, **given: str | None) -> None:
             _add(ledger, *_from_answers(ledger, resume=resume))
 
 
-def _options() -> list[inspect.Parameter]:
-    """The parameters of the command: an option for each column, with and without its unit in the name."""
-    keyword = inspect.Parameter.KEYWORD_ONLY
-    resume = typer.Option("--resume", help="Go on with a flight typed halfway, without asking.")
-    found = [
-        inspect.Parameter("context", keyword, annotation=typer.Context),
-        inspect.Parameter("resume", keyword, default=False, annotation=Annotated[bool, resume]),
-    ]
-    for header in (*TEXTS, *NUMBERS):
-        name = header.rsplit("_", 1)[0] if header in NUMBERS else header
-        flags = [f"--{name.replace('_', '-')}", f"--{header.replace('_', '-')}"]
-        unit = f"In {header.rsplit('_', 1)[1]}, or with its unit." if header in NUMBERS else ""
-        option = typer.Option(*dict.fromkeys(flags), help=unit, rich_help_panel="The flight")
-        found.append(inspect.Parameter(name, keyword, default=None, annotation=Annotated[str | None, option]))
-    return found
-
-
-add.__signature__ = inspect.Signature(_options())  # type: ignore[attr-defined]  # read by typer
-add.__annotations__ = {parameter.name: parameter.annotation for parameter in _options()}
+takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), "The flight")
 app.command()(add)
 
 
 def _from_options(changes: dict[str, str]) -> "Flight":
-    from fieldkit.entry import read_changes
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
-    from fieldkit.motors import is_cluster
     from fieldkit.sanity import doubts
 
-    flight = Flight().with_changes(**read_changes(Flight(), changes))
+    flight = Flight().with_changes(**read_settings(changes, MotorCheck()))
     if not flight.rocket:
-        raise BadValue("--rocket: found nothing, expected the rocket's name")
-    if flight.motor and not is_cluster(flight.motor) and (complaint := MotorCheck()(flight.motor)):
-        raise BadValue(f"--motor: {complaint}")
+        raise BadValue("rocket: found nothing, expected the rocket's name")
     for phrase in doubts(flight):
         complain(f"note: {phrase}")
     return flight
@@ -178,6 +137,5 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     if added.duplicates:
         complain("it is in the ledger already")
         return
-    for title, value in card(flight, added.new[0]):
-        say(f"{title:18} {value}")
+    print_card(flight, added.new[0])
     complain("added; `fieldkit undo` takes it back")

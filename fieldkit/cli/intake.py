@@ -1,13 +1,14 @@
 """`fieldkit import` and `fieldkit export`: files in, files out."""
 
 from enum import StrEnum
+from io import TextIOWrapper
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from fieldkit.cli.screen import complain, print_json, say
-from fieldkit.cli.session import MotorCheck, open_ledger
+from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 app = typer.Typer()
 
@@ -24,6 +25,10 @@ def import_(
     context: typer.Context,
     files: Annotated[list[Path], typer.Argument(help="Logs and flight tables.", show_default=False)],
     format: Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")] = None,
+    given: Annotated[
+        list[str] | None,
+        typer.Option("--set", metavar="COLUMN=VALUE", help="What the files leave open: rocket=Astra."),
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -32,8 +37,10 @@ def import_(
 
     from fieldkit.intake import bring_in
 
+    check_motor = MotorCheck()
+    defaults = read_settings(split_settings(given or ()), check_motor)
     with open_ledger(context) as ledger:
-        receipt = bring_in(ledger, files, MotorCheck(), format=format, dry_run=dry_run)
+        receipt = bring_in(ledger, files, check_motor, format=format, defaults=defaults, dry_run=dry_run)
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
@@ -73,6 +80,8 @@ def export(
     documents = {"flights": [document(flight) for flight in flights]}
     text = json.dumps(documents, indent=2, allow_nan=False) + "\n" if as_json else csv_table(flights)
     if file is None:
+        if isinstance(sys.stdout, TextIOWrapper):
+            sys.stdout.reconfigure(encoding="utf-8")  # whatever the terminal: it is a file on its way
         sys.stdout.write(text)
     else:
         _write(file, text)

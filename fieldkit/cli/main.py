@@ -6,13 +6,14 @@ A group is a module of this package that binds `app`; nothing heavy is imported 
 import sys
 from collections.abc import Sequence
 from importlib import import_module
+from io import TextIOWrapper
 from typing import Annotated
 
 import typer
 
 from fieldkit.errors import FieldkitError
 
-GROUPS = ("intake", "add", "records", "journal", "motors")
+GROUPS = ("intake", "add", "records", "forecast", "loop", "journal", "motors", "simulate", "paper", "train")
 """Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
 
 app = typer.Typer(
@@ -55,6 +56,9 @@ for group in GROUPS:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run a command line, that of the process by default, and return its exit status."""
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            stream.reconfigure(errors="replace")  # a terminal that lacks a letter still gets the line
     try:
         app(args=arguments, prog_name="fieldkit")
     except FieldkitError as error:

@@ -31,7 +31,7 @@ def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = Fa
 
 def _flights(report: "Report") -> None:
     headers = ("flight", "motor", "apogee", "Cd", "publ.", "alpha", "publ.", "rebuilt", "publ.", "left out")
-    say("Twelve flights: Cd and alpha from the apogee, and the apogee rebuilt from them [m]")
+    say("Cd and alpha from the apogee [m], and the apogee rebuilt from them")
     say()
     print_table(headers, (_flight(one) for one in report.flights), numbers=headers[2:])
     say()
@@ -75,13 +75,14 @@ def _synthetic(report: "Report") -> None:
         (
             title,
             f"{found[f'{name}_mae']:.4f}",
+            f"{found[f'{name}_standard_error']:.4f}",
             f"{stated[f'{name}_mae']:.3f}",
             f"{limit[f'{name}_mae']:.4f}",
             f"{found[f'{name}_coverage_one_sd']:.0%}",
         )
         for name, title in (("cd", "Cd"), ("alpha", "alpha"))
     ]
-    headers = (f"MAE on {found['n']} simulated flights", "here", "published", "least possible", "within spread")
+    headers = (f"MAE on {found['n']} simulated flights", "here", "±", "published", "possible", "in spread")
     print_table(headers, rows, numbers=headers[1:])
     say()
 
@@ -99,6 +100,8 @@ def _rules(report: "Report") -> None:
         for rule in report.rules
     ]
     print_table(headers, rows, numbers=headers[1:])
+    say()
+    say("±: standard error. How each forecast is made stands in fieldkit paper --json.")
     say()
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from fieldkit.cli.screen import complain
+from fieldkit.cli.screen import complain, spelled
 from fieldkit.cli.session import MotorCheck
 from fieldkit.entry import NOTHING, QUESTIONS, Question, answer_text, oddities, read_answer
 from fieldkit.errors import BadValue, UnknownMotor
@@ -39,10 +39,7 @@ class Talk:
 
 def converse(talk: Talk) -> bool:
     """Ask all that is not answered yet; False when the answers ended early."""
-    place = 0
-    while place < len(QUESTIONS) and QUESTIONS[place].name in talk.answers:
-        _take(talk, QUESTIONS[place], talk.answers[QUESTIONS[place].name])
-        place += 1
+    place = _caught_up(talk)
     while place < len(QUESTIONS):
         question = QUESTIONS[place]
         text = talk.listen(_prompt(talk, question))
@@ -51,12 +48,27 @@ def converse(talk: Talk) -> bool:
         if text.strip() == BACK:
             place = max(0, place - 1)
         elif text.strip() == "?":
-            complain(question.help)
+            _explain(talk, question)
         elif question.name == "motor" and text.strip().startswith("?"):
             _search(talk, text.strip()[1:])
         else:
             place += _answered(talk, question, text)
     return True
+
+
+def _caught_up(talk: Talk) -> int:
+    """Take the answers that a draft holds; the place of the first question that it leaves open."""
+    for place, question in enumerate(QUESTIONS):
+        text = talk.answers.get(question.name)
+        if text is None:
+            return place
+        try:
+            _take(talk, question, text)
+        except (BadValue, UnknownMotor) as error:  # a motor file may be gone since
+            complain(f"{question.title}: {error}")
+            del talk.answers[question.name]
+            return place
+    return len(QUESTIONS)
 
 
 def offer(talk: Talk, question: Question) -> str:
@@ -77,7 +89,7 @@ def offer(talk: Talk, question: Question) -> str:
 
 def _prompt(talk: Talk, question: Question) -> str:
     offered = offer(talk, question)
-    unit = f" ({_unit(talk, question)})" if question.column else ""
+    unit = f" ({spelled(_unit(talk, question))})" if question.column else ""
     return f"{question.title}{unit}{f' [{printable(offered)}]' if offered else ''}: "
 
 
@@ -105,7 +117,7 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
             return False
         odd = oddities(talk.flight, question.name)
         for phrase in odd:
-            complain(f"{question.title}: {phrase}")
+            complain(f"  odd: {phrase}")
         again = talk.listen("  Enter keeps it, or type it again: ") if odd and talk.patient else ""
         if not again or not again.strip():
             break
@@ -152,6 +164,15 @@ def _several(motor: str) -> bool:
     from fieldkit.motors import is_cluster
 
     return is_cluster(motor)
+
+
+def _explain(talk: Talk, question: Question) -> None:
+    """What a question is about, and what was answered to it so far."""
+    complain(question.help)
+    if question.name in ("rocket", "config", "motor", "site"):
+        rocket = None if question.name in ("rocket", "site") else talk.flight.rocket
+        if known := talk.ledger.names(question.name, rocket):
+            complain(f"  so far {', '.join(known)}")
 
 
 def _search(talk: Talk, text: str) -> None:

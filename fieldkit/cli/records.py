@@ -4,8 +4,8 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import card, complain, in_both_units, print_json, print_table, say
-from fieldkit.cli.session import MotorCheck, open_ledger
+from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
+from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 app = typer.Typer()
 
@@ -62,10 +62,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
     if json:
         print_json(document(found))
         return
-    lines = card(found, id)
-    width = max(len(title) for title, _ in lines)
-    for title, value in lines:
-        say(f"{title:{width}}  {value}")
+    print_card(found, id)
 
 
 @app.command()
@@ -78,19 +75,10 @@ def edit(
     ],
 ) -> None:
     """Change columns of a flight."""
-    from fieldkit.entry import read_changes
-    from fieldkit.errors import BadValue
-
-    pairs = dict(change.split("=", 1) for change in changes if "=" in change)
-    for change in changes:
-        if "=" not in change:
-            raise typer.BadParameter(f"found {change!r}, expected COLUMN=VALUE")
+    settings = split_settings(changes)
     with open_ledger(context) as ledger:
         before = ledger.flight(flight)
-        values = read_changes(before, pairs)
-        if (motor := values.get("motor")) and (complaint := MotorCheck()(str(motor))):
-            raise BadValue(f"motor: {complaint}")
-        after = ledger.edit(flight, **values)
+        after = ledger.edit(flight, **read_settings(settings, MotorCheck(), before))
         (id,) = ledger.ids([after])
     say(f"{id} changed" if after != before else f"{id} is so already")
 

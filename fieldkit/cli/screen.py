@@ -2,7 +2,8 @@
 
 import json
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 from fieldkit.safe_text import printable
@@ -44,8 +45,8 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
     Console(highlight=False).print(table)
 
 
-def card(flight: "Flight", id: str) -> list[tuple[str, str]]:
-    """What is known of a flight, as titles and values in both units."""
+def print_card(flight: "Flight", id: str) -> None:
+    """Print what is known of a flight, a line each, in both units."""
     from fieldkit.entry import answer_text
     from fieldkit.flight import COLUMNS
 
@@ -57,7 +58,10 @@ def card(flight: "Flight", id: str) -> list[tuple[str, str]]:
     for column in COLUMNS:
         lines.append((column.title, in_both_units(column.name, flight.number(column.name))))
     lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
-    return [(title, value) for title, value in lines if value]
+    known = [(title, value) for title, value in lines if value]
+    width = max(len(title) for title, _ in known)
+    for title, value in known:
+        say(f"{title:{width}}  {value}")
 
 
 def in_both_units(name: str, value: float | None) -> str:
@@ -69,12 +73,26 @@ def in_both_units(name: str, value: float | None) -> str:
     if value is None:
         return ""
     scale = units.unit(column.quantity, column.unit)
-    text = f"{scale.from_si(value):.6g} {_spelled(column.unit)}"
+    text = f"{scale.from_si(value):.5g} {spelled(column.unit)}"
     other = OTHER_UNITS.get(column.unit) if column.quantity != "acceleration" else None
     if other is None:
         return text
-    return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {_spelled(other)})"
+    return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {spelled(other)})"
 
 
-def _spelled(unit: str) -> str:
+def spelled(unit: str) -> str:
+    """A unit as it is printed: `°C` for `c`."""
     return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°"}.get(unit, unit)
+
+
+@contextmanager
+def progress(title: str) -> Iterator[Callable[[str, float], None]]:
+    """A bar on stderr, where that is a terminal, told of what is being done and the share done."""
+    from rich.console import Console
+    from rich.progress import Progress
+    from rich.text import Text
+
+    console = Console(stderr=True)
+    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
+        task = bar.add_task(Text(title).plain, total=1.0)
+        yield lambda text, share: bar.update(task, completed=share)

@@ -1,10 +1,12 @@
 """What commands work on: the ledger that the options name, and the motors known on this computer."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 import typer
 
 if TYPE_CHECKING:
+    from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
 
@@ -27,6 +29,30 @@ def known_motors() -> "Catalogue":
     for error in errors:
         complain(str(error))
     return catalogue().with_motors(motors) if motors else catalogue()
+
+
+def split_settings(arguments: Sequence[str]) -> dict[str, str]:
+    """Columns and values of `COLUMN=VALUE` arguments; one without `=` is wrong usage."""
+    for argument in arguments:
+        if "=" not in argument:
+            raise typer.BadParameter(f"found {argument!r}, expected COLUMN=VALUE")
+    return dict(argument.split("=", 1) for argument in arguments)
+
+
+def read_settings(
+    settings: Mapping[str, str], check_motor: "MotorCheck", flight: "Flight | None" = None
+) -> dict[str, object]:
+    """Fields and values for columns and texts, of this flight where it is known. Raises BadValue."""
+    from fieldkit.entry import read_changes
+    from fieldkit.errors import BadValue
+    from fieldkit.flight import Flight
+    from fieldkit.motors import is_cluster
+
+    values = read_changes(flight or Flight(), settings)
+    motor = str(values.get("motor", ""))
+    if motor and not is_cluster(motor) and (complaint := check_motor(motor)):
+        raise BadValue(f"motor: {complaint}")
+    return values
 
 
 class MotorCheck:

@@ -1,6 +1,6 @@
 """`fieldkit train`: simulate, train, export."""
 
-from enum import Enum
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated
 
@@ -11,13 +11,13 @@ from fieldkit.cli.screen import print_json, say
 app = typer.Typer()
 
 
-class Recipe(str, Enum):
+class Recipe(StrEnum):
     """What can be trained."""
 
     paper = "paper"
 
 
-class Plan(str, Enum):
+class Plan(StrEnum):
     """How long to train."""
 
     quick = "quick"
@@ -35,7 +35,7 @@ def train(
     n_train: Annotated[int, typer.Option(min=256, help="Simulated flights to train on.")] = 10_000,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Train an ensemble on simulated flights; needs the extra `fieldkit[train]`."""
+    """Train an ensemble on simulated flights; needs the extra named train."""
     from rich.console import Console
     from rich.progress import Progress
 

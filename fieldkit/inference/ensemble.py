@@ -82,7 +82,7 @@ def read_card(folder: Path) -> Mapping[str, Any]:
     path = folder / CARD
     try:
         card = json.loads(_read(path, LARGEST_CARD))
-    except ValueError as error:
+    except (ValueError, RecursionError) as error:
         raise DamagedModel(f"{path}: found no JSON ({error}), expected the card of an ensemble") from error
     digests = card.get("digests") if isinstance(card, dict) else None
     right = (

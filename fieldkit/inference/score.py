@@ -22,6 +22,7 @@ def score(
     return {
         name: {
             "mae": float(np.abs(error[:, column]).mean()),
+            "standard_error": float(np.abs(error[:, column]).std() / np.sqrt(len(error))),
             "rmse": float(np.sqrt((error[:, column] ** 2).mean())),
             "bias": float(error[:, column].mean()),
             "coverage": {

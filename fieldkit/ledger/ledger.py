@@ -82,11 +82,6 @@ class Ledger:
                 drafts.drop(pen.connection, draft)
         return added
 
-    def holds(self, flight: Flight) -> bool:
-        """Whether this very flight is there, as it is now or as it once came in."""
-        with self._reading() as connection:
-            return book.Known(connection, [flight]).match(flight) is not None
-
     def flights(self, rocket: str | None = None, ids: Sequence[str] | None = None) -> list[Flight]:
         """Flights by date and then by entry, those without a date last; of one rocket, or named by id."""
         with self._reading() as connection:

@@ -120,6 +120,8 @@ def _explained(engine: Engine) -> Iterator[None]:
         if why := _reason(error):
             raise LedgerError(f"{name_of(engine.url)}: {why}") from error
         raise
+    except UnicodeEncodeError as error:
+        raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
 
 
 def _reason(error: DBAPIError) -> str | None:

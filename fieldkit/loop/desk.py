@@ -3,6 +3,7 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 from typing import Any, Literal
 
 import numpy as np
@@ -10,9 +11,10 @@ import numpy as np
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
-from fieldkit.loop.diagnose import Diagnosis, Progress, diagnose, strength
+from fieldkit.loop.candidates import Place
+from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose, strength
 from fieldkit.loop.model import observe
-from fieldkit.loop.predict import Place, Prediction, predict, rocket_model
+from fieldkit.loop.predict import Prediction, median, predict, rocket_model
 from fieldkit.motors import Catalogue, Found
 
 Which = Literal["before", "after"]
@@ -53,7 +55,9 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
     version = ledger.active_version(rocket) if which == "after" else None
     if version is None:
         return ()
-    return tuple(Place(entry["effect"], entry.get("where", "")) for entry in version.payload["effects"])
+    return tuple(
+        Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in version.payload["effects"]
+    )
 
 
 def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
@@ -110,21 +114,16 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
             "p95": float(p95),
         },
         "true_apogee_m": float(np.median(prediction.true_apogee)),
-        "ejection_s": _median(prediction.eject),
-        "coast_s": _median(prediction.coast),
-        "top_speed_mps": _median(prediction.top_speed),
-        "rail_speed_mps": _median(prediction.rail_speed),
+        "ejection_s": prediction.median_eject,
+        "coast_s": median(prediction.coast),
+        "top_speed_mps": median(prediction.top_speed),
+        "rail_speed_mps": median(prediction.rail_speed),
         "cd": {"mean": float(prediction.cd.mean()), "sd": float(prediction.cd.std())},
         "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
         "flights": prediction.rests_on,
         "model": prediction.model,
     }
     return document
-
-
-def _median(values: Any) -> float | None:
-    finite = values[np.isfinite(values)]
-    return float(np.median(finite)) if len(finite) else None
 
 
 def _digest(prediction: Prediction) -> str:
@@ -147,7 +146,7 @@ def close_loop(
             f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
         )
     flights = [flight for flight, _ in history]
-    model = rocket_model(flights, [motor for _, motor in history])
+    model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
     diagnosis = diagnose(model, observe(flights, teach), progress)
     if accept:
         _keep(ledger, rocket, diagnosis)
@@ -155,7 +154,7 @@ def close_loop(
 
 
 def _keep(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    places = tuple(Place(trial.candidate.effect, trial.candidate.where) for trial in diagnosis.accepted)
+    places = tuple(trial.candidate.place for trial in diagnosis.accepted)
     if places == accepted_places(ledger, rocket):
         return
     if not places:
@@ -169,8 +168,7 @@ def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
     payload: dict[str, Any] = {
         "effects": [
             {
-                "effect": trial.candidate.effect,
-                "where": trial.candidate.where,
+                **asdict(trial.candidate.place),
                 **dict(zip(("mean", "sd"), strength(trial), strict=True)),
                 "unit": trial.unit,
             }
@@ -195,7 +193,7 @@ def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[s
             "effect": item.effect,
             "evidence": item.log_bayes,
             "parameters": {
-                item.best.candidate.name: {
+                str(item.best.candidate.place): {
                     **dict(zip(("mean", "sd"), strength(item.best), strict=True)),
                     "unit": item.best.unit,
                 }

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
-from fieldkit.loop.fit import Fit, LeftOut, fit, leave_one_out
+from fieldkit.loop.candidates import Candidate, Place, effect_candidates, pattern_candidates
+from fieldkit.loop.fit import Fit, Lane, LeftOut, fit, fit_lanes, leave_one_out
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, mixed, score
 from fieldkit.shapes import Array, Flags, Float
@@ -65,7 +65,7 @@ class Ranked:
     @property
     def best(self) -> Trial:
         """The place in which it is most at home."""
-        return max(self.trials, key=lambda trial: trial.log_evidence)
+        return max(self.trials, key=lambda trial: trial.log_evidence + trial.candidate.log_share)
 
 
 @dataclass(frozen=True, slots=True)
@@ -97,29 +97,43 @@ class Diagnosis:
         return [effects()[name].tell_apart for name in names] if self.also else []
 
 
-def try_candidate(model: Model, data: Data, candidate: Candidate, near: Fit) -> Trial:
-    """Fit a candidate from each of its starts, beginning where a smaller model ended, and keep the best."""
-    extended = model.with_terms(*candidate.terms)
-    rest = [term.mean for term in candidate.terms[1:]]
-    begin = near.tangent.at
-    fits = [fit(extended, data, np.array([*begin, start, *rest]), rounds=4) for start in candidate.starts]
-    best = max(fits, key=lambda result: result.log_evidence)
-    return Trial(candidate, best, leave_one_out(best))
+def try_family(model: Model, data: Data, family: Sequence[Candidate], near: Fit) -> list[Trial]:
+    """Fit the candidates of one effect side by side, each from all its starts, from where a smaller model ended."""
+    wide, lanes, owners = model, [], []
+    base = tuple(range(len(model.terms)))
+    for candidate in family:
+        own = tuple(range(len(wide.terms), len(wide.terms) + len(candidate.terms)))
+        wide = wide.with_terms(*candidate.terms)
+        rest = [term.mean for term in candidate.terms[1:]]
+        for start in candidate.starts:
+            lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest])))
+            owners.append(candidate)
+    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], rounds=5)
+    best: dict[Place, Fit] = {}
+    for candidate, result in zip(owners, fits, strict=True):
+        known = best.get(candidate.place)
+        if known is None or result.log_evidence > known.log_evidence:
+            best[candidate.place] = result
+    return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in family]
+
+
+SEARCH_SLACK = 0.35
+"""How far a search lets motors be from their certificate, and configurations from each other, unexplained."""
 
 
 def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach."""
     tell = progress or (lambda text, share: None)
     base_fit = fit(model, data)
-    base = Trial(Candidate("none", "", (), ()), base_fit, leave_one_out(base_fit))
+    base = Trial(Candidate(Place("none"), ()), base_fit, leave_one_out(base_fit))
     truth = data.values[:, 0]
     seen = data.seen[:, 0]
 
-    singles = [*effect_candidates(model), *pattern_candidates(model)]
+    singles = _by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
     trials = []
-    for number, candidate in enumerate(singles):
-        tell(candidate.name or candidate.where, number / (2 * len(singles)))
-        trials.append(try_candidate(model, data, candidate, base_fit))
+    for number, (name, family) in enumerate(singles.items()):
+        tell(name or "patterns", number / (2 * len(singles)))
+        trials += try_family(model, data, family, base_fit)
     before = mixed(base.left_out)
     ranking = _rank(trials, base, truth, seen)
     choice = _choose(ranking, base.log_evidence)
@@ -130,14 +144,21 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
 
     best = choice.best
     pairs = []
-    for number, candidate in enumerate(singles):
-        if candidate.effect and candidate.effect != choice.effect:
-            tell(f"{choice.effect}+{candidate.effect}", 0.5 + number / (2 * len(singles)))
-            pairs.append(try_candidate(best.fit.model, data, candidate, best.fit))
+    for number, (name, family) in enumerate(singles.items()):
+        if name and name != choice.effect:
+            tell(f"{choice.effect}+{name}", 0.5 + number / (2 * len(singles)))
+            pairs += try_family(best.fit.model, data, family, best.fit)
     second = _choose(_rank(pairs, best, truth, seen), best.log_evidence)
     accepted = (best, second.best) if second is not None else (best,)
     after = _select(folds, trials, base, (best, pairs))
     return _conclude(model, data, base, ranking, choice, accepted, before, after)
+
+
+def _by_effect(candidates: Sequence[Candidate]) -> dict[str, list[Candidate]]:
+    families: dict[str, list[Candidate]] = {}
+    for candidate in candidates:
+        families.setdefault(candidate.effect, []).append(candidate)
+    return families
 
 
 def _families(trials: Sequence[Trial]) -> dict[str, list[Trial]]:
@@ -149,12 +170,12 @@ def _families(trials: Sequence[Trial]) -> dict[str, list[Trial]]:
 
 def _log_bayes(family: Sequence[Trial], base: Trial) -> tuple[float, Float[Array, "flight"]]:
     """Log Bayes factor of an effect, averaged over its places; of all flights, and of all but each one."""
+    share = np.array([trial.candidate.log_share for trial in family])
     whole = np.array([trial.log_evidence for trial in family])
     folds = np.stack([trial.fold_evidence for trial in family])
-    count = np.log(len(family))
     return (
-        float(np.logaddexp.reduce(whole) - count - base.log_evidence),
-        np.asarray(np.logaddexp.reduce(folds, axis=0) - count - base.fold_evidence),
+        float(np.logaddexp.reduce(whole + share) - base.log_evidence),
+        np.asarray(np.logaddexp.reduce(folds + share[:, None], axis=0) - base.fold_evidence),
     )
 
 
@@ -180,7 +201,8 @@ def _family_forecasts(family: Sequence[Trial]) -> Forecasts:
         LeftOut(
             np.concatenate([trial.left_out.mean for trial in family]),
             np.concatenate([trial.left_out.variance for trial in family]),
-            np.concatenate([trial.left_out.log_weight for trial in family]),
+            np.concatenate([trial.left_out.log_weight + trial.candidate.log_share for trial in family]),
+            np.concatenate([trial.left_out.distance for trial in family]),
         )
     )
 
@@ -247,7 +269,7 @@ def _conclude(
             model, data, base, ranking, "none", 1 - something, why, (), (), score_before, score_before, before, before
         )
     if not choice.effect:
-        place = choice.best.candidate.where
+        place = choice.best.candidate.place.where
         why = f"the flights differ from the model together with {place}, and no known effect accounts for it"
         return Diagnosis(
             model, data, base, ranking, "unexplained", something, why, (), (), score_before, score_after, before, after
@@ -282,7 +304,7 @@ def _because(accepted: Sequence[Trial]) -> str:
         term = trial.candidate.terms[0]
         assert isinstance(term.bends, Effect)
         mean, sd = strength(trial)
-        place = f" ({trial.candidate.where})" if trial.candidate.where else ""
+        place = f" ({trial.candidate.place})" if str(trial.candidate.place) != trial.candidate.effect else ""
         parts.append(f"{term.bends.explains}{place}: {mean:.3g} +/- {sd:.2g} {term.bends.unit}")
     return "; ".join(parts)
 

@@ -8,7 +8,8 @@ large scatter and reading errors are is not known beforehand: both are scaled by
 by the evidence for each.
 """
 
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from math import erf, log, sqrt
 
 import numpy as np
@@ -20,12 +21,16 @@ SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
 """Scatter of single flights in units of ordinary scatter. [1]"""
 READING_SCALES = np.array([0.7, 1.2, 2.0])
 """Reading errors in units of the expected. [1]"""
-_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 1.2) / 0.7) ** 2
+_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 1.6) / 0.7) ** 2
 _LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
 ROUNDS = 5
 """Times the point of linearisation is moved."""
 STEP = 0.25
 """Step of a difference in standard deviations of the prior. [1]"""
+FEWEST = 3
+"""Flights from which on one may be contradicted by the others."""
+TAIL = 4.0
+"""Degrees of freedom of the distribution that single flights are taken to have. [1]"""
 UNSEEN = 1e3
 """Standard deviation given to what was not observed."""
 
@@ -82,24 +87,61 @@ def scale_grid() -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Ar
     return scatter.ravel(), reading.ravel(), prior.ravel()
 
 
-def tangent(model: Model, at: Float[Array, "term"]) -> Tangent:
-    """Values and derivatives at a point, from one batch of flights and one more for the leaning ones."""
-    count, flights = len(at), len(model.flights)
-    sds = np.array([term.sd for term in model.terms])
-    highs = np.array([term.high for term in model.terms])
-    steps = np.where(at + STEP * sds > highs, -STEP * sds, STEP * sds)
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One of several fits made side by side: which terms of a common model it has, and where it begins."""
+
+    terms: tuple[int, ...]
+    start: Float[Array, "term"]
+
+
+def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
+    """What a lean of one unit does to the readouts; it needs the planar flight and is flown apart."""
+    upright, leaning = (
+        _stacked(shown(model, at[None], {"tilt": np.full((1, len(model.flights)), lean)})) for lean in (0.0, 1.0)
+    )
+    return np.asarray((leaning - upright)[0])
+
+
+def tangents(
+    model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], lean: Float[Array, "flight readout"]
+) -> list[Tangent]:
+    """Values and derivatives of several lanes, each at its own point, from one batch of flights."""
     upright = [scatter for scatter in SCATTER if scatter.bends != "tilt"]
-    values = np.concatenate([at[None] + np.vstack([np.zeros(count), np.diag(steps)]), np.tile(at, (len(upright), 1))])
-    bends: dict[str, Array] = {scatter.bends: np.zeros((len(values), flights)) for scatter in upright}
-    for row, scatter in enumerate(upright):
-        bends[scatter.bends][1 + count + row] = scatter.sd
+    blocks = [_block(model, terms, at, len(upright)) for terms, at in lanes]
+    values = np.concatenate([block for block, _ in blocks])
+    bends: dict[str, Array] = {s.bends: np.zeros((len(values), len(model.flights))) for s in upright}
+    end = 0
+    for block, _ in blocks:
+        end += len(block)
+        for row, scatter in enumerate(upright, start=end - len(upright)):
+            bends[scatter.bends][row] = scatter.sd
     readings = _stacked(shown(model, values, bends))
-    leaning = _stacked(shown(model, at[None], {"tilt": np.ones((1, flights))}))
-    here = readings[0]
-    with np.errstate(invalid="ignore"):
-        slope = np.moveaxis((readings[1 : 1 + count] - here) / steps[:, None, None], 0, -1)
-        scatter_slope = np.moveaxis(np.concatenate([readings[1 + count :] - here, leaning - here]), 0, -1)
-    return Tangent(at, here, np.nan_to_num(slope), np.nan_to_num(scatter_slope))
+    found, first = [], 0
+    for (terms, at), (block, steps) in zip(lanes, blocks, strict=True):
+        part = readings[first : first + len(block)]
+        first += len(block)
+        with np.errstate(invalid="ignore"):
+            slope = np.moveaxis((part[1 : 1 + len(terms)] - part[0]) / steps[:, None, None], 0, -1)
+            moved = np.concatenate([part[1 + len(terms) :] - part[0], lean[None]])
+        scatter_slope = np.moveaxis(moved, 0, -1)
+        found.append(Tangent(at, part[0], np.nan_to_num(slope), np.nan_to_num(scatter_slope)))
+    return found
+
+
+def _block(model: Model, terms: tuple[int, ...], at: Array, scatters: int) -> tuple[Array, Array]:
+    """Rows to fly for a lane: its point, a step along each of its terms, the point again for each scatter."""
+    active = [model.terms[i] for i in terms]
+    steps = np.array(
+        [
+            STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
+            for term, x in zip(active, at, strict=True)
+        ]
+    )
+    rows = np.zeros((1 + len(terms) + scatters, len(model.terms)))
+    rows[:, list(terms)] = at
+    rows[1 + np.arange(len(terms)), list(terms)] += steps
+    return rows, steps
 
 
 def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:
@@ -109,18 +151,40 @@ def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:
 def fit(model: Model, data: Data, start: Float[Array, "term"] | None = None, rounds: int = ROUNDS) -> Fit:
     """The posterior of a model given data, linearised where it ends up; `start` is where to begin."""
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
-    lows, highs = (np.array([getattr(term, end) for term in model.terms]) for end in ("low", "high"))
-    sds = np.array([term.sd for term in model.terms])
-    result = solve(model, data, tangent(model, at))
-    for _ in range(rounds - 1):
-        wanted = result.mean[int(np.argmax(result.log_weight))]
-        target = np.clip(wanted, lows, highs)
-        move = np.clip(target - at, -2 * sds, 2 * sds)
-        if np.all(np.abs(move) < 0.02 * sds):
+    lane = Lane(tuple(range(len(model.terms))), at)
+    return fit_lanes(model, data, [lane], lean_slope(model, at), rounds)[0]
+
+
+def fit_lanes(
+    model: Model, data: Data, lanes: Sequence[Lane], lean: Float[Array, "flight readout"], rounds: int = ROUNDS
+) -> list[Fit]:
+    """Several fits of parts of a model side by side, terms that a lane lacks being zero in it."""
+    parts = [model.only(lane.terms) for lane in lanes]
+    at = [np.asarray(lane.start, float) for lane in lanes]
+    results: list[Fit | None] = [None] * len(lanes)
+    moving = list(range(len(lanes)))
+    for _ in range(rounds):
+        near = tangents(model, [(lanes[i].terms, at[i]) for i in moving], lean)
+        for i, tangent in zip(moving, near, strict=True):
+            results[i] = solve(parts[i], data, tangent)
+        moving = [i for i in moving if _advance(at, i, results[i])]
+        if not moving:
             break
-        at = at + move
-        result = solve(model, data, tangent(model, at))
-    return result
+    return [result for result in results if result is not None]
+
+
+def _advance(at: list[Array], lane: int, result: Fit | None) -> bool:
+    """Move a lane's point towards its posterior mean; False where it is there already."""
+    assert result is not None
+    terms = result.model.terms
+    sds = np.array([term.sd for term in terms])
+    wanted = result.mean[int(np.argmax(result.log_weight))]
+    target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
+    move = np.clip(target - at[lane], -2 * sds, 2 * sds)
+    if np.all(np.abs(move) < 0.03 * sds):
+        return False
+    at[lane] = at[lane] + move
+    return True
 
 
 def solve(model: Model, data: Data, near: Tangent) -> Fit:
@@ -153,7 +217,7 @@ def _noise(data: Data, near: Tangent) -> tuple[Array, Flags]:
     own = np.where(usable, data.sd, UNSEEN) ** 2
     unit = np.where(usable, reading_scale[:, None, None] ** 2, 1.0)
     diagonal = (own * unit)[..., None] * np.eye(len(OBSERVED))
-    return scatter_scale[:, None, None, None] ** 2 * shared + diagonal, usable
+    return (scatter_scale[:, None, None, None] ** 2 * shared + diagonal) / data.trust[:, None, None], usable
 
 
 def _log_inside(model: Model, mean: Array, precision: Array) -> Array:
@@ -183,12 +247,14 @@ class LeftOut:
     """What a fit says of each flight when that flight is left out of it.
 
     For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
-    (times the evidence of the other flights).
+    (times the evidence of the other flights). `distance` is how far the flight's readouts lie from what the
+    others say of them, squared, in standard deviations (Mahalanobis).
     """
 
     mean: Float[Array, "scale flight"]
     variance: Float[Array, "scale flight"]
     log_weight: Float[Array, "scale flight"]
+    distance: Float[Array, "scale flight"]
 
 
 def leave_one_out(result: Fit) -> LeftOut:
@@ -210,8 +276,28 @@ def leave_one_out(result: Fit) -> LeftOut:
     shared = np.linalg.solve(precision, np.broadcast_to(np.swapaxes(slope, 1, 2), (*offset.shape, slope.shape[1])))
     covariance = result.noise + slope @ shared
     surprise = np.linalg.solve(covariance, error[..., None])[..., 0]
-    own = -0.5 * ((error * surprise).sum(axis=-1) + np.linalg.slogdet(covariance)[1])
-    return LeftOut(mean, variance, result.log_weight[:, None] - own)
+    distance = (error * surprise).sum(axis=-1)
+    own = -0.5 * (distance + np.linalg.slogdet(covariance)[1])
+    return LeftOut(mean, variance, result.log_weight[:, None] - own, distance)
+
+
+def fit_robustly(model: Model, data: Data, rounds: int = 2) -> Fit:
+    """As `fit`, with less trust in flights that the others contradict.
+
+    Each flight is trusted as a Student t distribution with `TAIL` degrees of freedom would: by the expected
+    weight (nu + k) / (nu + d^2) of a flight with k readouts at distance d (Lange, Little and Taylor, 1989).
+    Fewer than `FEWEST` flights cannot outvote one, and all are trusted.
+    """
+    result = fit(model, data)
+    readouts = data.seen.sum(axis=1)
+    if np.count_nonzero(readouts) < FEWEST:
+        return result
+    for _ in range(rounds):
+        distance = result.weights @ leave_one_out(result).distance
+        trust = np.where(readouts > 0, (TAIL + readouts) / (TAIL + distance), 1.0)
+        data = replace(data, trust=np.clip(trust, 0.02, 1.2))
+        result = fit(model, data, start=result.tangent.at)
+    return result
 
 
 def _own_variance(result: Fit) -> Array:

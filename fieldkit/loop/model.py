@@ -26,10 +26,10 @@ LOGARITHMIC = np.array([True, True, True, True, True, False])
 """Which of them are compared by ratio rather than by difference."""
 CD = (np.log(0.6), 0.35)
 """Prior of log Cd: typical models lie between 0.35 and 1.1 (Mandell et al., 1973; Hoerner, 1965)."""
-UNKNOWN_AREA_SD = 0.6
+UNKNOWN_AREA_SD = 0.4
 """Of log area where the diameter was not recorded and follows from the mass. [1]"""
 
-Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass"]
+Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +88,10 @@ class Model:
         """The same model with more unknowns."""
         return Model(self.flights, self.found, self.area, (*self.terms, *terms))
 
+    def only(self, terms: Sequence[int]) -> "Model":
+        """The same flights with some of the unknowns."""
+        return replace(self, terms=tuple(self.terms[i] for i in terms))
+
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
@@ -113,18 +117,24 @@ def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[
     return [str(getattr(flight, per)) for flight in flights]
 
 
-def base_model(flights: Sequence[Flight], found: Sequence[Found]) -> Model:
-    """The plain model: one drag for the rocket, certified motors, and the small print of both."""
+def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float = 1.0) -> Model:
+    """The plain model: one drag for the rocket, certified motors, and the small print of both.
+
+    `slack` scales how far motors may be from their certificate and configurations from each other. Forecasts
+    take it as it is; a search for effects takes less, for what it leaves to chance it cannot find.
+    """
     area = reference_area(flights)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
     every = np.ones(len(flights))
     terms = [
         Term("drag", "drag", CD[0], float(np.hypot(CD[1], UNKNOWN_AREA_SD * unknown)), every),
-        Term("thrust", "thrust", 0.0, 0.02, every),
-        *_per_group("drag", "drag", 0.03, groups(flights, found, "config")),
-        *_per_group("thrust", "thrust", 0.02, groups(flights, found, "motor")),
-        *_per_group("burn", "stretch", 0.04, groups(flights, found, "motor"), alone=True),
+        Term("thrust", "thrust", 0.0, 0.02 * slack, every),
+        Term("mass", "mass", 0.0, 0.02 * slack, every),
+        *_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")),
+        *_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")),
+        *_per_group("burn", "stretch", 0.04 * slack, groups(flights, found, "motor"), alone=True),
         *_per_group("delay", "delay", 0.06, groups(flights, found, "motor"), alone=True),
+        Term("opening of the parachute", "opening", 0.6, 0.4, every, low=0.0),
         Term("top speed read", "top_speed", 0.0, 0.01, every),
         Term("burn time read", "burn_time", 0.0, 0.05, every),
         Term("peak read", "peak_accel", 0.0, 0.06, every),
@@ -186,6 +196,7 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
         dry_mass=setup.dry_mass * np.exp(bend("mass")),
         burn_stretch=np.exp(bend("stretch")),
         delay=setup.delay * np.exp(bend("delay")),
+        opening_time=np.maximum(bend("opening"), 0.0),
     )
     if np.any(tilt := bend("tilt")):
         lean = TILT * np.sqrt(np.abs(tilt))
@@ -204,12 +215,13 @@ class Data:
     """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
 
     `sd` is the expected error of reading one off the altimeter; `seen` marks what was recorded on flights
-    that teach.
+    that teach, and `trust` is how much each flight counts.
     """
 
     values: Float[Array, "flight readout"]
     sd: Float[Array, "flight readout"]
     seen: Flags
+    trust: Float[Array, "flight"]
 
 
 def observe(flights: Sequence[Flight], teach: Sequence[bool]) -> Data:
@@ -219,7 +231,7 @@ def observe(flights: Sequence[Flight], teach: Sequence[bool]) -> Data:
         raw = _speed_from_average(raw, flights)
         seen = np.isfinite(raw) & (~LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
-    return Data(values, np.where(seen, reading_sd(raw), 1.0), seen)
+    return Data(values, np.where(seen, reading_sd(raw), 1.0), seen, np.ones(len(flights)))
 
 
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:

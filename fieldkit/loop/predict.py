@@ -10,8 +10,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.loop.candidates import effect_term, place_weight
-from fieldkit.loop.fit import Fit, fit, own_reading_sd, scale_grid
+from fieldkit.loop.candidates import Place, effect_term
+from fieldkit.loop.fit import Fit, fit_robustly, own_reading_sd, scale_grid
 from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
@@ -19,18 +19,9 @@ from fieldkit.simulator.effect import effects
 
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
+FORECAST_SLACK = 3.0
+"""How far motors are taken to be from their certificate, and masses from the scales, in a forecast. [1]"""
 LEVELS = (0.05, 0.5, 0.95)
-
-
-@dataclass(frozen=True, slots=True)
-class Place:
-    """An accepted effect and the group of flights it acts in, empty for all."""
-
-    effect: str
-    where: str = ""
-
-    def __str__(self) -> str:
-        return f"{self.effect} of {self.where}" if self.where else self.effect
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,19 +51,24 @@ class Prediction:
         """At 5, 50 and 95 %. [m]"""
         return np.asarray(np.quantile(self.apogee, LEVELS))
 
+    @property
+    def median_eject(self) -> float | None:
+        """From apogee to the ejection charge, or None without a delay. [s]"""
+        return median(self.eject)
 
-def rocket_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
-    """The model of a rocket with the effects that were accepted into it."""
-    model = base_model(flights, found)
-    known = effects()
-    terms = [
-        effect_term(
-            place.effect, known[place.effect], place_weight(known[place.effect], model, place.where), place.where
-        )
-        for place in accepted
-        if place.effect in known
-    ]
-    return model.with_terms(*terms)
+
+def median(values: Float[Array, "draw"]) -> float | None:
+    """The median of the draws that have a value, or None."""
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else None
+
+
+def rocket_model(
+    flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = (), slack: float = 1.0
+) -> Model:
+    """The model of a rocket with the effects that were accepted into it; `slack` as in `base_model`."""
+    model = base_model(flights, found, slack)
+    return model.with_terms(*(effect_term(place, model) for place in accepted if place.effect in effects()))
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -96,8 +92,8 @@ def predict(
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
-    model = rocket_model(flights, found, accepted)
-    result = fit(model, observe(flights, teach))
+    model = rocket_model(flights, found, accepted, FORECAST_SLACK)
+    result = fit_robustly(model, observe(flights, teach))
     rng = np.random.default_rng(seed)
     values, scales = sample(result, draws, rng)
     ahead = slice(len(flown), None)

@@ -19,8 +19,6 @@ LAYER = 50.0
 """Thickest layer of even density in the closed form. [m]"""
 SPEED_STEP = 12.0
 """Longest step of upward speed otherwise. [m/s]"""
-OPENING_TIME = 0.2
-"""From the ejection charge to an open parachute; an assumption. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,21 +55,21 @@ def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"]) -> Apoge
     last = next(points)
     fires = np.maximum(eject_time, track.time)
     ever = bool(np.isfinite(fires).any())
-    eject = [np.full(len(fires), np.nan) for _ in range(4)]
+    charge, opened = ([np.full(len(fires), np.nan)] * 2 for _ in range(2))
     for point in points:
         if ever:
-            _mark(eject[:2], last, point, fires)
-            _mark(eject[2:], last, point, fires + OPENING_TIME)
+            charge = _mark(charge, last, point, fires)
+            opened = _mark(opened, last, point, fires + setup.opening_time)
         last = point
-    early = np.isfinite(eject[0])
+    early = np.isfinite(charge[0])
     height, time = last.height, last.time
     if early.any():
-        height, time = _under_parachute(setup, eject, fires, height, time)
+        height, time = _under_parachute(setup, opened, fires, height, time)
     fell = track.velocity[0] <= 0
     if fell.any():
         height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
         time = np.where(fell, track.highest_time, time)
-    return Apogee(time, height, last.drift, last.sideways, eject[0], np.where(early, eject[1], np.nan))
+    return Apogee(time, height, last.drift, last.sideways, charge[0], charge[1])
 
 
 def _layers(setup: Setup, track: Track) -> Iterator[_Point]:
@@ -142,28 +140,29 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
         yield point(y, upward)
 
 
-def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> None:
-    """Keep height and upward speed at a moment, from the cubic of speed in time between two points."""
+def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> list[Array]:
+    """Height and upward speed at a moment, from the cubic of speed in time between two points."""
     inside = (moment >= before.time) & (moment < after.time)
     if not inside.any():
-        return
+        return marks
     dt = np.where(inside, after.time - before.time, 1.0)
     s = np.where(inside, (moment - before.time) / dt, 0.0)
     rise, lift0, lift1 = after.upward - before.upward, before.pull * dt, after.pull * dt
     square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
     upward = before.upward + s * (lift0 + s * (square + s * cubic))
     gain = dt * s * (before.upward + s * (lift0 / 2 + s * (square / 3 + s * cubic / 4)))
-    marks[0] = np.where(inside, before.height + gain, marks[0])
-    marks[1] = np.where(inside, upward, marks[1])
+    return [np.where(inside, new, old) for new, old in zip((before.height + gain, upward), marks, strict=True)]
 
 
-def _under_parachute(setup: Setup, eject: list[Array], fires: Array, height: Array, time: Array) -> tuple[Array, Array]:
+def _under_parachute(
+    setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
+) -> tuple[Array, Array]:
     """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
     g, terminal = setup.gravity, setup.descent_speed
-    opened, climbing = np.isfinite(eject[2]), eject[3]
-    gain = terminal**2 / (2 * g) * np.log1p((climbing / terminal) ** 2)
-    stop = terminal / g * np.arctan(climbing / terminal)
+    climbing = np.isfinite(opened[0])
+    gain = terminal**2 / (2 * g) * np.log1p((opened[1] / terminal) ** 2)
+    stop = terminal / g * np.arctan(opened[1] / terminal)
     return (
-        np.where(opened, eject[2] + gain, height),
-        np.where(opened, fires + OPENING_TIME + stop, time),
+        np.where(climbing, opened[0] + gain, height),
+        np.where(climbing, fires + setup.opening_time + stop, time),
     )

@@ -39,7 +39,9 @@ class Effect:
     (`squared`), it is the square that is fitted and the prior speaks of. `per` names the column of a flight
     whose groups may differ in strength ("motor", "config", "site"), `everywhere` says whether it may also
     act on all flights alike. `needs` is the column without which the effect cannot act. One that `grows`
-    acts with its strength times the flights flown before. `explains` tells a flyer what it is, `tell_apart`
+    acts with its strength times the flights flown before; one that `starts_anywhere` may be there only from
+    some flight on, as with a new lot of motors or a new altimeter. `starts` are strengths from which a fit is
+    begun, several where what the effect does is far from linear. `explains` tells a flyer what it is, `tell_apart`
     what to fly or write down to be sure of it.
     """
 
@@ -56,6 +58,8 @@ class Effect:
     everywhere: bool = True
     needs: str = ""
     grows: bool = False
+    starts_anywhere: bool = False
+    starts: tuple[float, ...] = ()
     squared: bool = False
 
     def strength(self, fitted: Strength) -> Strength:

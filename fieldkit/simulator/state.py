@@ -43,7 +43,8 @@ class Setup:
     `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor`
     multiplies thrust [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns
     the rocket, measured at the pad [m/s]; `rail_angle` is from vertical, positive away from the wind
-    [rad]. `delay` is from burnout to ejection, nan for none [s]; `descent_speed` under the parachute
+    [rad]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from the
+    charge to an open parachute (half a second is an assumption) [s]; `descent_speed` under it
     [m/s]. `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight.
     """
 
@@ -59,6 +60,7 @@ class Setup:
     rail_friction: Float[Array, "*draw"] = _for_all(0.0)
     wind: Float[Array, "*draw"] = _for_all(0.0)
     delay: Float[Array, "*draw"] = _for_all(np.nan)
+    opening_time: Float[Array, "*draw"] = _for_all(0.5)
     descent_speed: Float[Array, "*draw"] = _for_all(5.0)
     altimeter_gain: Float[Array, "*draw"] = _for_all(1.0)
     forces: tuple[tuple[Force, Float[Array, "*draw"]], ...] = ()

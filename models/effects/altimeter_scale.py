@@ -18,4 +18,5 @@ EFFECT = Effect(
     source="a barometric altimeter that takes the air for standard errs by 0.35 % a kelvin",
     tell_apart="fly a second altimeter beside it",
     reading=reading,
+    starts_anywhere=True,
 )

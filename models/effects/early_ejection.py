@@ -22,4 +22,5 @@ EFFECT = Effect(
     tell_apart="write down apogee to ejection, or fly the same motor with a longer delay",
     setup=setup,
     per="motor",
+    starts=(0.05, 0.25, 0.45, 0.65),
 )

@@ -22,4 +22,5 @@ EFFECT = Effect(
     tell_apart="fly the motor from another lot, or write down top speed and peak acceleration",
     setup=setup,
     per="motor",
+    starts_anywhere=True,
 )

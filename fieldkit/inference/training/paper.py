@@ -117,6 +117,7 @@ def _card(plan: Schedule, seed: int, n_train: int) -> dict[str, Any]:
             "dropout": DROPOUT,
         },
         "training": {
+            "schedule": plan.name,
             "optimiser": "AdamW",
             "loss": "squared error of Cd and alpha",
             "batch": BATCH,

@@ -30,7 +30,7 @@ class Rule:
 def leave_one_out(flights: Reference, forecast: Forecast, rows: Int[Any, "row"]) -> Float[Array, "row"]:
     """Some flights, each forecast from all valid flights but itself. [m]"""
     valid = np.flatnonzero(flights.valid)
-    return np.array([forecast(flights, valid[valid != row], row) for row in rows])
+    return np.array([forecast(flights, valid[valid != row], row) for row in rows.tolist()])
 
 
 def _same_motor(flights: Reference, others: Int[Any, "other"], row: int) -> float:
@@ -119,8 +119,8 @@ def rules(flights: Reference) -> list[Rule]:
         ),
         Rule(
             "alpha_certified",
-            "one alpha for all, certified curves",
-            f"least squares, Cd {NOMINAL_CD}",
+            f"one alpha for all, Cd {NOMINAL_CD}, certified curves",
+            "least squares",
             _fitted(curves, cd_too=False),
         ),
         Rule(

@@ -1,7 +1,7 @@
 """The paper's twelve flights, what it published about them, and the thrust curves to fly them with."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -79,22 +79,12 @@ def reference() -> Reference:
     )
 
 
-@dataclass(frozen=True, slots=True)
-class Profile:
-    """A thrust curve for the simulator; see `fieldkit.simulator.motor.Curve`. SI units."""
-
-    time: Float[Array, "knot"]
-    thrust: Float[Array, "knot"]
-    burn_time: float
-    propellant_mass: float
-    casing_mass: float = 0.0
-
-
 def normalised() -> Burns:
     """The paper's profile scaled to the total impulse that the paper itself declares."""
+    scales = [motor.total_impulse / motor.delivered_impulse for motor in paper.MOTORS]
     scaled = [
-        Profile(m.time, m.thrust * (m.total_impulse / m.delivered_impulse), m.burn_time, m.propellant_mass)
-        for m in paper.MOTORS
+        replace(motor, peak_thrust=scale * motor.peak_thrust, mean_thrust=scale * motor.mean_thrust)
+        for motor, scale in zip(paper.MOTORS, scales, strict=True)
     ]
     return burns(scaled, steps=8, linear_burn=True)
 
@@ -102,7 +92,7 @@ def normalised() -> Burns:
 def certified(*, casing: bool = False) -> Burns:
     """The certified thrust curves and propellant masses of the paper's motors, with or without the casing."""
     motors = [catalogue().find(name).motor for name in CERTIFIED_NAMES]
-    return burns([Profile(m.time, m.thrust, m.burn_time, m.propellant_mass, casing * m.casing_mass) for m in motors])
+    return burns(motors if casing else [replace(motor, casing_mass=0.0) for motor in motors])
 
 
 def heights(

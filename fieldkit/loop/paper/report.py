@@ -27,7 +27,7 @@ from fieldkit.simulator import paper
 
 FRESH_FLIGHTS = 5000
 FRESH_SEED = 20_000_000
-"""Of the flights drawn for the report; no ensemble trains on this seed."""
+"""Of the flights drawn for the report; training spawns its streams from a seed and never draws these."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -125,6 +125,8 @@ def _synthetic(ensemble: Ensemble) -> dict[str, Any]:
         "n": FRESH_FLIGHTS,
         "cd_mae": found["cd"]["mae"],
         "alpha_mae": found["alpha"]["mae"],
+        "cd_standard_error": found["cd"]["standard_error"],
+        "alpha_standard_error": found["alpha"]["standard_error"],
         "cd_coverage_one_sd": found["cd"]["coverage"]["one_sd"],
         "alpha_coverage_one_sd": found["alpha"]["coverage"]["one_sd"],
     }

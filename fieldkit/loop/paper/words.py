@@ -1,5 +1,7 @@
 """What the report's figures mean, in plain words."""
 
+from typing import Any
+
 from fieldkit.loop.paper.report import Report
 
 
@@ -59,19 +61,17 @@ def _limit(report: Report) -> str:
 
 def _floor(report: Report) -> str:
     scatter = report.scatter
-    best, worst = (
-        f(rule["standard_error_m"] for rule in report.rules[:6]) for f in (min, max)
-    )
+    taught = [rule["standard_error_m"] for rule in report.rules if not rule["rule"].startswith("nominal")]
     return (
         "Forecasts of flights that were left out are above. Flights of one motor and configuration scatter by "
         f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
         f"their mean would miss by {scatter['perfect_mae_m']:.1f} m on average, and the mean of two earlier flights "
-        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {best:.0f} to {worst:.0f} m on so few "
-        "flights, the better rules cannot be told apart."
+        f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(taught):.0f} to {max(taught):.0f} m "
+        "on so few flights, the rules that learn from flights can hardly be told apart."
     )
 
 
-def _rule(report: Report, key: str) -> dict[str, float]:
+def _rule(report: Report, key: str) -> dict[str, Any]:
     return next(rule for rule in report.rules if rule["rule"] == key)
 
 

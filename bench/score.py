@@ -1,0 +1,275 @@
+"""`python -m bench.score SETS`: run the product on every set, then look at the labels.
+
+Nothing of the product is imported: it is a command with JSON on its output, as the contract has it. A set's
+history goes into a ledger of its own, `loop` gives the verdict, and `predict --flights` the errors on the
+flights that came later, with the model before and after.
+"""
+
+import argparse
+import csv
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections import Counter
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from bench.altimeter import RESOLUTION
+from bench.make import IMPERIAL
+
+WORTH_IT = 0.2
+"""Part of the error that knowing the effect must take away for a set to count as decidable."""
+
+
+@dataclass(frozen=True, slots=True)
+class Errors:
+    """Of predicted apogees on the future flights."""
+
+    mae: float
+    bias: float
+    covered: int
+    flights: int
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What the product said of one set, beside its label; `error` if it said nothing."""
+
+    name: str
+    scenario: str
+    label: str
+    gain: float
+    """Part of the error that the true effect takes away. [1]"""
+    ideal: float
+    """Error on the future flights with the true effect known. [m]"""
+    verdict: str = ""
+    also: tuple[str, ...] = ()
+    confidence: float = float("nan")
+    before: Errors | None = None
+    after: Errors | None = None
+    fitted: float = float("nan")
+    """Part of the error that the product's own fit of the labelled effect takes away, if it was a candidate. [1]"""
+    seconds: float = float("nan")
+    error: str = ""
+    level: int = 0
+    top: tuple[str, ...] = field(default=())
+    """The best candidates, best first."""
+
+    @property
+    def named(self) -> bool:
+        """Whether the verdict is the label."""
+        return effects(self.verdict) == effects(self.label)
+
+    @property
+    def right(self) -> bool:
+        """Whether the verdict is the label, or names it as one that these flights cannot tell apart."""
+        return effects(self.label) in {effects(name) for name in (self.verdict, *self.also)}
+
+
+def effects(name: str) -> frozenset[str]:
+    """The effects that a verdict names, in no order."""
+    return frozenset(name.split("+"))
+
+
+def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeout: float) -> Result:
+    """Run the product on one set."""
+    gain = 1 - label["ideal_mae_m"] / label["blind_mae_m"]
+    known: dict[str, Any] = {
+        "name": label["set"],
+        "scenario": label["scenario"],
+        "label": label["label"],
+        "gain": gain,
+        "ideal": label["ideal_future_mae_m"],
+        "level": label["level"],
+    }
+    with tempfile.TemporaryDirectory() as scratch:
+        ledger = Path(scratch) / "ledger.db"
+
+        def run(*arguments: str) -> Any:
+            return _json([*command, "--ledger", str(ledger), *arguments, "--json"], timeout)
+
+        try:
+            taken = run("import", str(folder / f"{label['set']}.csv"))
+            if taken["rejected"]:
+                return Result(**known, error=f"import rejected {taken['rejected'][0]}")
+            started = os.times().elapsed
+            said = run("loop", "--rocket", label["rocket"])
+            seconds = os.times().elapsed - started
+            later = folder / f"{label['set']}_future.csv"
+            planned = _planned(later, Path(scratch) / "planned.csv")
+            errors = [
+                _errors(run("predict", "--flights", str(planned), "--model", model)["predictions"], later)
+                for model in ("before", "after")
+            ]
+        except (OSError, ValueError, KeyError, TypeError, subprocess.SubprocessError) as trouble:
+            return Result(**known, error=f"{type(trouble).__name__}: {trouble}"[:400])
+    verdict = said["verdict"]
+    return Result(
+        **known,
+        verdict=verdict["effect"],
+        also=tuple(verdict.get("also", ())),
+        confidence=float(verdict["confidence"]),
+        before=errors[0],
+        after=errors[1],
+        fitted=_fitted(said, label["label"]),
+        seconds=seconds,
+        top=tuple(candidate["effect"] for candidate in said["candidates"][:4]),
+    )
+
+
+def _fitted(said: Mapping[str, Any], label: str) -> float:
+    for candidate in said["candidates"]:
+        if effects(candidate["effect"]) == effects(label) and "after" in candidate:
+            return float(1 - candidate["after"]["mae_m"] / said["residual"]["before"]["mae_m"])
+    return float("nan")
+
+
+def _json(command: Sequence[str], timeout: float) -> Any:
+    done = subprocess.run(command, capture_output=True, text=True, timeout=timeout)
+    if done.returncode:
+        raise ValueError(f"{shlex.join(command[-6:])}: {done.stderr.strip()[-300:]}")
+    return json.loads(done.stdout)
+
+
+def _planned(later: Path, path: Path) -> Path:
+    """The future flights without what was read off the altimeter."""
+    hidden = set(RESOLUTION)
+    for suffix, (other, _) in IMPERIAL.items():
+        hidden |= {name.removesuffix(suffix) + other for name in RESOLUTION if name.endswith(suffix)}
+    with later.open(encoding="utf-8", newline="") as source, path.open("w", encoding="utf-8", newline="") as file:
+        reader = csv.DictReader(source)
+        writer = csv.DictWriter(file, [n for n in reader.fieldnames or () if n not in hidden], extrasaction="ignore")
+        writer.writeheader()
+        writer.writerows(reader)
+    return path
+
+
+def _errors(predictions: Sequence[Mapping[str, Any]], later: Path) -> Errors:
+    """Errors of predictions, matched to the measured flights by their id."""
+    with later.open(encoding="utf-8", newline="") as source:
+        rows = list(csv.DictReader(source))
+    predicted = {str(p["flight_id"]): p["apogee_m"] for p in predictions}
+    apogee = np.array(
+        [float(row["apogee_m"]) if "apogee_m" in row else float(row["apogee_ft"]) * 0.3048 for row in rows]
+    )
+    found = [predicted[row["flight_id"]] for row in rows]
+    error = np.array([p["p50"] for p in found]) - apogee
+    inside = [p["p05"] <= y <= p["p95"] for p, y in zip(found, apogee, strict=True)]
+    return Errors(float(np.abs(error).mean()), float(error.mean()), int(sum(inside)), len(rows))
+
+
+def table(results: Sequence[Result]) -> str:
+    """A row per scenario and one for all, in Markdown; errors in metres over the future flights."""
+    lines = [
+        "| scenario | sets | named | right | decidable | right there | before | after | ideal "
+        "| coverage before | after | said instead |",
+        "|---|---|---|---|---|---|---|---|---|---|---|---|",
+    ]
+    for scenario in [*dict.fromkeys(sorted(r.scenario for r in results)), "all"]:
+        chosen = [r for r in results if scenario in (r.scenario, "all")]
+        lines.append(_row(scenario, chosen, confusions=scenario != "all"))
+    return "\n".join(lines)
+
+
+def _row(scenario: str, results: Sequence[Result], confusions: bool) -> str:
+    decidable = [r for r in results if r.gain >= WORTH_IT]
+    said = Counter(r.verdict or "error" for r in results if not r.right).most_common(4) if confusions else []
+    cells = [
+        scenario,
+        str(len(results)),
+        _rate(r.named for r in results),
+        _rate(r.right for r in results),
+        str(len(decidable)),
+        _rate(r.right for r in decidable),
+        _mean(results, lambda r: r.before.mae if r.before else None),
+        _mean(results, lambda r: r.after.mae if r.after else None),
+        _mean(results, lambda r: r.ideal),
+        _coverage([r.before for r in results]),
+        _coverage([r.after for r in results]),
+        ", ".join(f"{name} {count}" for name, count in said),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def _rate(right: Iterable[bool]) -> str:
+    values = list(right)
+    return f"{100 * sum(values) / len(values):.0f} %" if values else ""
+
+
+def _mean(results: Sequence[Result], value: Callable[[Result], float | None]) -> str:
+    values = [v for r in results if (v := value(r)) is not None]
+    return f"{np.mean(values):.1f}" if values else ""
+
+
+def _coverage(errors: Sequence[Errors | None]) -> str:
+    found = [e for e in errors if e]
+    return f"{100 * sum(e.covered for e in found) / sum(e.flights for e in found):.0f} %" if found else ""
+
+
+def summary(results: Sequence[Result]) -> str:
+    """The figures that decide: decidable sets, false alarms, part of the possible gain."""
+    said = [r for r in results if r.before and r.after]
+    effect = [r for r in said if r.label not in ("none", "unexplained")]
+    decidable = [r for r in effect if r.gain >= WORTH_IT]
+    nulls = [r for r in said if r.label == "none"]
+    lines = [
+        f"right verdicts where the true effect takes away at least {WORTH_IT:.0%} of the error: "
+        f"{sum(r.right for r in decidable)} of {len(decidable)}",
+        f"false alarms on nulls: {sum(r.verdict != 'none' for r in nulls)} of {len(nulls)}, "
+        f"{sum(r.verdict == 'unexplained' for r in nulls)} of them as unexplained",
+        f"wrong effect named where nobody's effect was: "
+        f"{sum(r.verdict not in ('none', 'unexplained') for r in said if r.label == 'unexplained')} "
+        f"of {sum(r.label == 'unexplained' for r in said)}",
+    ]
+    possible = sum(r.before.mae - r.ideal for r in decidable if r.before)
+    made = sum(r.before.mae - r.after.mae for r in decidable if r.before and r.after)
+    if possible > 0:
+        lines.append(f"part of the possible gain made there: {made / possible:.0%}")
+    lines.append(f"sets with an error: {len(results) - len(said)}")
+    if said:
+        lines.append(f"loop: {np.median([r.seconds for r in said]):.1f} s in the median")
+    return "\n".join(lines)
+
+
+def main() -> None:
+    """Read the command line, score, print the table, keep the results as JSON."""
+    parser = argparse.ArgumentParser(prog="python -m bench.score", description=__doc__)
+    parser.add_argument("sets", type=Path)
+    parser.add_argument("--command", default="fieldkit", help="how the product is called")
+    parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--timeout", type=float, default=180.0, help="seconds for one call")
+    parser.add_argument("--scenario", nargs="*", help="only these")
+    parser.add_argument("--limit", type=int, help="only the first so many sets of each scenario")
+    parser.add_argument("--out", type=Path, help="where the results go as JSON")
+    given = parser.parse_args()
+    labels = json.loads((given.sets / "labels.json").read_text())
+    seen: Counter[str] = Counter()
+    chosen = []
+    for label in labels:
+        seen[label["scenario"]] += 1
+        if label["scenario"] in (given.scenario or [label["scenario"]]) and (
+            given.limit is None or seen[label["scenario"]] <= given.limit
+        ):
+            chosen.append(label)
+    results = []
+    with ThreadPoolExecutor(given.jobs) as pool:
+        command = shlex.split(given.command)
+        for result in pool.map(lambda x: score(given.sets, x, command, given.timeout), chosen):
+            results.append(result)
+            mark = result.error or ("right" if result.right else "wrong")
+            sys.stderr.write(f"{result.name} {result.scenario}: {result.verdict} {mark}\n")
+            if given.out:
+                given.out.write_text(json.dumps([asdict(r) for r in results], indent=1) + "\n")
+    sys.stdout.write(f"{table(results)}\n\n{summary(results)}\n")
+
+
+if __name__ == "__main__":
+    main()

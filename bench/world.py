@@ -1,0 +1,133 @@
+"""What the two truth simulators share: a rocket as it truly is, the launch, and the track it flies.
+
+Nothing here comes from the product's simulator. SI throughout. Stations are measured from the tip of
+the nose towards the tail; x points downwind, z up.
+"""
+
+from dataclasses import dataclass
+
+from fieldkit.shapes import Array, Float
+
+
+@dataclass(frozen=True, slots=True)
+class Airframe:
+    """The shape of a rocket: an ogive nose, a tube and one set of trapezoidal fins at the tail."""
+
+    diameter: float
+    """Of the body. [m]"""
+    length: float
+    """From tip to tail. [m]"""
+    nose: float
+    """Length of the nose. [m]"""
+    fins: int
+    root: float
+    """Chord of a fin at the body. [m]"""
+    tip: float
+    """Chord of a fin at its tip. [m]"""
+    span: float
+    """From the body to the tip of a fin. [m]"""
+    sweep: float
+    """How far the tip's leading edge lies behind the root's. [m]"""
+    dry_cg: float
+    """Centre of mass without the motor. [m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Motor:
+    """A motor as it burns on one flight; `thrust` over `time` starts at ignition and ends at burnout."""
+
+    name: str
+    maker: str
+    suffix: str
+    diameter: float
+    length: float
+    total_mass: float
+    propellant_mass: float
+    delays: tuple[int, ...]
+    time: Float[Array, "sample"]
+    thrust: Float[Array, "sample"]
+
+    @property
+    def burn_time(self) -> float:
+        """From ignition to burnout. [s]"""
+        return float(self.time[-1])
+
+    def printed(self, delay: float) -> str:
+        """The motor's name with a delay, as flyers write it: `F24-7W`, `Estes D12-5`."""
+        return f"{self.maker} {self.name}-{delay:g}{self.suffix}".strip()
+
+
+@dataclass(frozen=True, slots=True)
+class Drag:
+    """The coefficient on axial drag: a constant, and the ways in which it is none."""
+
+    cd: float
+    """Under power, at low Mach number. [1]"""
+    power_off: float = 1.0
+    """Factor on `cd` once the motor is out. [1]"""
+    mach_rise: float = 0.0
+    """Relative rise at its highest, just above Mach 1. [1]"""
+    reynolds: float = 0.0
+    """Exponent e of (speed / 50 m/s)^-e. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Air:
+    """The air over a pad. Wind blows towards +x and grows with height as a power of it."""
+
+    elevation: float = 0.0
+    """Of the pad above sea level. [m]"""
+    temperature: float = 288.15
+    """At the pad. [K]"""
+    qnh: float = 101325.0
+    """Pressure reduced to sea level. [Pa]"""
+    wind: float = 0.0
+    """At `wind_height` above the pad. [m/s]"""
+    wind_height: float = 5.0
+    shear: float = 0.14
+    """Exponent of the wind profile: 1/7 over open ground. [1]"""
+    updraft: float = 0.0
+    """Of the whole air mass. [m/s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Launch:
+    """All that decides one flight; every number is the true one, whatever the flyer wrote down."""
+
+    airframe: Airframe
+    dry_mass: float
+    """With recovery and payload, without the motor. [kg]"""
+    motor: Motor
+    drag: Drag
+    air: Air
+    rail_length: float
+    """That guides the rocket. [m]"""
+    tilt: float = 0.0
+    """Of the rail from the vertical. [rad]"""
+    heading: float = 0.0
+    """Of the tilted rail, from downwind: pi tilts it into the wind. [rad]"""
+    friction: float = 0.0
+    """Force that holds the rocket back while it is on the rail. [N]"""
+    delay: float = 6.0
+    """From burnout to the ejection charge. [s]"""
+    chute_area: float = 0.3
+    """Drag area of the open parachute. [m^2]"""
+    opening: float = 0.4
+    """From the ejection charge to the open parachute. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Track:
+    """What one flight did, from ignition to landing."""
+
+    time: Float[Array, "step"]
+    height: Float[Array, "step"]
+    """Above the pad. [m]"""
+    speed: Float[Array, "step"]
+    """Over the ground, whatever its direction. [m/s]"""
+    push: Float[Array, "step"]
+    """Specific force along the body, as an accelerometer on the axis feels it. [m/s^2]"""
+    liftoff: float
+    burnout: float
+    ejection: float | None
+    """When the charge fired; None if the rocket was down before. [s]"""

@@ -1,0 +1,61 @@
+"""`fieldkit loop` and `fieldkit model`: what a rocket's model lacks, and which model is used."""
+
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import print_json, print_table, say
+from fieldkit.cli.session import known_motors, open_ledger
+
+app = typer.Typer()
+
+
+@app.command()
+def loop(
+    context: typer.Context,
+    rocket: Annotated[str | None, typer.Option(help="By default the one flown last.", show_default=False)] = None,
+    look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
+    from fieldkit.cli.screen import progress
+    from fieldkit.loop.desk import close_loop, loop_document, which_rocket
+    from fieldkit.loop.residual import patterns
+    from fieldkit.loop.words import report
+
+    with open_ledger(context) as ledger:
+        name = which_rocket(ledger, rocket)
+        with progress("looking for what the model lacks") as tell:
+            diagnosis = close_loop(ledger, known_motors(), name, accept=not look, progress=tell)
+    found = patterns(diagnosis)
+    if json:
+        print_json(loop_document(name, diagnosis, [pattern.json() for pattern in found]))
+        return
+    for line in report(name, diagnosis, found):
+        say(line)
+
+
+@app.command()
+def model(
+    context: typer.Context,
+    rocket: Annotated[str | None, typer.Option(help="By default the one flown last.", show_default=False)] = None,
+    use: Annotated[
+        int | None, typer.Option(min=0, help="Predict with this version from now on; 0 is the plain model.")
+    ] = None,
+) -> None:
+    """List the model versions of a rocket, or go back to one."""
+    from fieldkit.loop.candidates import Place
+    from fieldkit.loop.desk import which_rocket
+
+    with open_ledger(context) as ledger:
+        name = which_rocket(ledger, rocket)
+        if use is not None:
+            ledger.activate(name, use or None)
+        versions = ledger.versions(name)
+    rows = [("0", "", "plain", "", "in use" if not any(v.active for v in versions) else "")]
+    for version in versions:
+        payload = version.payload
+        errors = f"{payload['before']['mae_m']:.1f} -> {payload['after']['mae_m']:.1f} m"
+        added = "+".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
+        rows.append((str(version.number), f"{version.at:%Y-%m-%d}", added, errors, "in use" if version.active else ""))
+    print_table(("version", "made", "adds", "unseen flights", ""), rows)

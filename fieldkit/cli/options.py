@@ -1,0 +1,36 @@
+"""Options that stand for columns of a flight, with and without their unit in the name."""
+
+import inspect
+from collections.abc import Callable, Iterable
+from typing import Annotated, Any
+
+import typer
+
+from fieldkit import flight
+
+TEXTS = tuple(name for name in flight.TEXT_COLUMNS if name != "log")
+SETUP, CONDITIONS, READOUTS = (
+    tuple(column.header for column in columns) for columns in (flight.SETUP, flight.CONDITIONS, flight.READOUTS)
+)
+"""Columns of the flight table that are options of commands."""
+
+
+def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: Iterable[str], panel: str) -> None:
+    """Give a command an option for each column, which arrives as text (or None) among its `**given`."""
+    signature = inspect.signature(command)
+    own = [parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
+    own += [_option(name, [f"--{name.replace('_', '-')}"], "", panel) for name in texts]
+    for header in numbers:
+        name, unit = header.rsplit("_", 1)
+        flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
+        own.append(_option(name, flags, f"In {unit}, or with its unit.", panel))
+    keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
+    command.__signature__ = inspect.Signature(keyword)  # type: ignore[attr-defined]  # read by typer
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
+
+
+def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Parameter:
+    option: Any = typer.Option(*flags, help=text, rich_help_panel=panel, show_default=False)
+    return inspect.Parameter(
+        name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, option]
+    )

@@ -1,0 +1,79 @@
+"""What leaves as a table or as JSON comes back as the same flights."""
+
+import json
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fieldkit import units
+from fieldkit.export import csv_table, document
+from fieldkit.flight import COLUMNS, READOUTS, TAGS, Flight
+from fieldkit.ledger.rows import differences
+from fieldkit.parsing import read
+from fieldkit.sanity import LIMITS
+from tests.samples import any_motor
+
+words = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Zs", "Zl", "Zp"]), max_size=8)
+
+
+def number(name: str) -> st.SearchStrategy[float | None]:
+    """An SI value that the column may have."""
+    column = next(column for column in COLUMNS if column.name == name)
+    scale = units.unit(column.quantity, column.unit)
+    return st.none() | st.floats(*LIMITS[name]).map(scale.to_si)
+
+
+def by_name(flight: Flight) -> tuple[str, str]:
+    return flight.rocket, flight.flight_id
+
+
+flights = st.builds(
+    Flight,
+    flight_id=words.filter(bool),
+    rocket=words,
+    config=words,
+    site=words,
+    notes=words,
+    tags=st.lists(st.sampled_from([*TAGS, "mine", "not mine"]), unique=True, max_size=3).map(tuple),
+    date_time=st.none() | st.datetimes(),
+    extra=st.dictionaries(st.sampled_from(["Lot", "wind_direction", "Crew"]), words.filter(bool)),
+    **{column.name: number(column.name) for column in COLUMNS},
+).filter(lambda flight: bool(flight.readouts()))
+
+
+def as_json(held: list[Flight]) -> str:
+    return json.dumps({"flights": [document(flight) for flight in held]})
+
+
+@pytest.mark.parametrize("write", [csv_table, as_json])
+def test_what_is_exported_reads_back_as_the_same_flights(write: object) -> None:
+    @settings(max_examples=60, deadline=None)
+    @given(st.lists(flights, min_size=1, max_size=3, unique_by=by_name))
+    def law(held: list[Flight]) -> None:
+        intake = read(write(held).encode("utf-8"), "export", any_motor)
+        assert intake.rejected == ()
+        assert [differences(*pair) for pair in zip(held, intake.flights, strict=True)] == [[]] * len(held)
+
+    law()
+
+
+@pytest.mark.parametrize(
+    ("text", "found"),
+    [
+        ('{"flights": [{"apogee_m": true}]}', "found 'True', expected a number or null"),
+        ('{"flights": [{"apogee_m": NaN}]}', "found 'nan', expected a number or null"),
+        ('{"flights": [{"apogee_m": 1' + "0" * 400 + "}]}", "expected a number or null"),
+        ('{"flights": [{"rocket": 3}]}', "found '3', expected a text"),
+        ('{"flights": ["one"]}', "expected a flight in braces"),
+        ('{"flights": [{"date_time": "soon"}]}', "found 'soon', expected a date"),
+    ],
+)
+def test_a_flight_that_is_none_is_rejected_with_its_place(text: str, found: str) -> None:
+    (rejected,) = read(text.encode(), "x.json", any_motor).rejected
+    assert rejected.row == 1
+    assert found in rejected.error
+
+
+def test_every_readout_is_in_the_document() -> None:
+    assert {column.header for column in READOUTS} <= set(document(Flight()))
