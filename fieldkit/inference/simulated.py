@@ -292,9 +292,9 @@ def forget(rng: np.random.Generator, observed: Observed) -> Observed:
     count = len(observed)
     for name, share in (("diameter", 0.25), ("delay", 0.3)):
         declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
-    share = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
+    silence = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
     for name in DECLARED[3:]:
-        declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
+        declared[rng.uniform(size=count) < silence, DECLARED.index(name)] = np.nan
     return Observed(observed.motor, declared, readouts)
 
 
