@@ -7,20 +7,19 @@ import pytest
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.inference.field_features import (
+from fieldkit.inference.field_features import FEATURES, features, shown
+from fieldkit.inference.measured import NOISE, SUBSETS, forget, measure
+from fieldkit.inference.observed import (
     ALPHA_RANGE,
     ALPHA_SD,
     DECLARED,
-    FEATURES,
     READOUT_NAMES,
     SEEN,
     Observed,
     drag_area_range,
-    features,
     observe,
-    shown,
 )
-from fieldkit.inference.simulated import NOISE, SUBSETS, Truth, flown_motors, forget, measure, simulate
+from fieldkit.inference.simulated import Truth, flown_motors, simulate
 from fieldkit.motors import catalogue
 
 

@@ -10,10 +10,11 @@ from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
 from fieldkit.inference.ensemble import Ensemble, load
 from fieldkit.inference.field import LEVELS, infer_field, infer_observed, posterior
-from fieldkit.inference.field_features import ALPHA_SD, DECLARED, READOUT_NAMES, SEEN, Observed
 from fieldkit.inference.guard import misfit
 from fieldkit.inference.judge import score, table
-from fieldkit.inference.simulated import SUBSETS, Truth, flown_motors, measure, simulate
+from fieldkit.inference.measured import SUBSETS, measure
+from fieldkit.inference.observed import ALPHA_SD, DECLARED, READOUT_NAMES, SEEN, Observed
+from fieldkit.inference.simulated import Truth, flown_motors, simulate
 from fieldkit.motors import catalogue
 from fieldkit.shelf import trained_folder
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.field_features import disc
+from fieldkit.inference.observed import disc
 from fieldkit.inference.restricted import SUBSETS, Exact, Restricted, exact, restricted_draws
 from fieldkit.simulator.paper import DIAMETER
 

@@ -6,23 +6,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fieldkit.errors import DamagedModel
 from fieldkit.flight import Flight
 from fieldkit.inference import guard
-from fieldkit.inference.field_features import (
+from fieldkit.inference.field_features import FEATURES, features
+from fieldkit.inference.mixture import Margin, Mixture, mixture
+from fieldkit.inference.observed import (
     ALPHA_RANGE,
     ALPHA_SD,
     CD_RANGE,
-    FEATURES,
     READOUT_NAMES,
     SEEN,
     Observed,
     diameter_range,
     disc,
     drag_area_range,
-    features,
     observe,
 )
-from fieldkit.inference.mixture import Mixture, mixture
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Flags, Float
 
@@ -33,8 +33,12 @@ LEVELS = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.975)
 """Of the quantiles that are given. [1]"""
 HARDLY = 0.8
 """Standard deviation after the flight over that before, above which it taught hardly anything. [1]"""
-STRATA = 2048
+INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
+"""Between what Cd and alpha lie, as a card has it. [1]"""
+STRATA = 1024
 """Draws of the diameter where it is not known."""
+GOLDEN = 0.6180339887498949
+"""Steps of this, modulo 1, fill an interval evenly."""
 _WORDS = {
     "log_thrust_to_weight": "thrust to weight of {:.3g}",
     "log_impulse": "total impulse of {:.3g} N s",
@@ -83,9 +87,19 @@ def infer_field(
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
+    return infer_observed(observe(flights, found), ensemble or load_field())
+
+
+def load_field() -> "Ensemble":
+    """The shipped ensemble. Raises DamagedModel where it was trained on other features or another prior."""
     from fieldkit.inference.ensemble import load
 
-    return infer_observed(observe(flights, found), ensemble or load("field"))
+    ensemble = load("field")
+    known = {"features": list(FEATURES), "intervals": INTERVALS}
+    for name, right in known.items():
+        if ensemble.card.get(name) != right:
+            raise DamagedModel(f"field: its card has other {name} than this version of fieldkit; install its own")
+    return ensemble
 
 
 def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
@@ -100,8 +114,9 @@ def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
     reference = disc(observed.given("diameter"))
     cd, cd_sd = drag_area / reference, drag_area_sd / reference
     cd_quantiles = np.exp(area.quantiles(np.array(LEVELS))) / reference[:, None]
-    for row in np.flatnonzero(np.isnan(reference)):
-        cd[row], cd_sd[row], cd_quantiles[row] = _any_diameter(observed.rows([row]), density.rows([row]))
+    bare = np.isnan(reference)
+    if bare.any():
+        cd[bare], cd_sd[bare], cd_quantiles[bare] = _any_diameter(observed.rows(bare), area.rows(bare))
     alpha_mean, alpha_sd = alpha.moments()
     return FieldPosterior(
         drag_area,
@@ -133,20 +148,19 @@ def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array
     )  # type: ignore[return-value]
 
 
-def _any_diameter(observed: Observed, density: Mixture) -> tuple[float, float, Array]:
-    """Mean, standard deviation and quantiles of Cd where only the drag area is known.
+def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array, Array]:
+    """Means, standard deviations and quantiles of Cd where only the drag area is known.
 
     Cd and diameter are uniform in their logarithms beforehand, so given a drag area the logarithm of Cd is
     uniform where both are possible.
     """
     slim, wide = diameter_range(observed.figure("diameter"), observed.given("dry_mass"))
-    place = (np.arange(STRATA) + 0.5) / STRATA
-    area = density.margin(0).quantiles(place)[0]
-    low = np.maximum(np.log(CD_RANGE[0]), area - np.log(disc(wide)))
-    high = np.minimum(np.log(CD_RANGE[1]), area - np.log(disc(slim)))
-    golden = (np.arange(STRATA) * 0.6180339887498949) % 1.0
-    cd = np.exp(low + golden * (high - low))
-    return float(cd.mean()), float(cd.std()), np.quantile(cd, LEVELS)
+    number = np.arange(STRATA)
+    drag_area = area.quantiles((number + 0.5) / STRATA)
+    low = np.maximum(np.log(CD_RANGE[0]), drag_area - np.log(disc(wide))[:, None])
+    high = np.minimum(np.log(CD_RANGE[1]), drag_area - np.log(disc(slim))[:, None])
+    cd = np.exp(low + (number * GOLDEN % 1.0) * (high - low))
+    return cd.mean(axis=1), cd.std(axis=1), np.quantile(cd, LEVELS, axis=1).T
 
 
 def _prior_sd(observed: Observed) -> tuple[Array, float]:

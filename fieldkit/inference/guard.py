@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from fieldkit.flight import BY_NAME
-from fieldkit.inference.field_features import READOUT_NAMES, SEEN, Observed, features, shown
+from fieldkit.inference.field_features import features, shown
 from fieldkit.inference.mixture import GUARD_SHARPEST, WIDTH
+from fieldkit.inference.observed import READOUT_NAMES, SEEN, Observed
 from fieldkit.shapes import Array, Flags, Float, Int
 
 if TYPE_CHECKING:

@@ -7,9 +7,10 @@ import numpy as np
 
 from fieldkit.inference import guard
 from fieldkit.inference.field import posterior
-from fieldkit.inference.field_features import Observed
+from fieldkit.inference.measured import SUBSETS, forget, measure
 from fieldkit.inference.mixture import Mixture, joined
-from fieldkit.inference.simulated import SUBSETS, Truth, forget, measure, simulate
+from fieldkit.inference.observed import Observed
+from fieldkit.inference.simulated import Truth, simulate
 from fieldkit.motors import Motor
 from fieldkit.shapes import Array, Float
 

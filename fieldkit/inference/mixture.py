@@ -96,6 +96,10 @@ class Margin:
     values: Float[Array, "flight node"]
     below: Float[Array, "flight node"]
 
+    def rows(self, which: Any) -> "Margin":
+        """Those of some of the flights."""
+        return Margin(self.values[which], self.below[which])
+
     def quantiles(self, levels: Float[Array, "level"]) -> Float[Array, "flight level"]:
         """The values below which lie these probabilities."""
         return np.stack([np.interp(levels, row, at) for row, at in zip(self.below, self.values, strict=True)])

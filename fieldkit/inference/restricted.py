@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.inference.field_features import DECLARED, READOUT_NAMES, Observed, disc
 from fieldkit.inference.mixture import Mixture
+from fieldkit.inference.observed import DECLARED, READOUT_NAMES, Observed, disc
 from fieldkit.inference.synthetic import ALPHA_RANGE, CD_RANGE
 from fieldkit.shapes import Array, Flags, Float, Int
 from fieldkit.simulator import paper

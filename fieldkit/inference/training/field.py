@@ -10,11 +10,13 @@ import numpy as np
 from fieldkit.errors import BadValue
 from fieldkit.inference import guard
 from fieldkit.inference.ensemble import from_parts
-from fieldkit.inference.field import intervals
-from fieldkit.inference.field_features import FEATURES, SEEN, Observed, features, shown
+from fieldkit.inference.field import INTERVALS, intervals
+from fieldkit.inference.field_features import FEATURES, features, shown
 from fieldkit.inference.judge import judge
+from fieldkit.inference.measured import NOISE, forget, measure
 from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
-from fieldkit.inference.simulated import NOISE, PRIORS, Truth, flown_motors, forget, measure, simulate
+from fieldkit.inference.observed import SEEN, Observed
+from fieldkit.inference.simulated import PRIORS, Truth, flown_motors, simulate
 from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
@@ -117,6 +119,7 @@ def _card(seed: int, n_train: int, schedule: str, plan: Plan) -> dict[str, Any]:
         "n_train": n_train,
         "priors": dict(PRIORS),
         "noise": {name: {"floor": n.floor, "share": n.share, "step": n.step} for name, n in NOISE.items()},
+        "intervals": INTERVALS,
         "held_out": HELD_OUT,
         "features": list(FEATURES),
         "outputs": ["log_drag_area", "alpha"],

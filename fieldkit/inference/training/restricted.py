@@ -4,8 +4,9 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.inference.field_features import READOUT_NAMES, Observed, features, shown
+from fieldkit.inference.field_features import features, shown
 from fieldkit.inference.mixture import logits, mixture
+from fieldkit.inference.observed import READOUT_NAMES, Observed
 from fieldkit.inference.restricted import (
     SUBSETS,
     Restricted,
