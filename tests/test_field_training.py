@@ -14,13 +14,16 @@ pytestmark = pytest.mark.train
 
 @pytest.fixture
 def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """An ensemble trained for a moment, by the command."""
+    from fieldkit.cli.main import main
     from fieldkit.inference.training import density, field
 
-    monkeypatch.setattr(field, "JUDGED", 300)
+    monkeypatch.setattr(field, "JUDGED", 100)
     monkeypatch.setitem(field.PLANS, "quick", density.Plan(epochs=2, batch=256))
-    summary = field.train_field(tmp_path / "field", seed=3, n_train=1500, schedule="quick")
-    assert summary["cd_mae"] > 0
-    return tmp_path / "field"
+    out = tmp_path / "field"
+    options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")
+    assert main(["train", *options, "--out", str(out)]) == 0
+    return out
 
 
 def test_the_loss_is_the_density_that_numpy_gives() -> None:
@@ -69,11 +72,14 @@ def test_the_graph_says_what_the_network_says(tmp_path: Path) -> None:
     assert found == pytest.approx(members(scaled).detach().numpy().swapaxes(0, 1), abs=1e-4)
 
 
-def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: Path) -> None:
+def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: Path, capsys: pytest.CaptureFixture[str]) -> None:
     from fieldkit.errors import BadValue
     from fieldkit.inference.ensemble import load_folder
     from fieldkit.inference.training.field import train_field
 
+    printed = capsys.readouterr().out
+    assert "motors of Quest, never seen" in printed
+    assert printed.count("all ten") == 3
     ensemble = load_folder(tiny)
     assert ensemble.members(np.zeros((2, len(ensemble.features)))).shape == (2, *ensemble.card["parts"])
     assert set(ensemble.card["guard"]) == set(ensemble.card["guarded"])

@@ -115,8 +115,13 @@ def _curve(share: Float[Array, "flight"]) -> dict[str, Any]:
 def table(card: Mapping[str, Any]) -> list[str]:
     """The verdict of a card as lines of text."""
     lines = []
-    for title, key in (("fresh flights", "test"), (f"motors of {card['held_out']}, never seen", "test_held_out")):
-        lines.append(f"{title}")
+    titles = {
+        "test": "fresh flights",
+        "test_held_out": f"motors of {card['held_out']}, never seen",
+        "test_peers": "motors of the same classes, seen",
+    }
+    for key, title in titles.items():
+        lines.append(title)
         lines.append(
             f"{'readouts':22s} {'log p':>7s} {'Cd MAE':>7s} {'al MAE':>7s}  coverage at 50/80/90/95 %: drag area, alpha"
         )
@@ -126,4 +131,9 @@ def table(card: Mapping[str, Any]) -> list[str]:
                 f"{name:22s} {one['log_density']:7.3f} {one['cd_mae']:7.4f} {one['alpha_mae']:7.4f}  "
                 f"{cover[0]}  {cover[1]}  alarms {100 * one['false_alarms']:.2f} %"
             )
+    for name, one in card.get("restricted", {}).items():
+        lines.append(
+            f"the paper's prior, {name}: Cd MAE {one['cd_mae']:.4f} (exact {one['cd_mae_exact']:.4f}), alpha MAE "
+            f"{one['alpha_mae']:.4f} (exact {one['alpha_mae_exact']:.4f}), KL {one['kl']:.3f} nats"
+        )
     return lines

@@ -20,6 +20,7 @@ from fieldkit.inference.simulated import PRIORS, Truth, flown_motors, simulate
 from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.restricted import train_restricted
 from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.motors import Motor, catalogue
 from fieldkit.shapes import Array, Float
@@ -70,6 +71,9 @@ def train_field(
     ensemble = from_parts(exported, card, out)
     card["test"] = judge(ensemble, streams[4], known, JUDGED)
     card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED)
+    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), JUDGED)
+    if schedule == "published":
+        card["restricted"] = train_restricted(seed=seed)
     both = card["test"]["all ten"]
     return {
         "recipe": "field",
@@ -79,6 +83,12 @@ def train_field(
         "seconds": card["seconds"],
         "files": ship(out, exported, card),
     }
+
+
+def _peers(known: list[Motor], others: list[Motor]) -> list[Motor]:
+    """Motors that were learnt from, of the classes of those that were not."""
+    classes = {motor.impulse_class for motor in others}
+    return [motor for motor in known if motor.impulse_class in classes]
 
 
 def motors_apart() -> tuple[list[Motor], list[Motor]]:
