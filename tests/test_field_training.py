@@ -13,8 +13,8 @@ pytestmark = pytest.mark.train
 
 
 @pytest.fixture
-def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
-    """An ensemble trained for a moment, by the command."""
+def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> tuple[Path, str]:
+    """The folder of an ensemble trained for a moment by the command, and what the command printed."""
     from fieldkit.cli.main import main
     from fieldkit.inference.training import density, field
 
@@ -23,7 +23,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     out = tmp_path / "field"
     options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")
     assert main(["train", *options, "--out", str(out)]) == 0
-    return out
+    return out, capsys.readouterr().out
 
 
 def test_the_loss_is_the_density_that_numpy_gives() -> None:
@@ -72,16 +72,16 @@ def test_the_graph_says_what_the_network_says(tmp_path: Path) -> None:
     assert found == pytest.approx(members(scaled).detach().numpy().swapaxes(0, 1), abs=1e-4)
 
 
-def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, str]) -> None:
     from fieldkit.errors import BadValue
     from fieldkit.inference.ensemble import load_folder
     from fieldkit.inference.training.field import train_field
 
-    printed = capsys.readouterr().out
+    folder, printed = tiny
     assert "motors of Quest, never seen" in printed
     assert printed.count("all ten") == 3
-    ensemble = load_folder(tiny)
+    ensemble = load_folder(folder)
     assert ensemble.members(np.zeros((2, len(ensemble.features)))).shape == (2, *ensemble.card["parts"])
     assert set(ensemble.card["guard"]) == set(ensemble.card["guarded"])
     with pytest.raises(BadValue, match="an ensemble there already"):
-        train_field(tiny)
+        train_field(folder)
