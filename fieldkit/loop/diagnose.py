@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.loop.candidates import Candidate, Place, effect_candidates, pattern_candidates
 from fieldkit.loop.fit import Fit, Lane, LeftOut, fit, fit_lanes, leave_one_out
 from fieldkit.loop.model import Data, Model
-from fieldkit.loop.score import Forecasts, Score, mixed, score
+from fieldkit.loop.score import Forecasts, Score, forecasts_of, mixed, score
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.effect import Effect, effects
 
@@ -121,20 +121,40 @@ SEARCH_SLACK = 0.35
 """How far a search lets motors be from their certificate, and configurations from each other, unexplained."""
 
 
+TURNS = 2
+"""Times everything is tried, where trying it shows that the plain model had not found its best fit."""
+
+
+def _again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
+    """The plain model fitted anew from where the trials ended: an effect that does nothing may have helped the
+    rest of the model to a better place, and must not get the credit."""
+    count = len(model.terms)
+    best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.log_evidence)}
+    every = tuple(range(count))
+    lanes = [Lane(every, trial.fit.tangent.at[:count]) for trial in best.values()]
+    fits = fit_lanes(model, data, lanes, known.tangent.scatter_slope[..., -1], rounds=4)
+    return max([known, *fits], key=lambda result: result.log_evidence)
+
+
 def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach."""
     tell = progress or (lambda text, share: None)
-    base_fit = fit(model, data)
-    base = Trial(Candidate(Place("none"), ()), base_fit, leave_one_out(base_fit))
     truth = data.values[:, 0]
     seen = data.seen[:, 0]
-
     singles = _by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
-    trials = []
-    for number, (name, family) in enumerate(singles.items()):
-        tell(name or "patterns", number / (2 * len(singles)))
-        trials += try_family(model, data, family, base_fit)
-    before = mixed(base.left_out)
+    base_fit = fit(model, data)
+    for turn in range(TURNS):
+        trials = []
+        for number, (name, family) in enumerate(singles.items()):
+            tell(name or "patterns", 0.5 * (turn + number / len(singles)) / TURNS)
+            trials += try_family(model, data, family, base_fit)
+        better = _again(model, data, base_fit, trials)
+        settled = better.log_evidence < base_fit.log_evidence + 0.3
+        base_fit = better
+        if settled:
+            break
+    base = Trial(Candidate(Place("none"), ()), base_fit, leave_one_out(base_fit))
+    before = forecasts_of(base.left_out)
     ranking = _rank(trials, base, truth, seen)
     choice = _choose(ranking, base.log_evidence)
     folds = _fold_choices(trials, base)
@@ -197,14 +217,11 @@ def _rank(trials: Sequence[Trial], base: Trial, truth: Array, seen: Flags) -> tu
 
 def _family_forecasts(family: Sequence[Trial]) -> Forecasts:
     """What an effect says of each flight left out, its places weighed by their evidence."""
-    return mixed(
-        LeftOut(
-            np.concatenate([trial.left_out.mean for trial in family]),
-            np.concatenate([trial.left_out.variance for trial in family]),
-            np.concatenate([trial.left_out.log_weight + trial.candidate.log_share for trial in family]),
-            np.concatenate([trial.left_out.distance for trial in family]),
-        )
-    )
+    parts = [
+        (trial.left_out.mean, trial.left_out.variance, trial.left_out.log_weight + trial.candidate.log_share)
+        for trial in family
+    ]
+    return mixed(*(np.concatenate(values) for values in zip(*parts, strict=True)))
 
 
 def _choose(ranking: Sequence[Ranked], base_evidence: float) -> Ranked | None:
@@ -234,7 +251,7 @@ def _select(
 ) -> Forecasts:
     """Forecasts of each flight by the model chosen without it."""
     families = _families(trials)
-    options = {None: mixed(base.left_out)} | {
+    options = {None: forecasts_of(base.left_out)} | {
         name: _family_forecasts(families[name]) for name in set(folds) if name is not None
     }
     picked = [options[name] for name in folds]

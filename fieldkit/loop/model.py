@@ -29,6 +29,9 @@ CD = (np.log(0.6), 0.35)
 UNKNOWN_AREA_SD = 0.4
 """Of log area where the diameter was not recorded and follows from the mass. [1]"""
 
+OPENING = "opening of the parachute"
+"""The term for the time from the ejection charge to an open parachute. [s]"""
+
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 
@@ -133,8 +136,8 @@ def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float =
         *_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")),
         *_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")),
         *_per_group("burn", "stretch", 0.04 * slack, groups(flights, found, "motor"), alone=True),
-        *_per_group("delay", "delay", 0.06, groups(flights, found, "motor"), alone=True),
-        Term("opening of the parachute", "opening", 0.6, 0.4, every, low=0.0),
+        *_per_group("delay", "delay", 0.08, groups(flights, found, "motor"), alone=True),
+        Term(OPENING, "opening", 0.6, 0.4, every, low=0.0),
         Term("top speed read", "top_speed", 0.0, 0.01, every),
         Term("burn time read", "burn_time", 0.0, 0.05, every),
         Term("peak read", "peak_accel", 0.0, 0.06, every),

@@ -47,10 +47,10 @@ class Air:
         if self.scale_height is not None:
             result: Float[Array, "*draw"] = np.exp(height * (-1 / self.scale_height))
             return result
-        warmth = np.maximum(height * (-LAPSE / self.temperature), -0.9)
+        warmth = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
         np.log1p(warmth, out=warmth)
         warmth *= HYDROSTATIC - 1
-        return np.exp(warmth, out=warmth)
+        return np.asarray(np.exp(warmth, out=warmth))
 
     def sound_speed(self, height: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
         """Speed of sound at a height above the pad. [m/s]"""

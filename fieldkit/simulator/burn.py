@@ -5,11 +5,21 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.pull import Pull
+from fieldkit.simulator.pull import TURN_LENGTH, Pull
 from fieldkit.simulator.state import Setup
 
 STIFFEST = 0.5
 """Largest share by which drag alone may change speed in a step. [1]"""
+
+SHORT_PATH = 1.0
+"""Longest path of a step by which a rocket turns into the wind. [m]"""
+BIGGEST_GAIN = 0.4
+"""Largest share by which thrust may change the speed of a free planar flight in a step. [1]"""
+MOST_PARTS = 64
+"""Into which a step is cut. [1]"""
+
+NEWTON = 8
+"""Rounds of Newton's method for the moment at which the rail ends. [1]"""
 
 Stages = list[Array]
 """A figure at start, middle and end of a step."""
@@ -40,7 +50,7 @@ def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
     burns, motor = setup.burns, setup.motor
     weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
     needed = weight * setup.burn_stretch / setup.thrust_factor
-    result = np.full(needed.shape, np.inf)
+    result = np.where(burns.rise_thrust[0][motor] > needed, burns.rise_time[0][motor], np.inf)
     for knot in range(len(burns.rise_time) - 1):
         before, after = burns.rise_thrust[knot][motor], burns.rise_thrust[knot + 1][motor]
         crosses = (after > needed) & np.isinf(result)
@@ -97,7 +107,7 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
     factor = setup.thrust_factor / stretch
     at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
     track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
-    slope = zero
+    slope, end = zero, np.ones(1)
     for step in range(len(burns.edge) - 1):
         first, last = burns.edge[step][motor] * stretch, burns.edge[step + 1][motor] * stretch
         dt = last - first
@@ -107,14 +117,20 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
         mass: Stages = [fixed_mass + burns.propellant_mass[motor] * (1 - stage[motor]) for stage in burns.spent[step]]
         if first.min() < latest:
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
-            thrust, mass, dt = _between(thrust, place, 1.0), _between(mass, place, 1.0), dt * (1 - place)
+            thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
         parts = _parts(setup, track, dt, thrust, mass)
-        for part in range(parts):
-            piece = part / parts, (part + 1) / parts
-            _step(track, pull, dt / parts, _between(thrust, *piece), _between(mass, *piece))
+        for part in range(int(parts.max())):
+            start_at, end_at = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
+            _step(
+                track,
+                pull,
+                dt * (end_at - start_at),
+                _between(thrust, start_at, end_at),
+                _between(mass, start_at, end_at),
+            )
         if highlights:
-            _leave_rail(track, setup, *before)
+            _leave_rail(track, setup, dt, *before)
             slope_before = slope
             slope = _along(track.velocity, pull(track.position, track.velocity, thrust[2], mass[2]))
             track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
@@ -122,9 +138,9 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
     return track
 
 
-def _between(values: Stages, start: Array | float, end: Array | float) -> Stages:
+def _between(values: Stages, start: Array, end: Array) -> Stages:
     """Start, middle and end of a part of a step over which a figure is a quadratic; places in [0, 1]."""
-    if isinstance(start, float) and start == 0.0 and end == 1.0:
+    if len(start) == 1 and start[0] == 0 and end[0] == 1:
         return values
     at_start, at_middle, at_end = values
     linear, square = 4 * at_middle - 3 * at_start - at_end, 2 * (at_start + at_end) - 4 * at_middle
@@ -132,14 +148,29 @@ def _between(values: Stages, start: Array | float, end: Array | float) -> Stages
     return [np.asarray(at_start + at * (linear + at * square)) for at in places]
 
 
-def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> int:
-    """Into how many parts a step must be cut where drag is stiff: light, wide and fast. [1]
+def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> Array:
+    """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
 
-    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that.
+    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that. A planar
+    flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
     """
     speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
     stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
-    return int(np.clip(np.ceil(np.max(stiffness) / STIFFEST), 1, 64))
+    wanted = stiffness / STIFFEST
+    if len(track.position) == 2:
+        wanted = np.maximum(wanted, _bends(setup, track, dt, np.maximum(thrust[0], thrust[2]) / mass[2]))
+    if np.max(wanted) <= 1:
+        return np.ones(1)
+    return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 1.0), MOST_PARTS))
+
+
+def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
+    """Into how many parts a step must be cut where a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
+    path, speed = _speed(track.position), _speed(track.velocity)
+    ahead = (speed + 0.5 * push * dt) * dt
+    turning = (path < setup.rail_length + TURN_LENGTH) & (path + ahead > setup.rail_length)
+    gains = np.where(path < setup.rail_length, 0.0, push * dt / np.maximum(speed, 1e-9))
+    return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN)
 
 
 def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:
@@ -161,17 +192,32 @@ def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> 
     track.time = track.time + dt
     track.flying = track.flying + dt
     if (track.velocity[0] < 0).any():
-        higher = track.position[0] > track.highest
-        track.highest_time = np.where(higher, track.time, track.highest_time)
-        track.highest = np.where(higher, track.position[0], track.highest)
+        _turn_over(track, dt, x[0], v[0])
 
 
-def _leave_rail(track: Track, setup: Setup, position: Array, velocity: Array) -> None:
-    """Keep the speed at the end of the rail: v^2 is close to linear in the path there."""
+def _turn_over(track: Track, dt: Array, height: Array, upward: Array) -> None:
+    """Keep the top of a flight that turns down under power, upward speed taken as linear in a step."""
+    turns = (upward > 0) & (track.velocity[0] <= 0)
+    left = upward * dt / np.where(turns, upward - track.velocity[0], 1.0)
+    top = height + 0.5 * upward * left
+    higher = turns & (top > track.highest)
+    track.highest_time = np.where(higher, track.time - dt + left, track.highest_time)
+    track.highest = np.where(higher, top, track.highest)
+
+
+def _leave_rail(track: Track, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
+    """Keep the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
     before, after = _speed(position), _speed(track.position)
     leaves = (after >= setup.rail_length) & (before < setup.rail_length)
     if not leaves.any():
         return
-    share = (setup.rail_length - before) / np.where(leaves, after - before, 1.0)
-    square = _speed(velocity) ** 2 * (1 - share) + _speed(track.velocity) ** 2 * share
-    track.rail_speed = np.where(leaves, np.sqrt(np.maximum(square, 0.0)), track.rail_speed)
+    rise, lift0, lift1 = after - before, _speed(velocity) * dt, _speed(track.velocity) * dt
+    square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
+    left = np.where(leaves, setup.rail_length - before, 0.0)
+    place = np.ones(len(rise))
+    for _ in range(NEWTON):
+        slope = lift0 + place * (2 * square + 3 * place * cubic)
+        miss = place * (lift0 + place * (square + place * cubic)) - left
+        place = np.clip(place - miss / np.where(leaves & (slope > 0), slope, np.inf), 0.0, 1.0)
+    speed = (lift0 + place * (2 * square + 3 * place * cubic)) / np.where(leaves, dt, 1.0)
+    track.rail_speed = np.where(leaves, speed, track.rail_speed)

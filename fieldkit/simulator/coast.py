@@ -17,6 +17,8 @@ from fieldkit.simulator.state import Setup
 
 LAYER = 50.0
 """Thickest layer of even density in the closed form. [m]"""
+LEAST_DRAG = 1e-12
+"""Drag per mass and speed squared that stands for none, so that one formula serves. [1/m]"""
 SPEED_STEP = 12.0
 """Longest step of upward speed otherwise. [m/s]"""
 
@@ -48,13 +50,16 @@ class _Point:
     sideways: Array
 
 
-def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"]) -> Apogee:
-    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]"""
-    closed = track.position.shape[0] == 1 and not setup.forces
-    points = _layers(setup, track) if closed else _steps(setup, track)
-    last = next(points)
+def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
+    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]
+
+    Without `timed` the time of apogee may be left out (nan), which is quicker.
+    """
     fires = np.maximum(eject_time, track.time)
     ever = bool(np.isfinite(fires).any())
+    closed = track.position.shape[0] == 1 and not setup.forces
+    points = _layers(setup, track, timed=timed or ever) if closed else _steps(setup, track)
+    last = next(points)
     charge, opened = ([np.full(len(fires), np.nan)] * 2 for _ in range(2))
     for point in points:
         if ever:
@@ -72,35 +77,39 @@ def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"]) -> Apoge
     return Apogee(time, height, last.drift, last.sideways, charge[0], charge[1])
 
 
-def _layers(setup: Setup, track: Track) -> Iterator[_Point]:
+def _layers(setup: Setup, track: Track, *, timed: bool) -> Iterator[_Point]:
     """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
 
     Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     burns, motor, g = setup.burns, setup.motor, setup.gravity
     mass = setup.dry_mass + burns.casing_mass[motor]
-    even = (0.5 * setup.drag_area * setup.air.density) / mass
+    even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG)
     time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
-    zero = np.zeros(len(time))
+    zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
     thin = even * setup.air.thinning(height)
     yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
-    count = _count(np.max(np.log1p(thin / g * upward**2) / thin, initial=0.0) / (2 * LAYER))
-    fall = upward / count
-    for layer in range(count):
-        slower = upward - fall if layer < count - 1 else np.zeros(len(time))
-        middle = 0.5 * (upward + slower)
+    count = _count(np.log1p(thin / g * upward**2) / (thin * (2 * LAYER)))
+    share = upward / count
+    for _ in range(int(count.max())):
+        slower = np.maximum(upward - share, 0.0)
+        middle, fall = 0.5 * (upward + slower), upward - slower
         thin = even * setup.air.thinning(height + 0.5 * middle * fall / (g + thin * middle**2))
         square = thin / g
         gain = 0.5 / thin * np.log1p((upward + slower) * fall * square / (1 + slower**2 * square))
-        root = np.sqrt(square)
-        time = time + np.arctan(root * fall / (1 + square * upward * slower)) / (g * root)
+        if timed:
+            root = np.sqrt(square)
+            time = time + np.arctan(root * fall / (1 + square * upward * slower)) / (g * root)
         height, upward = height + gain, slower
-        yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+        if timed:
+            yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+    if not timed:
+        yield _Point(untold, height, upward, untold, zero, zero)
 
 
-def _count(wanted: float) -> int:
-    """Between two and a hundred layers or steps."""
-    return int(np.clip(np.ceil(wanted), 2, 100))
+def _count(wanted: Array) -> Array:
+    """Between two and four hundred layers or steps, each draw its own, so that none hangs on its neighbours."""
+    return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
 
 
 def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
@@ -110,8 +119,8 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
     mass = setup.dry_mass + burns.casing_mass[motor]
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)
-    count = _count(4 + np.max(upward, initial=0.0) / SPEED_STEP)
-    step = -upward / count
+    count = _count(4 + upward / SPEED_STEP)
+    share = upward / count
 
     def rates(y: Array, at: Array) -> Array:
         """Derivatives of (position, sideways velocity, time) by upward speed."""
@@ -129,9 +138,10 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
         return _Point(y[-1], y[0], at, slope, drift, across)
 
     yield point(y, upward)
-    for number in range(count):
+    for _ in range(int(count.max())):
+        after = np.maximum(upward - share, 0.0)
+        step = after - upward
         half = upward + 0.5 * step
-        after = upward + step if number < count - 1 else zero
         k1 = rates(y, upward)
         k2 = rates(y + 0.5 * step * k1, half)
         k3 = rates(y + 0.5 * step * k2, half)

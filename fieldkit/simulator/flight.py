@@ -1,12 +1,14 @@
 """One call flies a batch: arrays in, arrays out, the same code for one flight and a million."""
 
 from collections.abc import Iterator
+from itertools import pairwise
 
 import numpy as np
 
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Integers
 from fieldkit.simulator.burn import Track, burn
-from fieldkit.simulator.coast import Apogee, coast
+from fieldkit.simulator.coast import LEAST_DRAG, Apogee, coast
+from fieldkit.simulator.pull import planar
 from fieldkit.simulator.state import Flown, Setup
 
 CHUNK = 8192
@@ -18,37 +20,42 @@ def fly(setup: Setup) -> Flown:
 
     A draw whose motor never lifts it has zeros throughout and `lift_off` 0.
     """
-    parts = [_flown(part, *_ascend(part)) for part in _chunks(setup)]
-    return Flown(
-        **{
-            name: np.concatenate([getattr(part, name) for part in parts]).reshape(setup.draw_shape)
-            for name in Flown.__dataclass_fields__
-        }
-    )
+    values = {name: np.empty(int(np.prod(setup.draw_shape))) for name in Flown.__dataclass_fields__}
+    for rows, part in _chunks(setup):
+        flown = _flown(part, *_ascend(part))
+        for name, column in values.items():
+            column[rows] = getattr(flown, name)
+    return Flown(**{name: column.reshape(setup.draw_shape) for name, column in values.items()})
 
 
 def apogees(setup: Setup) -> Float[Array, "*draw"]:
     """True height of the apogee of every draw above the pad; as `fly`, and quicker. [m]"""
     result = np.empty(int(np.prod(setup.draw_shape)))
-    for number, part in enumerate(_chunks(setup)):
+    for rows, part in _chunks(setup):
         track, top, _ = _ascend(part, highlights=False)
-        result[number * CHUNK : (number + 1) * CHUNK] = np.where(np.isfinite(track.time), top.height, 0.0)
+        result[rows] = np.where(np.isfinite(track.time), top.height, 0.0)
     return result.reshape(setup.draw_shape)
 
 
-def _chunks(setup: Setup) -> Iterator[Setup]:
-    shape = setup.draw_shape
-    flat = setup.flat(shape)
+def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
+    """Rows that fly together, and their part of the set-up: apart what flies straight up and what does not, side by
+    side what burns alike. How a draw flies does not hang on the company it keeps; how fast does."""
+    flat = setup.flat(setup.draw_shape)
+    aslant = np.broadcast_to(planar(flat), flat.draws)
+    kind = flat.burns.lengths.argsort().argsort()[flat.motor] + len(flat.burns.burnout) * aslant
+    order = np.argsort(kind.astype(np.min_scalar_type(int(kind.max(initial=0)))), kind="stable")
+    upright = flat.draws - int(aslant.sum())
+    cuts = [*range(0, upright, CHUNK), *range(upright, flat.draws, CHUNK), flat.draws]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
-        for first in range(0, int(np.prod(shape)), CHUNK):
-            yield flat.part(slice(first, first + CHUNK))
+        for first, last in pairwise(cuts):
+            yield order[first:last], flat.part(order[first:last])
 
 
 def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[Track, Apogee, Array]:
     """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
     track = burn(setup, highlights=highlights)
     fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
-    return track, coast(setup, track, fires), fires
+    return track, coast(setup, track, fires, timed=highlights), fires
 
 
 def _flown(setup: Setup, track: Track, top: Apogee, fires: Array) -> Flown:
@@ -86,17 +93,16 @@ def _fall(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> tuple[Array,
     as half way down. Without a charge the parachute is taken to open at apogee.
     """
     mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
-    terminal = np.sqrt(2 * mass * setup.gravity / (setup.drag_area * setup.air.density))
+    terminal = np.sqrt(setup.gravity / np.maximum(0.5 * setup.drag_area * setup.air.density / mass, LEAST_DRAG))
     reach = setup.gravity * np.fmax(wait, 0.0) / terminal
-    drop = terminal**2 / setup.gravity * np.log(np.cosh(np.minimum(reach, 300.0)))
+    drop = terminal**2 / setup.gravity * np.log1p(2 * np.sinh(0.5 * np.minimum(reach, 300.0)) ** 2)
     falls = np.isfinite(wait)
     height = np.where(falls, top.height - np.where(falls, drop, 0.0), top.height)
     opens = height > 0
     slowly = setup.descent_speed / np.sqrt(setup.air.thinning(0.5 * np.maximum(height, 0.0)))
     under = top.time + np.where(falls, wait, 0.0) + np.maximum(height, 0.0) / slowly
-    hard = top.time + terminal / setup.gravity * np.arccosh(
-        np.exp(np.minimum(top.height * setup.gravity / terminal**2, 300.0))
-    )
+    steep = np.expm1(np.minimum(top.height * setup.gravity / terminal**2, 300.0))
+    hard = top.time + terminal / setup.gravity * np.log1p(steep + np.sqrt(steep * (steep + 2)))
     speed = np.hypot(terminal * np.tanh(reach), top.sideways)
     known = falls & opens
     return np.where(known, height, np.nan), np.where(known, speed, np.nan), np.where(opens, under, hard)

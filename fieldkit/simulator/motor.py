@@ -7,7 +7,7 @@ segment longer than a fraction of the burn is split.
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -17,6 +17,7 @@ STEPS = 12
 """No step is longer than the burn over this."""
 
 
+@runtime_checkable
 class Curve(Protocol):
     """What the simulator needs to know of a motor."""
 
@@ -58,6 +59,11 @@ class Burns:
     burnout: Float[Array, "motor"]
     propellant_mass: Float[Array, "motor"]
     casing_mass: Float[Array, "motor"]
+
+    @property
+    def lengths(self) -> Float[Array, "motor"]:
+        """How many steps each motor burns for. [1]"""
+        return np.asarray((np.diff(self.edge, axis=0) > 0).sum(axis=0), float)
 
 
 def _edges(time: Array, steps: int) -> Array:

@@ -6,6 +6,7 @@ burnout, propellant that burns off evenly in time, no casing mass. The profile d
 61.0 N s where the certificates say 39.4, 47.3 and 49.7; it is kept as published.
 """
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
@@ -14,6 +15,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import UnknownMotor
+from fieldkit.motors.motor import impulse
 from fieldkit.shapes import Array, Float, Int
 from fieldkit.simulator.atmosphere import Air
 from fieldkit.simulator.motor import Burns, burns
@@ -63,7 +65,7 @@ class DeclaredMotor:
     @property
     def delivered_impulse(self) -> float:
         """What the published profile adds up to. [N s]"""
-        return float(np.trapezoid(self.thrust, self.time))
+        return impulse(self.time, self.thrust)
 
 
 MOTORS = (
@@ -74,10 +76,15 @@ MOTORS = (
 """The paper's three motors; their place here is the paper's motor index."""
 
 
+_SPELLING = re.compile(r"(?:aerotech\s+)?(?P<name>[a-z]\d+)[a-z]*(?:\s*-\s*\d*[a-z]*)?", re.IGNORECASE)
+"""Maker or not, letter and number, propellant or not, delay or not."""
+
+
 def motor_index(name: str) -> int:
-    """The paper's index of a motor by the name the paper prints, delay or not."""
+    """The paper's index of a motor by its name, in any of the spellings in use: F24-4W, F24W-4, AeroTech F24."""
+    spelt = _SPELLING.fullmatch(name.strip())
     for index, motor in enumerate(MOTORS):
-        if name.split("-")[0].strip().upper() == motor.name.split("-")[0]:
+        if spelt and spelt["name"].upper() == motor.name.split("-")[0]:
             return index
     raise UnknownMotor(f"found {name!r}, the paper's physics knows {', '.join(m.name for m in MOTORS)}")
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fieldkit.shapes import Array
+from fieldkit.shapes import Array, Flags
 from fieldkit.simulator.atmosphere import wind_at
 from fieldkit.simulator.state import Setup, State
 
@@ -11,9 +11,9 @@ TURN_LENGTH = 4.0
 wavelength of a stable model (Mandell, Caporaso and Bengen, Topics in Advanced Model Rocketry, 1973). [m]"""
 
 
-def is_planar(setup: Setup) -> bool:
-    """Whether any draw needs more than the vertical: wind, tilt or a rail that holds on."""
-    return any(bool(np.any(entry)) for entry in (setup.wind, setup.rail_angle, setup.rail_friction))
+def planar(setup: Setup) -> Flags:
+    """Which draws need more than the vertical: wind, tilt or a rail that holds on. One flag where all are alike."""
+    return np.asarray((setup.wind != 0) | (setup.rail_angle != 0) | (setup.rail_friction != 0))
 
 
 class Pull:
@@ -26,7 +26,7 @@ class Pull:
         self.setup = setup
         self.burning = burning
         self.half_drag_area = 0.5 * setup.drag_area * setup.air.density
-        self.planar = is_planar(setup)
+        self.planar = bool(planar(setup).any())
         if self.planar:
             self.rail = np.stack([np.cos(setup.rail_angle), np.sin(setup.rail_angle)])
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.shapes import Array, Float, Int
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.simulator.atmosphere import Air
 from fieldkit.simulator.motor import Burns
 
@@ -87,8 +87,8 @@ class Setup:
 
         return self._mapped(spread)
 
-    def part(self, rows: slice | Int[Any, "row"]) -> "Setup":
-        """Some rows of a flat set-up, in this order; draws that share a motor share its entry."""
+    def part(self, rows: Int[Integers, "row"]) -> "Setup":
+        """Some rows of a flat set-up; draws that share a motor share its entry."""
         part = self._mapped(lambda values: values if len(values) == 1 else values[rows])
         shared = (part.motor == part.motor[0]).all()
         return replace(part, motor=part.motor[:1]) if shared else part

@@ -1,0 +1,201 @@
+"""What every effect on the shelf must keep to, whoever wrote it."""
+
+import ast
+from dataclasses import fields
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import COLUMNS, Flight
+from fieldkit.motors import catalogue
+from fieldkit.shelf import shelf_folder
+from fieldkit.simulator.effect import Effect, effects
+from fieldkit.simulator.field import field_setup
+from fieldkit.simulator.flight import fly
+from fieldkit.simulator.state import Flown
+
+EFFECTS = effects()
+FILES = sorted((shelf_folder("models") / "effects").glob("[!_]*.py"))
+every_effect = pytest.mark.parametrize("name", EFFECTS)
+MAY_IMPORT = ("fieldkit.simulator", "fieldkit.flight", "fieldkit.errors", "fieldkit.shapes", "numpy")
+PLAIN = ("collections", "dataclasses", "math", "typing", "functools")
+"""Of Python's own library."""
+
+FLIGHTS = (
+    Flight("1", dry_mass=0.322, diameter=0.066, delay=4.0, wind=4.0, motor="F24-4W", site="mead"),
+    Flight("2", dry_mass=0.322, diameter=0.066, delay=6.0, wind=6.0, motor="F39-6T", site="mead", rail_length=1.5),
+    Flight("3", dry_mass=0.25, diameter=0.05, delay=2.0, wind=3.0, motor="H219T", temperature=300.0, site="high"),
+)
+"""A slow, a middling and a fast flight, each of which ejects before apogee if the delay burns a little short."""
+FASTER = {"mach_drag": 0.15}
+"""Dry mass where an effect asks for speed. [kg]"""
+
+LOWER = ("base_drag", "early_ejection", "launch_angle", "mach_drag", "mass_offset", "rail_friction", "wear", "wind")
+HIGHER = ("motor_thrust",)
+"""Which way a positive strength bends the apogee, where it must: mass beyond the optimum mass only."""
+
+
+def flown(name: str, strength: Any, flights: tuple[Flight, ...] = FLIGHTS) -> dict[str, Any]:
+    """All figures of flights with one effect at a strength; readings are bent, too."""
+    effect = EFFECTS[name]
+    found = [catalogue().resolve(flight.motor) for flight in flights]
+    area = 0.5 * np.pi / 4 * np.array([flight.diameter or 0.0 for flight in flights]) ** 2
+    setup = effect.bend_setup(field_setup(flights, found, area), np.asarray(strength, float), flights)
+    result = fly(setup)
+    figures = {field.name: getattr(result, field.name) for field in fields(Flown)}
+    return figures | dict(effect.bend_reading(result.readouts(), np.asarray(strength, float)))
+
+
+def some(effect: Effect) -> float:
+    """A strength that the effect takes for ordinary."""
+    prior = effect.prior
+    fitted = min(max(prior.mean + prior.sd, 0.2 * prior.sd), prior.high)
+    return float(effect.strength(np.asarray(fitted)))
+
+
+@every_effect
+def test_an_effect_vanishes_at_zero_strength(name: str) -> None:
+    without = flown("altimeter_scale", 0.0)
+    for figure, value in flown(name, 0.0).items():
+        if EFFECTS[name].acceleration is None:
+            np.testing.assert_allclose(value, without[figure], rtol=1e-9, atol=1e-9, err_msg=figure)
+        else:
+            np.testing.assert_allclose(value, without[figure], rtol=2e-4, atol=0.03, err_msg=figure)
+
+
+@pytest.mark.parametrize("name", [name for name, effect in EFFECTS.items() if effect.acceleration])
+def test_a_force_at_zero_strength_is_none(name: str) -> None:
+    force = EFFECTS[name].acceleration
+    assert force is not None
+
+    def none(state: Any, strength: Any) -> Any:
+        return np.zeros_like(state.drag)
+
+    found = [catalogue().resolve(flight.motor) for flight in FLIGHTS]
+    setup = field_setup(FLIGHTS, found, np.full(3, 0.002))
+    bent, plain = (fly(setup.with_changes(forces=((f, np.asarray(0.0)),))) for f in (force, none))
+    for field in fields(Flown):
+        here, there = getattr(bent, field.name), getattr(plain, field.name)
+        np.testing.assert_allclose(here, there, rtol=1e-9, atol=1e-9, err_msg=field.name)
+
+
+@every_effect
+def test_an_effect_does_something_at_an_ordinary_strength(name: str) -> None:
+    light = tuple(flight.with_changes(dry_mass=FASTER.get(name, flight.dry_mass)) for flight in FLIGHTS)
+    before, after = flown(name, 0.0, light), flown(name, some(EFFECTS[name]), light)
+    change = max(float(np.abs(after[key] / before[key] - 1).max()) for key in ("apogee", "burn_time"))
+    shown = max(float(np.abs(after[key] - before[key]).max()) for key in ("apogee_to_eject", "apogee"))
+    assert change > 0.005 or shown > 0.3
+
+
+@every_effect
+def test_draws_do_not_influence_each_other(name: str) -> None:
+    strengths = some(EFFECTS[name]) * np.array([[0.0], [0.3], [1.0]])
+    together = flown(name, np.broadcast_to(strengths, (3, 3)))
+    for draw in range(3):
+        alone = flown(name, strengths[draw])
+        for figure, value in alone.items():
+            figures = np.broadcast_to(together[figure], (3, 3))
+            np.testing.assert_allclose(figures[draw], value, rtol=1e-9, atol=1e-9, err_msg=figure)
+
+
+@every_effect
+def test_flights_do_not_influence_each_other(name: str) -> None:
+    together = flown(name, some(EFFECTS[name]))
+    for number, flight in enumerate(FLIGHTS):
+        alone = flown(name, some(EFFECTS[name]), (flight,))
+        for figure, value in alone.items():
+            np.testing.assert_allclose(together[figure][..., number], value[..., 0], rtol=1e-9, atol=1e-9)
+
+
+@pytest.mark.parametrize(("name", "sign"), [(name, -1) for name in LOWER] + [(name, 1) for name in HIGHER])
+def test_a_strength_bends_the_apogee_the_way_it_says(name: str, sign: int) -> None:
+    strengths = some(EFFECTS[name]) * np.linspace(0, 1, 6)[:, None]
+    light = tuple(flight.with_changes(dry_mass=FASTER.get(name, flight.dry_mass)) for flight in FLIGHTS)
+    heights = flown(name, np.broadcast_to(strengths, (6, 3)), light)["apogee"]
+    assert np.all(sign * np.diff(heights, axis=0) > -0.05)
+    assert np.any(sign * (heights[-1] - heights[0]) > 1)
+
+
+def test_denser_air_lowers_and_a_longer_burn_keeps_the_impulse() -> None:
+    assert np.all(flown("air_density", 0.1)["apogee"] < flown("air_density", 0.0)["apogee"])
+    short, long = flown("thrust_curve", 0.0), flown("thrust_curve", 0.2)
+    np.testing.assert_allclose(long["burn_time"], 1.2 * short["burn_time"], rtol=0.05)
+    assert np.all(long["peak_accel"] < short["peak_accel"])
+
+
+def test_an_altimeters_scale_bends_heights_and_nothing_else() -> None:
+    true, shown = flown("altimeter_scale", 0.0), flown("altimeter_scale", 0.1)
+    for figure, value in shown.items():
+        share = 1.1 if figure in ("apogee", "eject_altitude") else 1.0
+        np.testing.assert_allclose(value, share * true[figure], rtol=1e-12, err_msg=figure)
+
+
+@every_effect
+def test_an_effect_speaks_in_plain_words(name: str) -> None:
+    effect = EFFECTS[name]
+    for text in (effect.title, effect.explains, effect.unit, effect.source, effect.tell_apart):
+        assert text
+        assert text == text.strip()
+        assert not text.endswith(".")
+        assert "_" not in text, "a column's name is not plain words"
+    assert len(effect.title.split()) <= 8
+    assert len(effect.explains.split()) >= 6
+    assert len(effect.tell_apart.split()) >= 4
+    assert not any(jargon in effect.explains.lower() for jargon in ("prior", "posterior", "coefficient", "parameter"))
+
+
+@every_effect
+def test_a_prior_lies_inside_its_bounds(name: str) -> None:
+    prior = EFFECTS[name].prior
+    assert prior.low <= prior.mean <= prior.high
+    assert prior.sd > 0
+    assert prior.high - prior.low > prior.sd
+    assert all(prior.low <= start <= prior.high for start in EFFECTS[name].starts)
+
+
+@every_effect
+def test_an_effect_bends_one_thing(name: str) -> None:
+    effect = EFFECTS[name]
+    assert sum(bend is not None for bend in (effect.setup, effect.acceleration, effect.reading)) == 1
+
+
+@every_effect
+def test_an_effect_needs_a_column_without_which_it_cannot_act(name: str) -> None:
+    effect = EFFECTS[name]
+    if not effect.needs:
+        return
+    assert effect.needs in [column.name for column in COLUMNS]
+    bare = tuple(flight.with_changes(**{effect.needs: None}) for flight in FLIGHTS)
+    with_it, without = flown(name, some(effect), bare), flown(name, 0.0, bare)
+    np.testing.assert_allclose(with_it["apogee"], without["apogee"], rtol=1e-9)
+
+
+@every_effect
+def test_a_squared_strength_is_even_in_what_it_does(name: str) -> None:
+    """What is fitted is the square, so a strength and its opposite must be one."""
+    effect = EFFECTS[name]
+    if not effect.squared:
+        assert effect.strength(np.asarray(-2.0)) == -2
+        return
+    assert effect.strength(np.asarray(9.0)) == 3
+    here, there = flown(name, some(effect)), flown(name, -some(effect))
+    np.testing.assert_allclose(here["apogee"], there["apogee"], rtol=1e-9)
+
+
+@pytest.mark.parametrize("file", FILES, ids=lambda file: file.stem)
+def test_an_effect_imports_only_what_it_may(file: Path) -> None:
+    for node in ast.walk(ast.parse(file.read_text("utf-8"))):
+        names = [alias.name for alias in node.names] if isinstance(node, ast.Import) else []
+        names += [node.module or "."] if isinstance(node, ast.ImportFrom) else []
+        for name in names:
+            ours = any(name == allowed or name.startswith(allowed + ".") for allowed in MAY_IMPORT)
+            assert ours or name.split(".")[0] in PLAIN, f"{file.name} imports {name}"
+
+
+def test_every_file_of_the_shelf_is_an_effect() -> None:
+    assert [file.stem for file in FILES] == list(EFFECTS)
+    assert all(isinstance(effect, Effect) for effect in EFFECTS.values())
+    assert len({effect.title for effect in EFFECTS.values()}) == len(EFFECTS)
