@@ -37,8 +37,6 @@ SMALLEST = 0.008
 """Motors of this diameter and less are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
 """Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
-_KNOTS = (16, 22, 28, 36, 50)
-"""Bounds between motors of few and of many knots."""
 STEPS = 8
 """Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
 
@@ -108,25 +106,11 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
     setup = _draw_field(rng, table, declared, drag_area, alpha)
-    setup = setup.with_changes(burns=burns(motors, steps=STEPS), motor=row)
-    order = _like_with_like(setup)
-    flown = fly(setup.flat((count,)).part(order))
+    flown = fly(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row))
     readouts = np.stack([flown.readouts()[name] for name in READOUT_NAMES], axis=-1)
     lifted = (flown.lift_off > 0) & (readouts[:, 0] > 5.0) & (readouts[:, 1] > 3.0)
     known = np.stack([declared[name] for name in DECLARED], axis=-1)
-    flights = Truth(table[order], known[order], readouts, drag_area[order], alpha[order])
-    return flights.rows(rng.permutation(np.flatnonzero(lifted)))
-
-
-def _like_with_like(setup: Setup) -> Int[Any, "flight"]:
-    """An order in which a flight that takes many steps does not hold up a chunk of others.
-
-    First by the number of knots of the motor, then by how stiff drag is: light, wide and fast.
-    """
-    knots = (np.diff(setup.burns.edge, axis=0) > 0).sum(axis=0)[setup.motor]
-    impulse = setup.burns.propellant_mass[setup.motor] * 1e3
-    stiffness = setup.drag_area * impulse / setup.dry_mass**2
-    return np.lexsort((stiffness, np.digitize(knots, _KNOTS)))
+    return Truth(table, known, readouts, drag_area, alpha).rows(lifted)
 
 
 def _draw_motors(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> Int[Any, "flight"]:
