@@ -24,7 +24,7 @@ def loop(
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
-        with progress("looking for what the model lacks") as tell:
+        with progress("looking for an effect") as tell:
             diagnosis = close_loop(ledger, known_motors(), name, accept=not look, progress=tell)
     if json:
         print_json(loop_document(name, diagnosis))

@@ -244,7 +244,7 @@ def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readou
     return result
 
 
-def reading_sd(raw: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
+def reading_sd(raw: Float[Array, "*draw flight readout"]) -> Float[Array, "*draw flight readout"]:
     """Expected error of each readout as compared: resolution, noise and what the device makes of a flight.
 
     Apogee 1.5 m and 0.5 %; speed 0.7 m/s and 1.5 %; burn time 0.07 s and 2 %; peak 0.5 m/s^2 and 4 %; coast
