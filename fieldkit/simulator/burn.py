@@ -191,7 +191,7 @@ def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> 
     track.velocity = v + sixth * a2
     track.time = track.time + dt
     track.flying = track.flying + dt
-    if (track.velocity[0] < 0).any():
+    if track.velocity[0].min() < 0:
         _turn_over(track, dt, x[0], v[0])
 
 

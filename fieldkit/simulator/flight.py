@@ -11,7 +11,7 @@ from fieldkit.simulator.coast import LEAST_DRAG, Apogee, coast
 from fieldkit.simulator.pull import planar
 from fieldkit.simulator.state import Flown, Setup
 
-CHUNK = 8192
+CHUNK = 16384
 """Draws flown together: few enough that their state stays in the processor's cache."""
 
 

@@ -32,21 +32,29 @@ class Pull:
 
     def drag_like(self, height: Array, speed: Array, mass: Array) -> Array:
         """Deceleration along the path through the air. [m/s^2]"""
-        drag = self.setup.air.thinning(height)
-        drag *= self.half_drag_area
-        drag *= np.abs(speed)
-        drag *= speed
+        drag = self._drag(height, speed)
         drag /= mass
         if self.setup.forces:
             state = State(height, speed, drag, self.burning, self.setup.air)
             drag = drag - sum(force(state, strength) for force, strength in self.setup.forces)
         return drag
 
+    def _drag(self, height: Array, speed: Array) -> Array:
+        """Force of drag. [N]"""
+        drag = self.setup.air.thinning(height)
+        drag *= self.half_drag_area
+        drag *= np.abs(speed)
+        drag *= speed
+        return drag
+
     def __call__(self, position: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         if self.planar:
             return self._planar(position, velocity, thrust, mass)
-        pull = thrust / mass
-        pull = pull - self.drag_like(position[0], velocity[0], mass)
+        if self.setup.forces:
+            pull = thrust / mass - self.drag_like(position[0], velocity[0], mass)
+        else:
+            pull = np.asarray(thrust - self._drag(position[0], velocity[0]))
+            pull /= mass
         pull -= self.setup.gravity
         return np.asarray(pull[None])
 

@@ -1,0 +1,269 @@
+"""The fit finds what was put in, knows how sure it is, and leaves flights out as if they had not been flown."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.stats import binom, multivariate_normal, norm
+
+from fieldkit.flight import Flight
+from fieldkit.loop.fit import Fit, Tangent, _log_inside, fit, leave_one_out, scale_grid, solve
+from fieldkit.loop.model import (
+    LOGARITHMIC,
+    OBSERVED,
+    SCATTER,
+    Data,
+    Model,
+    Term,
+    base_model,
+    compared,
+    observe,
+    reading_sd,
+    shown,
+)
+from fieldkit.motors import catalogue
+
+SETS = 40
+"""Of flights, each with terms of its own."""
+PLANS = tuple(
+    Flight(str(number), "Test", config, motor, dry_mass=mass, diameter=0.066, site="mead", delay=10.0)
+    for number, (config, mass, motor) in enumerate(
+        [("A", 0.322, "F24"), ("A", 0.322, "F39"), ("B", 0.448, "F39"), ("A", 0.322, "E35")] * 2
+    )
+)
+"""Delays are long: a charge near apogee bends a flight one way only, which no straight line can follow."""
+Readouts = np.ndarray[Any, Any]
+
+
+@cache
+def model() -> Model:
+    return base_model(PLANS, [catalogue().resolve(plan.motor) for plan in PLANS])
+
+
+@cache
+def truths() -> np.ndarray[Any, Any]:
+    """Terms of every set, from their priors. [set term]"""
+    rng = np.random.default_rng(21)
+    terms = model().terms
+    drawn = np.array([term.mean for term in terms]) + rng.normal(size=(SETS, len(terms))) * [term.sd for term in terms]
+    return np.asarray(np.clip(drawn, [term.low for term in terms], [term.high for term in terms]))
+
+
+@cache
+def seasons() -> tuple[Data, ...]:
+    """What is seen of every set: flights as the model flies them, with its scatter and its errors of reading.
+
+    A lean can but lower a flight; the fit takes it as a normal scatter like any other, and so do these.
+    """
+    rng = np.random.default_rng(22)
+    scatter_scale, reading_scale, log_prior = scale_grid()
+    pair = rng.choice(len(log_prior), SETS, p=np.exp(log_prior))
+    size = (SETS, len(PLANS))
+    scatter = {s.bends: rng.normal(size=size) * s.sd * scatter_scale[pair, None] for s in SCATTER}
+    lean = scatter.pop("tilt")
+    raw, upright, leaning = (
+        np.stack([readings[name] for name in OBSERVED], axis=-1)
+        for readings in (
+            shown(model(), truths(), scatter),
+            shown(model(), truths(), {"tilt": np.zeros(size)}),
+            shown(model(), truths(), {"tilt": np.ones(size)}),
+        )
+    )
+    noise = rng.normal(size=raw.shape) * reading_scale[pair, None, None] * np.stack([reading_sd(part) for part in raw])
+    noisy = compared(raw) + noise + lean[..., None] * (compared(leaning) - compared(upright))
+    seen = np.where(LOGARITHMIC, np.exp(noisy), noisy)
+    return tuple(observe(flights(part), [True] * len(PLANS)) for part in seen)
+
+
+def flights(readouts: Readouts) -> list[Flight]:
+    """The plans with readouts. [flight readout]"""
+    named = (dict(zip(OBSERVED, map(float, row), strict=True)) for row in readouts)
+    return [plan.with_changes(**row) for plan, row in zip(PLANS, named, strict=True)]
+
+
+@cache
+def fits() -> tuple[Fit, ...]:
+    return tuple(fit(model(), data) for data in seasons())
+
+
+def errors(results: tuple[Fit, ...]) -> np.ndarray[Any, Any]:
+    """Misses of the posterior means in posterior standard deviations. [set term]"""
+    moments = np.array([result.moments() for result in results])
+    return np.asarray((truths() - moments[:, 0]) / moments[:, 1])
+
+
+def calibrated(error: np.ndarray[Any, Any], level: float) -> bool:
+    """Whether the share of misses inside the interval of a level is what chance allows, 1 in 2,000 not."""
+    inside = int((np.abs(error) < norm.ppf(0.5 + level / 2)).sum())
+    low, high = binom.interval(0.9995, error.size, level)
+    return bool(low <= inside <= high)
+
+
+# Recovery
+
+
+def test_the_fit_finds_drag_again() -> None:
+    drag = model().names.index("drag")
+    means, sds = np.array([result.moments() for result in fits()])[:, :, drag].T
+    assert np.corrcoef(truths()[:, drag], means)[0, 1] > 0.97
+    assert np.all(sds < 0.4 * model().terms[drag].sd)
+
+
+@pytest.mark.parametrize("level", [0.5, 0.9])
+def test_every_term_lies_inside_its_interval_as_often_as_said(level: float) -> None:
+    error = errors(fits())
+    poor = [name for name, one in zip(model().names, error.T, strict=True) if not calibrated(one, level)]
+    assert not poor
+
+
+def test_misses_are_neither_one_sided_nor_too_large() -> None:
+    error = errors(fits())
+    assert np.abs(error.mean(axis=0)).max() < 4 / np.sqrt(SETS)
+    assert 0.85 < error.std() < 1.15
+
+
+@pytest.mark.parametrize(
+    "distort",
+    [lambda error: 3 * error, lambda error: error / 4, lambda error: error + 2],
+    ids=["too sure", "too timid", "shifted"],
+)
+def test_a_distorted_posterior_is_noticed(distort: Callable[[Any], Any]) -> None:
+    drag = errors(fits())[:, model().names.index("drag")]
+    assert calibrated(drag, 0.5)
+    assert not calibrated(distort(drag), 0.5)
+
+
+def test_scatter_that_is_there_is_seen() -> None:
+    """Sets of much scatter get more of their weight on large scales than sets of little."""
+    pair = np.random.default_rng(22).choice(len(scale_grid()[2]), SETS, p=np.exp(scale_grid()[2]))
+    true = np.log(scale_grid()[0][pair])
+    found = np.array([result.weights @ np.log(scale_grid()[0]) for result in fits()])
+    assert np.corrcoef(true, found)[0, 1] > 0.5
+
+
+# Leaving out
+
+
+def without(data: Data, flight: int) -> Data:
+    seen = data.seen.copy()
+    seen[flight] = False
+    return replace(data, seen=seen, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0))
+
+
+@pytest.mark.parametrize("flight", [0, 2, 7])
+def test_leaving_a_flight_out_is_solving_without_it(flight: int) -> None:
+    result = fits()[0]
+    left = leave_one_out(result)
+    rest = solve(result.model, without(result.data, flight), result.tangent)
+    slope = result.tangent.slope[flight, 0]
+    mean = result.tangent.values[flight, 0] + (rest.mean - result.tangent.at) @ slope
+    np.testing.assert_allclose(left.mean[:, flight], mean, atol=1e-9)
+    spread = np.einsum("t,stu,u->s", slope, np.linalg.inv(rest.precision), slope)
+    full = np.einsum("t,stu,u->s", slope, np.linalg.inv(result.precision), slope)
+    own = left.variance[:, flight] - spread
+    assert np.all(full <= spread)
+    assert np.all(own > 0)
+    assert np.all(np.diff(own.reshape(6, 3), axis=0) > 0), "more scatter, more spread"
+    evidence = rest.log_weight - _log_inside(rest.model, rest.mean, rest.precision)
+    other = left.log_weight[:, flight] - _log_inside(result.model, result.mean, result.precision)
+    np.testing.assert_allclose(evidence - evidence[0], other - other[0], atol=1e-7)
+
+
+def test_leaving_a_flight_out_is_close_to_refitting_without_it() -> None:
+    for season in range(3):
+        result = fits()[season]
+        left = leave_one_out(result)
+        weight = np.exp(left.log_weight - np.logaddexp.reduce(left.log_weight, axis=0))
+        mean = (weight * left.mean).sum(axis=0)
+        sd = np.sqrt((weight * (left.variance + (left.mean - mean) ** 2)).sum(axis=0))
+        for flight in (0, 3):
+            rest = fit(model(), without(result.data, flight), start=result.tangent.at)
+            terms = rest.tangent.slope[flight, 0] @ (rest.weights @ rest.mean - rest.tangent.at)
+            again = rest.tangent.values[flight, 0] + terms
+            assert abs(again - mean[flight]) < 0.25 * sd[flight]
+
+
+def test_forecasts_of_flights_left_out_are_calibrated() -> None:
+    error = []
+    for result in fits():
+        left = leave_one_out(result)
+        weight = np.exp(left.log_weight - np.logaddexp.reduce(left.log_weight, axis=0))
+        mean = (weight * left.mean).sum(axis=0)
+        sd = np.sqrt((weight * (left.variance + (left.mean - mean) ** 2)).sum(axis=0))
+        error.append((result.data.values[:, 0] - mean) / sd)
+    assert calibrated(np.array(error)[:, 0], 0.5)
+    assert calibrated(np.array(error), 0.9)
+
+
+# Evidence
+
+
+def toy(rng: np.random.Generator) -> tuple[Model, Data, Tangent]:
+    """A linear model of three terms and five flights, one readout not seen."""
+    terms = tuple(
+        Term(str(i), "drag", mean, sd, np.ones(5)) for i, (mean, sd) in enumerate([(0, 1), (2, 0.3), (-1, 2)])
+    )
+    shape = (5, len(OBSERVED))
+    seen = np.ones(shape, bool)
+    seen[2, 3] = False
+    data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), seen, np.ones(5))
+    near = Tangent(
+        rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
+    )
+    return Model((), (), np.zeros(0), terms), data, near
+
+
+def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:
+    """Expectation, covariance and slope of everything seen, written out in full for one pair of scales."""
+    scatter, reading = (values[scale] for values in scale_grid()[:2])
+    seen = data.seen.ravel()
+    slope = near.slope.reshape(len(seen), -1)
+    prior = np.array([term.mean for term in model.terms])
+    noise = np.zeros((len(seen), len(seen)))
+    width = len(OBSERVED)
+    for flight in range(len(near.values)):
+        block = slice(flight * width, (flight + 1) * width)
+        spread = near.scatter_slope[flight]
+        noise[block, block] = scatter**2 * spread @ spread.T + np.diag((reading * data.sd[flight]) ** 2)
+    mean = near.values.ravel() + slope @ (prior - near.at)
+    covariance = slope @ np.diag([term.sd**2 for term in model.terms]) @ slope.T + noise
+    return mean[seen], covariance[np.ix_(seen, seen)], slope[seen]
+
+
+@pytest.mark.parametrize("scale", [0, 7, 17])
+def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(scale: int) -> None:
+    model, data, near = toy(np.random.default_rng(5))
+    result = solve(model, data, near)
+    mean, covariance, slope = dense(model, data, near, scale)
+    seen = data.values.ravel()[data.seen.ravel()]
+    exact = multivariate_normal(mean, covariance).logpdf(seen) + 0.5 * len(seen) * np.log(2 * np.pi)
+    unseen = 0.5 * 2 * np.log(1e3)
+    assert result.log_weight[scale] - scale_grid()[2][scale] + unseen == pytest.approx(exact, abs=1e-7)
+    prior = np.diag([term.sd**2 for term in model.terms])
+    gain = prior @ slope.T @ np.linalg.inv(covariance)
+    expected = np.array([term.mean for term in model.terms]) + gain @ (seen - mean)
+    np.testing.assert_allclose(result.mean[scale], expected, atol=1e-9)
+    np.testing.assert_allclose(np.linalg.inv(result.precision[scale]), prior - gain @ slope @ prior, atol=1e-9)
+
+
+def test_what_was_not_seen_teaches_nothing() -> None:
+    model, data, near = toy(np.random.default_rng(6))
+    values = data.values.copy()
+    values[2, 3] = 1e6
+    here, there = solve(model, data, near), solve(model, replace(data, values=values), near)
+    np.testing.assert_allclose(here.mean, there.mean, rtol=1e-12)
+    assert here.log_evidence == pytest.approx(there.log_evidence)
+
+
+def test_a_term_that_says_nothing_costs_no_evidence_and_keeps_its_prior() -> None:
+    model, data, near = toy(np.random.default_rng(7))
+    idle = model.with_terms(Term("idle", "drag", 0.5, 0.2, np.zeros(5)))
+    wider = replace(near, at=np.append(near.at, 0.1), slope=np.dstack([near.slope, np.zeros((5, len(OBSERVED)))]))
+    plain, more = solve(model, data, near), solve(idle, data, wider)
+    assert more.log_evidence == pytest.approx(plain.log_evidence)
+    mean, sd = more.moments()
+    assert mean[-1] == pytest.approx(0.5)
+    assert sd[-1] == pytest.approx(0.2)
