@@ -62,7 +62,12 @@ def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
             place = str(item.best.candidate.place)
             yield f"  {place:34.34}{item.log_bayes:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
-    yield f"  verdict: {diagnosis.effect} ({diagnosis.confidence:.0%} sure): {diagnosis.why}"
+    yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
+    if diagnosis.effect == "none":
+        chance = 1 - diagnosis.confidence
+        yield f"  (the chance that something is missing is put at {chance:.0%}, before unseen flights have their say)"
+    else:
+        yield f"  (the chance that it is this is put at {diagnosis.confidence:.0%})"
     if diagnosis.also:
         yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
         for advice in diagnosis.advice:
