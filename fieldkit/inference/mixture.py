@@ -46,7 +46,7 @@ class Mixture:
         """Those of some of the flights."""
         return Mixture(*(getattr(self, name)[which] for name in self.__dataclass_fields__))
 
-    def log_density(self, values: Float[Array, "*draw flight 2"]) -> Float[Array, "*draw flight"]:
+    def log_density(self, values: Float[Array, "*draw #flight 2"]) -> Float[Array, "*draw #flight"]:
         """Log of the density in the two parameters themselves; -inf outside of their intervals."""
         place = (values - self.low) / (self.high - self.low)
         inside: Flags = np.all((place > 0) & (place < 1), axis=-1)

@@ -79,7 +79,7 @@ def measured(
     return Observed(np.stack([_figures(one) for one in paper.MOTORS])[motor], declared, readouts)
 
 
-def _clean(motor: Int[Any, "*draw"], config: Int[Any, "*draw"], cd: Array, alpha: Array) -> Array:
+def _clean(motor: Int[Any, "*#draw"], config: Int[Any, "*#draw"], cd: Array, alpha: Array) -> Array:
     readouts = fly(paper.paper_setup(motor, _MASSES[config], cd, alpha, curves=_BURNS)).readouts()
     return np.stack([readouts[name] for name in READOUT_NAMES], axis=-1)
 

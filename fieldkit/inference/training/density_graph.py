@@ -6,9 +6,10 @@ import numpy as np
 from onnx import TensorProto, checker, helper, numpy_helper
 
 from fieldkit.inference.training.density import FARTHEST, LAYERS, Members
+from fieldkit.shapes import Array, Float
 
 
-def density_graph(members: Members, mean: np.ndarray[Any, Any], sd: np.ndarray[Any, Any]) -> bytes:
+def density_graph(members: Members, mean: Float[Array, "feature"], sd: Float[Array, "feature"]) -> bytes:
     """The graph: `features` [flight feature] in float64 in, `parts` [flight member part] out.
 
     Scaling happens inside of it, in float64; the members run in float32.
