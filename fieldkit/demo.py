@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.inference.flights import Inferred, infer
+from fieldkit.inference.flights import Inferred, Model, infer
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
 from fieldkit.loop.desk import close_loop, predict_plans, which_rocket
@@ -18,14 +18,20 @@ from fieldkit.motors import Catalogue
 Tell = Callable[[str, float], None]
 """Told what is being done and the share that is done."""
 
+ENSEMBLES: tuple[Model, ...] = ("field", "paper")
+
 
 @dataclass(frozen=True, slots=True)
 class Demo:
-    """What each step found: one entry a flight, or one a motor and configuration."""
+    """What each step found: one entry a flight, or one a motor and configuration.
+
+    `by_paper` is what the reference paper's ensemble says where `inferred` is what ours does.
+    """
 
     rocket: str
     flights: Sequence[Flight]
     inferred: Sequence[Inferred]
+    by_paper: Sequence[Inferred]
     predictions: Sequence[Prediction]
     diagnosis: Diagnosis
     paper: Report
@@ -42,7 +48,7 @@ def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
     bring_in(ledger, [TABLE], lambda name: None)
     flights = ledger.flights()
     tell("inferring", 0.1)
-    inferred = infer(flights).inferred
+    inferred, by_paper = (infer(flights, motors, model).inferred for model in ENSEMBLES)
     rocket = which_rocket(ledger, None)
     tell("predicting", 0.15)
     predictions = predict_plans(ledger, motors, plans(flights))
@@ -50,7 +56,7 @@ def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
         ledger, motors, rocket, progress=lambda effect, share: tell(f"trying {effect}", 0.2 + 0.5 * share)
     )
     tell("flying the published thrust", 0.7)
-    return Demo(rocket, flights, inferred, predictions, diagnosis, report())
+    return Demo(rocket, flights, inferred, by_paper, predictions, diagnosis, report())
 
 
 def plans(flights: Sequence[Flight]) -> list[Flight]:

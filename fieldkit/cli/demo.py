@@ -63,24 +63,26 @@ def _import(found: "Demo") -> None:
 
 def _infer(found: "Demo") -> None:
     say_wrapped(
-        "2. Drag (Cd) and thrust (alpha, 1 as declared) inferred from each apogee, "
-        f"by the ensemble {found.inferred[0].model}, with the spread of its members",
+        "2. Drag (Cd) and thrust (alpha, 1 as certified) inferred from each apogee. An apogee alone can hardly "
+        "tell them apart: hence the spread, which the reference paper's network (last two) does not know.",
         "   ",
     )
     say()
-    headers = ("flight", "motor", "apogee", "", "Cd", "alpha", "tag")
+    headers = ("flight", "motor", "apogee", "Cd", "alpha", "tag", "its Cd", "alpha")
     rows = [
         (
             f"{one.flight.flight_id} {one.flight.config}",
             one.flight.motor,
-            *_heights(one.flight.apogee or 0.0, 1),
-            f"{one.cd:.3f} ± {one.cd_sd:.3f}",
-            f"{one.alpha:.3f} ± {one.alpha_sd:.3f}",
+            f"{one.flight.apogee:.1f} m",
+            f"{one.cd:.2f} ± {one.cd_sd:.2f}",
+            f"{one.alpha:.2f} ± {one.alpha_sd:.2f}",
             ", ".join(one.flight.tags),
+            f"{its.cd:.2f}",
+            f"{its.alpha:.2f}",
         )
-        for one in found.inferred
+        for one, its in zip(found.inferred, found.by_paper, strict=True)
     ]
-    print_table(headers, rows, numbers=("flight", "apogee", "", "Cd", "alpha"))
+    print_table(headers, rows, numbers=[name for name in headers if name not in ("motor", "tag")])
     say()
 
 
@@ -96,7 +98,8 @@ def _predict(found: "Demo") -> None:
             (
                 one.plan.motor,
                 one.plan.config,
-                *_heights(p50, 0),
+                f"{p50:.0f} m",
+                f"{p50 / FOOT:.0f} ft",
                 f"{p05:.0f} and {p95:.0f} m",
                 "no delay known"
                 if eject is None
@@ -105,11 +108,6 @@ def _predict(found: "Demo") -> None:
         )
     print_table(headers, rows, numbers=headers[2:5])
     say()
-
-
-def _heights(height: float, digits: int) -> tuple[str, str]:
-    """A height in metres, and in feet without decimals, as altimeters show it."""
-    return f"{height:.{digits}f} m", f"{height / FOOT:.0f} ft"
 
 
 def _loop(found: "Demo") -> None:

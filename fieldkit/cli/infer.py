@@ -6,14 +6,15 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table
-from fieldkit.cli.session import open_ledger
+from fieldkit.cli.session import known_motors, open_ledger
 
 app = typer.Typer()
 
 
 class Which(StrEnum):
-    """The ensembles that can be asked."""
+    """The ensembles that can be asked: one for any flight and all its readouts, and the reference paper's."""
 
+    field = "field"
     paper = "paper"
 
 
@@ -23,7 +24,7 @@ def infer(
     flights: Annotated[
         list[str] | None, typer.Argument(metavar="[FLIGHT]...", help="By default all.", show_default=False)
     ] = None,
-    model: Annotated[Which, typer.Option(help="The ensemble to ask.")] = Which.paper,
+    model: Annotated[Which, typer.Option(help="The ensemble to ask.")] = Which.field,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Infer what each flight says of the rocket's drag (Cd) and the motor's thrust (alpha, 1 as certified)."""
@@ -35,7 +36,7 @@ def infer(
         names = dict(zip(map(id, flown), ledger.ids(flown), strict=True))
         if not flown:
             raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
-    found = infer(flown, model.value)
+    found = infer(flown, known_motors(), model.value)
     for line in found.left_out:
         complain(f"left out: {line}")
     if not found.inferred:
@@ -43,6 +44,9 @@ def infer(
     if json:
         print_json({"flights": [one.json() for one in found.inferred]})
         return
+    for warning in dict.fromkeys(line for one in found.inferred for line in one.warnings):
+        told = [names[id(one.flight)] for one in found.inferred if warning in one.warnings]
+        complain(f"note: flight{'s' if len(told) > 1 else ''} {', '.join(told)}: {warning}")
     headers = ("flight", "motor", "apogee", "Cd", "±", "alpha", "±")
     rows = [
         (

@@ -1,19 +1,23 @@
 """What each of any flights says about drag and thrust, and why some say nothing."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.motors import Catalogue, Found
 
-Model = Literal["paper"]
+Model = Literal["field", "paper"]
 """The ensembles that flights can be shown to."""
 
 
 @dataclass(frozen=True, slots=True)
 class Inferred:
-    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble that said so."""
+    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble that said so.
+
+    `warnings` is what the flyer should know before trusting it.
+    """
 
     flight: Flight
     cd: float
@@ -21,11 +25,13 @@ class Inferred:
     alpha: float
     alpha_sd: float
     model: str
+    warnings: tuple[str, ...] = ()
 
     def json(self) -> dict[str, Any]:
-        """The keys of the contract."""
+        """The keys of the contract, and the warnings."""
         figures = {name: getattr(self, name) for name in ("cd", "cd_sd", "alpha", "alpha_sd", "model")}
-        return {"flight_id": self.flight.flight_id, "rocket": self.flight.rocket, **figures}
+        about = {"flight_id": self.flight.flight_id, "rocket": self.flight.rocket}
+        return {**about, **figures, "warnings": list(self.warnings)}
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,31 +42,54 @@ class Inferences:
     left_out: tuple[str, ...]
 
 
-def infer(flights: Sequence[Flight], model: Model = "paper") -> Inferences:
+def infer(flights: Sequence[Flight], motors: Catalogue, model: Model = "field") -> Inferences:
     """Cd and alpha of every flight that an ensemble can judge. Raises DamagedModel."""
-    judge = _JUDGES[model]()
-    inferred, left_out = [], []
+    return _paper(flights) if model == "paper" else _field(flights, motors)
+
+
+def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
+    from fieldkit.inference.field import infer_field
+
+    known: list[tuple[Flight, Found]] = []
+    left_out = []
     for flight in flights:
         try:
-            inferred.append(judge(flight))
+            known.append((flight, _flyable(flight, motors)))
         except FieldkitError as error:
-            left_out.append(str(error))
+            left_out.append(f"flight {flight.flight_id}, {error}")
+    if not known:
+        return Inferences((), tuple(left_out))
+    found = infer_field(*zip(*known, strict=True))
+    columns = (found.cd, found.cd_sd, found.alpha, found.alpha_sd)
+    figures = zip(*(column.tolist() for column in columns), strict=True)
+    inferred = [
+        Inferred(flight, *four, found.model, warnings)
+        for (flight, _), four, warnings in zip(known, figures, found.warnings, strict=True)
+    ]
     return Inferences(tuple(inferred), tuple(left_out))
 
 
-def _paper() -> Callable[[Flight], Inferred]:
+def _flyable(flight: Flight, motors: Catalogue) -> Found:
+    """The motor of a flight that has all that inference needs; each error begins with the column."""
+    if flight.dry_mass is None:
+        raise ImpossibleFlight("dry_mass_g: found nothing, expected the rocket's mass without its motor")
+    if not flight.readouts():
+        raise ImpossibleFlight("found no readout, expected at least the apogee")
+    return motors.resolve(flight.motor)
+
+
+def _paper(flights: Sequence[Flight]) -> Inferences:
     from fieldkit.inference.ensemble import load
     from fieldkit.inference.posterior import infer_paper
 
     ensemble = load("paper")
-
-    def judge(flight: Flight) -> Inferred:
-        found = infer_paper([flight], ensemble)
-        columns = (found.cd, found.cd_sd, found.alpha, found.alpha_sd)
-        cd, cd_sd, alpha, alpha_sd = (float(column[0]) for column in columns)
-        return Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model)
-
-    return judge
-
-
-_JUDGES: dict[str, Callable[[], Callable[[Flight], Inferred]]] = {"paper": _paper}
+    inferred, left_out = [], []
+    for flight in flights:
+        try:
+            found = infer_paper([flight], ensemble)
+        except FieldkitError as error:
+            left_out.append(str(error))
+            continue
+        cd, cd_sd, alpha, alpha_sd = (float(x[0]) for x in (found.cd, found.cd_sd, found.alpha, found.alpha_sd))
+        inferred.append(Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model))
+    return Inferences(tuple(inferred), tuple(left_out))
