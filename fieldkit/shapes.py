@@ -12,7 +12,10 @@ if TYPE_CHECKING or os.environ.get("FIELDKIT_CHECK_SHAPES"):
     import numpy as np
     from jaxtyping import Bool, Float, Int
 
-    Array = np.ndarray[Any, np.dtype[np.float64]]
+    if TYPE_CHECKING:
+        Array = np.ndarray[Any, np.dtype[np.float64]]
+    else:
+        Array = np.ndarray[Any, np.dtype[np.float64]] | np.float64  # numpy hands out scalars for arrays of no axes
     Integers = np.ndarray[Any, np.dtype[np.int64]]
     Flags = np.ndarray[Any, np.dtype[np.bool_]]
 else:

@@ -72,18 +72,6 @@ def plain() -> dict[str, str]:
     return {name: value for name, value in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
 
 
-def test_help_wakes_nothing_heavy() -> None:
-    code = (
-        "import sys; from fieldkit.cli.main import main; main(['--help']); main(['add', '--help'])\n"
-        "heavy = {'numpy', 'scipy', 'sqlalchemy', 'alembic', 'torch', 'textual', 'onnxruntime'}\n"
-        "print(*(heavy & set(sys.modules)), sep='', end='', file=sys.stderr)"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, env=plain())
-    assert done.stderr == ""
-    assert "import" in done.stdout
-    assert "--apogee-m" in done.stdout
-
-
 def test_keeping_records_waits_for_no_arrays(table: Path, tmp_path: Path) -> None:
     code = (
         "import sys; from fieldkit.cli.main import main\n"

@@ -395,7 +395,7 @@ def test_air_thins_alike_from_the_pad_and_from_the_sea() -> None:
 
 def test_humid_and_hot_air_is_lighter_and_heavy_air_is_heavier() -> None:
     def density(kelvin: float, pascal: float, humidity: float) -> float:
-        return float(pad_air(NAN, *(np.asarray(x) for x in (kelvin, pascal, humidity))).density)
+        return float(pad_air(NAN, *(np.asarray(x, float) for x in (kelvin, pascal, humidity))).density)
 
     dry, humid = density(303.15, 101325, 0.0), density(303.15, 101325, 1.0)
     assert density(303.15, 101325, np.nan) == dry

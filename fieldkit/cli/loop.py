@@ -20,18 +20,16 @@ def loop(
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
     from fieldkit.loop.desk import close_loop, loop_document, which_rocket
-    from fieldkit.loop.residual import patterns
     from fieldkit.loop.words import report
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
-        with progress("looking for what the model lacks") as tell:
+        with progress("looking for an effect") as tell:
             diagnosis = close_loop(ledger, known_motors(), name, accept=not look, progress=tell)
-    found = patterns(diagnosis)
     if json:
-        print_json(loop_document(name, diagnosis, [pattern.json() for pattern in found]))
+        print_json(loop_document(name, diagnosis))
         return
-    for line in report(name, diagnosis, found):
+    for line in report(name, diagnosis):
         say(line)
 
 

@@ -13,7 +13,21 @@ import typer
 
 from fieldkit.errors import FieldkitError
 
-GROUPS = ("intake", "add", "records", "forecast", "loop", "journal", "motors", "simulate", "paper", "train")
+GROUPS = (
+    "demo",
+    "intake",
+    "add",
+    "records",
+    "infer",
+    "forecast",
+    "loop",
+    "score",
+    "journal",
+    "motors",
+    "simulate",
+    "paper",
+    "train",
+)
 """Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
 
 app = typer.Typer(

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say
+from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
     from fieldkit.loop.paper.report import Report
@@ -106,12 +106,6 @@ def _rules(report: "Report") -> None:
 
 
 def _say_findings(paragraphs: list[str]) -> None:
-    from textwrap import wrap
-
-    from rich.console import Console
-
-    width = min(Console().width, 100)
     for number, paragraph in enumerate(paragraphs, start=1):
-        for line in wrap(paragraph, width, initial_indent=f"{number}. ", subsequent_indent="   "):
-            say(line)
+        say_wrapped(f"{number}. {paragraph}", "   ")
         say()

@@ -20,6 +20,17 @@ def say(text: str = "") -> None:
     sys.stdout.write(printable(text) + "\n")
 
 
+def say_wrapped(text: str, hanging: str = "") -> None:
+    """Print one line of a result on as many as the terminal needs, later ones below its first word and `hanging`."""
+    from textwrap import wrap
+
+    from rich.console import Console
+
+    start = text[: len(text) - len(text.lstrip())]
+    for line in wrap(text.strip(), min(Console().width, 100), initial_indent=start, subsequent_indent=start + hanging):
+        say(line)
+
+
 def complain(text: str) -> None:
     """Print a message, a line or a few, where it is not taken for a result."""
     sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))
@@ -87,12 +98,17 @@ def spelled(unit: str) -> str:
 
 @contextmanager
 def progress(title: str) -> Iterator[Callable[[str, float], None]]:
-    """A bar on stderr, where that is a terminal, told of what is being done and the share done."""
-    from rich.console import Console
-    from rich.progress import Progress
-    from rich.text import Text
+    """A bar on stderr, where that is a terminal, told of what is being done and the share done.
 
-    console = Console(stderr=True)
-    with Progress(console=console, transient=True, disable=not console.is_terminal) as bar:
-        task = bar.add_task(Text(title).plain, total=1.0)
-        yield lambda text, share: bar.update(task, completed=share)
+    It is drawn when it is told something and at no other time.
+    """
+    from rich.console import Console
+    from rich.markup import escape
+    from rich.progress import Progress
+
+    quiet = not sys.stderr.isatty()
+    with Progress(console=Console(stderr=True), transient=True, disable=quiet, auto_refresh=False) as bar:
+        task = bar.add_task(escape(title), total=1.0)
+        yield lambda text, share: bar.update(
+            task, description=escape(f"{title}: {printable(text)}"), completed=share, refresh=True
+        )

@@ -15,6 +15,7 @@ class Recipe(StrEnum):
     """What can be trained."""
 
     paper = "paper"
+    field = "field"
 
 
 class Plan(StrEnum):
@@ -32,7 +33,10 @@ def train(
     schedule: Annotated[
         Plan, typer.Option(help="The paper's 100 epochs, or 10 that reach the same errors.")
     ] = Plan.quick,
-    n_train: Annotated[int, typer.Option(min=256, help="Simulated flights to train on.")] = 10_000,
+    n_train: Annotated[
+        int | None, typer.Option(min=256, help="Simulated flights to train on: 10,000 for paper, a million for field.")
+    ] = None,
+    report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's whole verdict.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Train an ensemble on simulated flights; needs the extra named train."""
@@ -48,7 +52,8 @@ def train(
         def tell(epoch: int, epochs: int, loss: float) -> None:
             progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
 
-        summary = train_by_recipe(out, seed=seed, n_train=n_train, schedule=schedule.value, progress=tell)
+        flights = {} if n_train is None else {"n_train": n_train}
+        summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=tell, **flights)
     if json:
         print_json(summary)
         return
@@ -56,3 +61,9 @@ def train(
     say(f"mean absolute error on unseen ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
     for file in summary["files"]:
         say(file)
+    if report and recipe is Recipe.field:
+        from fieldkit.inference.ensemble import read_card
+        from fieldkit.inference.judge import table
+
+        for line in table(read_card(out)):
+            say(line)

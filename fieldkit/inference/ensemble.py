@@ -18,6 +18,8 @@ from fieldkit.shelf import trained_folder
 
 CARD = "card.json"
 GRAPH = "ensemble.onnx"
+ENDS = ("mean", "spread")
+"""What comes out of a graph, unless its card names the shape of `parts`: all that each member says."""
 LARGEST_CARD = 1 << 20
 LARGEST_GRAPH = 32 << 20
 """What is read at most. [byte]"""
@@ -39,6 +41,11 @@ class Ensemble:
         """Mean over the members, and their spread (the standard deviation over members)."""
         mean, spread = self.session.run(("mean", "spread"), {"features": np.asarray(features, np.float64)})
         return mean, spread
+
+    def members(self, features: Float[Array, "flight feature"]) -> Float[Array, "flight member part"]:
+        """Everything that each member of a density ensemble says."""
+        parts: Array = self.session.run(("parts",), {"features": np.asarray(features, np.float64)})[0]
+        return parts
 
 
 def load(name: str) -> Ensemble:
@@ -64,7 +71,8 @@ def from_parts(graph: bytes, card: Mapping[str, Any], folder: Path) -> Ensemble:
     session = _session(graph, folder)
     features, outputs = tuple(card["features"]), tuple(card["outputs"])
     found = [(one.name, one.shape[1:]) for one in (*session.get_inputs(), *session.get_outputs())]
-    if found != [("features", [len(features)]), ("mean", [len(outputs)]), ("spread", [len(outputs)])]:
+    ends = [("parts", list(card["parts"]))] if "parts" in card else [(end, [len(outputs)]) for end in ENDS]
+    if found != [("features", [len(features)]), *ends]:
         raise DamagedModel(f"{folder / GRAPH}: found {found}, expected the features and outputs of its card")
     return Ensemble(card["name"], features, outputs, card, session)
 

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from fieldkit.errors import ImpossibleFlight
+from fieldkit.errors import ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.inference.features import paper_features
 from fieldkit.shapes import Array, Float
@@ -37,11 +37,18 @@ def infer_paper(flights: Sequence[Flight], ensemble: "Ensemble | None" = None) -
     from fieldkit.inference.ensemble import load
 
     ensemble = ensemble or load("paper")
-    motor = np.array([paper.motor_index(flight.motor) for flight in flights], dtype=np.int64)
+    motor = np.array([_motor_index(flight) for flight in flights], dtype=np.int64)
     dry_mass = np.array([paper_dry_mass(flight) for flight in flights])
     apogee = np.array([_apogee(flight) for flight in flights])
     mean, spread = ensemble(paper_features(apogee, motor, dry_mass))
     return Posterior(mean[:, 0], spread[:, 0], mean[:, 1], spread[:, 1], ensemble.name)
+
+
+def _motor_index(flight: Flight) -> int:
+    try:
+        return paper.motor_index(flight.motor)
+    except UnknownMotor as error:
+        raise UnknownMotor(f"flight {flight.flight_id}, motor: {error}") from None
 
 
 def paper_dry_mass(flight: Flight) -> float:

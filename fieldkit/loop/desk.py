@@ -12,9 +12,10 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.candidates import Place
-from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose, strength
+from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
+from fieldkit.loop.residual import fingerprint, patterns, spreads
 from fieldkit.motors import Catalogue, Found
 
 Which = Literal["before", "after"]
@@ -169,7 +170,7 @@ def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
         "effects": [
             {
                 **asdict(trial.candidate.place),
-                **dict(zip(("mean", "sd"), strength(trial), strict=True)),
+                **dict(zip(("mean", "sd"), trial.strength(), strict=True)),
                 "unit": trial.unit,
             }
             for trial in diagnosis.accepted
@@ -185,7 +186,7 @@ def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
     return payload
 
 
-def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[str, Any]]) -> dict[str, Any]:
+def loop_document(rocket: str, diagnosis: Diagnosis) -> dict[str, Any]:
     """A diagnosis under the contract's keys."""
     before = diagnosis.before.json()
     candidates = [
@@ -194,10 +195,11 @@ def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[s
             "evidence": item.log_bayes,
             "parameters": {
                 str(item.best.candidate.place): {
-                    **dict(zip(("mean", "sd"), strength(item.best), strict=True)),
+                    **dict(zip(("mean", "sd"), item.best.strength(), strict=True)),
                     "unit": item.best.unit,
                 }
             },
+            "fingerprint": fingerprint(item.best),
             "after": {key: item.score.json()[key] for key in ("mae_m", "rmse_m", "bias_m")},
         }
         for item in diagnosis.ranking
@@ -207,7 +209,11 @@ def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[s
         "rocket": rocket,
         "n_flights": int(diagnosis.data.seen[:, 0].sum()),
         "base_model": "field",
-        "residual": {"before": before, "pattern": list(pattern)},
+        "residual": {
+            "before": before,
+            "pattern": [asdict(row) for row in patterns(diagnosis)],
+            "readouts": [_finite(asdict(row)) for row in spreads(diagnosis)],
+        },
         "candidates": candidates,
         "verdict": {
             "effect": diagnosis.effect,
@@ -220,3 +226,8 @@ def loop_document(rocket: str, diagnosis: Diagnosis, pattern: Sequence[Mapping[s
         "after": diagnosis.after.json(),
         "evaluation": "leave-one-flight-out, effect chosen anew inside every fold",
     }
+
+
+def _finite(row: Mapping[str, Any]) -> dict[str, Any]:
+    """The same with None for what is no number, as JSON has it."""
+    return {key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in row.items()}

@@ -14,17 +14,19 @@ from math import erf, log, sqrt
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, SCATTER, Data, Model, compared, reading_sd, shown
+from fieldkit.loop.model import OBSERVED, OPENING, SCATTER, Data, Model, compared, reading_sd, shown
 from fieldkit.shapes import Array, Flags, Float
 
 SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
 """Scatter of single flights in units of ordinary scatter. [1]"""
 READING_SCALES = np.array([0.7, 1.2, 2.0])
 """Reading errors in units of the expected. [1]"""
-_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 1.6) / 0.7) ** 2
+_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 2.0) / 0.7) ** 2
 _LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
 ROUNDS = 5
 """Times the point of linearisation is moved."""
+OPENINGS = (0.15, 0.6, 1.2)
+"""Opening times from which a fit is begun. [s]"""
 STEP = 0.25
 """Step of a difference in standard deviations of the prior. [1]"""
 FEWEST = 3
@@ -149,10 +151,19 @@ def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:
 
 
 def fit(model: Model, data: Data, start: Float[Array, "term"] | None = None, rounds: int = ROUNDS) -> Fit:
-    """The posterior of a model given data, linearised where it ends up; `start` is where to begin."""
+    """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
+
+    Without a start it is begun from several opening times of the parachute, for what that does has a kink
+    where ejection meets apogee, and the best is kept.
+    """
+    every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
-    lane = Lane(tuple(range(len(model.terms))), at)
-    return fit_lanes(model, data, [lane], lean_slope(model, at), rounds)[0]
+    starts = [at]
+    if start is None and OPENING in model.names:
+        place = model.names.index(OPENING)
+        starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
+    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean_slope(model, at), rounds)
+    return max(fits, key=lambda result: result.log_evidence)
 
 
 def fit_lanes(
@@ -248,13 +259,15 @@ class LeftOut:
 
     For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
     (times the evidence of the other flights). `distance` is how far the flight's readouts lie from what the
-    others say of them, squared, in standard deviations (Mahalanobis).
+    others say of them, squared, in standard deviations (Mahalanobis), `residual` each readout's own distance,
+    flown less expected.
     """
 
     mean: Float[Array, "scale flight"]
     variance: Float[Array, "scale flight"]
     log_weight: Float[Array, "scale flight"]
     distance: Float[Array, "scale flight"]
+    residual: Float[Array, "scale flight readout"]
 
 
 def leave_one_out(result: Fit) -> LeftOut:
@@ -278,7 +291,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     surprise = np.linalg.solve(covariance, error[..., None])[..., 0]
     distance = (error * surprise).sum(axis=-1)
     own = -0.5 * (distance + np.linalg.slogdet(covariance)[1])
-    return LeftOut(mean, variance, result.log_weight[:, None] - own, distance)
+    residual = error / np.sqrt(np.diagonal(covariance, axis1=2, axis2=3))
+    return LeftOut(mean, variance, result.log_weight[:, None] - own, distance, residual)
 
 
 def fit_robustly(model: Model, data: Data, rounds: int = 2) -> Fit:

@@ -7,7 +7,9 @@ import numpy as np
 
 from fieldkit.flight import CONDITIONS
 from fieldkit.loop.diagnose import Diagnosis
-from fieldkit.loop.model import groups
+from fieldkit.loop.model import OBSERVED, groups
+from fieldkit.loop.score import forecasts_of
+from fieldkit.loop.trial import Trial
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.field import recorded
 
@@ -29,13 +31,63 @@ class Pattern:
         return {"against": self.against, "statistic": self.statistic, "p": self.p}
 
 
+@dataclass(frozen=True, slots=True)
+class Spread:
+    """How one readout's residuals are distributed, in units of their expected scatter.
+
+    `bias` and `spread` are mean and standard deviation (0 and 1 where the model is right), `autocorrelation`
+    is between one flight and the next; nan where fewer than three flights have the readout.
+    """
+
+    readout: str
+    flights: int
+    bias: float
+    spread: float
+    autocorrelation: float
+
+
+def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
+    """Every readout of every flight less its forecast from the other flights, in expected standard deviations.
+
+    nan where it was not recorded or does not teach.
+    """
+    left_out = diagnosis.base.left_out
+    weight = forecasts_of(left_out).weight
+    residual = np.einsum("sf,sfo->fo", weight, left_out.residual)
+    return np.where(diagnosis.data.seen, residual, np.nan)
+
+
 def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
-    """Flown less forecast log apogee of every flight left out, in forecast standard deviations; nan if not seen."""
-    forecast = diagnosis.forecasts_before
-    mean = (forecast.weight * forecast.mean).sum(axis=0)
-    variance = (forecast.weight * (forecast.sd**2 + (forecast.mean - mean) ** 2)).sum(axis=0)
-    error = (diagnosis.data.values[:, 0] - mean) / np.sqrt(variance)
-    return np.where(diagnosis.data.seen[:, 0], error, np.nan)
+    """The apogee's residuals alone."""
+    return readout_residuals(diagnosis)[:, 0]
+
+
+def spreads(diagnosis: Diagnosis) -> list[Spread]:
+    """Bias, spread and autocorrelation in time of every readout that was recorded."""
+    rows = []
+    for name, column in zip(OBSERVED, readout_residuals(diagnosis).T, strict=True):
+        error = column[np.isfinite(column)]
+        if not len(error):
+            continue
+        varied = len(error) > 2 and error.std() > 0
+        follow = float(np.corrcoef(error[:-1], error[1:])[0, 1]) if varied and len(error) > 3 else float("nan")
+        rows.append(
+            Spread(name, len(error), float(error.mean()), float(error.std()) if varied else float("nan"), follow)
+        )
+    return rows
+
+
+def fingerprint(trial: Trial) -> dict[str, float]:
+    """What an effect at its fitted strength does to each readout, averaged over the flights it acts on.
+
+    By ratio (0.05 is 5 % more) for all but apogee to ejection, which is in seconds.
+    """
+    fit = trial.fit
+    mean, _ = fit.moments()
+    last = len(fit.model.terms) - 1
+    acts = fit.model.terms[last].weight != 0
+    shift = fit.tangent.slope[acts][..., last].mean(axis=0) * mean[last]
+    return {name: float(value) for name, value in zip(OBSERVED, shift, strict=True)}
 
 
 def patterns(diagnosis: Diagnosis) -> list[Pattern]:

@@ -40,10 +40,17 @@ class Forecasts:
         return Forecasts(column("mean", 0.0), column("sd", 1.0), column("weight", 0.0))
 
 
-def mixed(left_out: LeftOut) -> Forecasts:
+def mixed(
+    mean: Float[Array, "part flight"], variance: Float[Array, "part flight"], log_weight: Float[Array, "part flight"]
+) -> Forecasts:
+    """A mixture of normals, the parts weighed by what the other flights say of them."""
+    weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    return Forecasts(mean, np.sqrt(variance), weight)
+
+
+def forecasts_of(left_out: LeftOut) -> Forecasts:
     """Forecasts of flights left out, scales weighed by the other flights."""
-    weight = np.exp(left_out.log_weight - np.logaddexp.reduce(left_out.log_weight, axis=0))
-    return Forecasts(left_out.mean, np.sqrt(left_out.variance), weight)
+    return mixed(left_out.mean, left_out.variance, left_out.log_weight)
 
 
 @dataclass(frozen=True, slots=True)

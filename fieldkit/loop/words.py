@@ -2,9 +2,9 @@
 
 from collections.abc import Iterator
 
-from fieldkit.loop.diagnose import Diagnosis, strength
+from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.predict import Prediction
-from fieldkit.loop.residual import Pattern
+from fieldkit.loop.residual import fingerprint, patterns, spreads
 from fieldkit.simulator.effect import effects
 from fieldkit.units import FOOT
 
@@ -38,7 +38,7 @@ def _rests_on(prediction: Prediction) -> str:
     return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
 
 
-def report(rocket: str, diagnosis: Diagnosis, patterns: list[Pattern]) -> Iterator[str]:
+def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
     """A diagnosis: the residual, what it goes with, the ladder of evidence, the verdict, before and after."""
     before, after = diagnosis.before, diagnosis.after
     count = int(diagnosis.data.seen[:, 0].sum())
@@ -47,18 +47,20 @@ def report(rocket: str, diagnosis: Diagnosis, patterns: list[Pattern]) -> Iterat
         f"  error {before.mae:.1f} m in the mean, bias {before.bias:+.1f} m, "
         f"{before.coverage90:.0%} of flights in the 90 % interval"
     )
-    telling = [pattern for pattern in patterns if pattern.p < 0.1]
+    telling = [pattern for pattern in patterns(diagnosis) if pattern.p < 0.1]
     for pattern in telling:
         yield f"  it goes with {pattern.against}: statistic {pattern.statistic:+.2f}, p {pattern.p:.3f} corrected"
     if not telling:
         yield "  it goes with nothing that was written down"
     yield ""
-    yield "  could be missing          evidence   strength"
+    yield from _fingerprints(diagnosis)
+    yield ""
+    yield "  could be missing                  evidence   strength"
     for item in diagnosis.ranking:
         if item.effect:
-            mean, sd = strength(item.best)
+            mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
-            yield f"  {place:34.34}{item.log_bayes:+6.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            yield f"  {place:34.34}{item.log_bayes:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield f"  verdict: {diagnosis.effect} ({diagnosis.confidence:.0%} sure): {diagnosis.why}"
     if diagnosis.also:
@@ -72,6 +74,22 @@ def report(rocket: str, diagnosis: Diagnosis, patterns: list[Pattern]) -> Iterat
             f"{before.coverage90:.0%}, {after.coverage90:.0%})"
         )
     yield "  leave-one-flight-out, effect chosen anew inside every fold"
+
+
+def _fingerprints(diagnosis: Diagnosis) -> Iterator[str]:
+    """Readouts as they were off, in expected scatter, and what the likeliest effects would do to them."""
+    rows = spreads(diagnosis)
+    short = {"top_speed": "speed", "burn_time": "burn", "peak_accel": "peak", "coast_to_apogee": "coast"}
+    names = [row.readout for row in rows]
+    yield f"  {'off by, in expected scatter':32}" + "".join(
+        f"{short.get(n, n.replace('_', ' ')[:9]):>10}" for n in names
+    )
+    yield f"  {'mean of the flights':32}" + "".join(f"{row.bias:+10.2f}" for row in rows)
+    yield f"  {'one flight and the next alike':32}" + "".join(f"{row.autocorrelation:+10.2f}" for row in rows)
+    for item in [item for item in diagnosis.ranking if item.effect][:3]:
+        marks = fingerprint(item.best)
+        cells = (f"{marks[n]:+10.2f}" if n == "apogee_to_eject" else f"{marks[n]:+10.1%}" for n in names)
+        yield f"  {item.effect + ' would do':32}" + "".join(cells)
 
 
 def effect_help() -> Iterator[str]:

@@ -38,11 +38,11 @@ class Air:
     exponentially, as in the reference paper; without, as in the troposphere.
     """
 
-    density: Float[Array, "*draw"]
-    temperature: Float[Array, "*draw"]
+    density: Float[Array, "*#draw"]
+    temperature: Float[Array, "*#draw"]
     scale_height: float | None = None
 
-    def thinning(self, height: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    def thinning(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Density at a height above the pad over density at the pad. [1]"""
         if self.scale_height is not None:
             share = np.asarray(height * (-1 / self.scale_height))
@@ -52,7 +52,7 @@ class Air:
         warmth *= HYDROSTATIC - 1
         return np.asarray(np.exp(warmth, out=warmth))
 
-    def sound_speed(self, height: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    def sound_speed(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Speed of sound at a height above the pad. [m/s]"""
         result: Float[Array, "*draw"] = np.sqrt(
             1.4 * GAS_CONSTANT * np.maximum(self.temperature - LAPSE * height, 150.0)
@@ -60,12 +60,12 @@ class Air:
         return result
 
 
-def standard_temperature(elevation: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+def standard_temperature(elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
     """Temperature of the standard atmosphere at a height above sea level. [K]"""
     return STANDARD_TEMPERATURE - LAPSE * elevation
 
 
-def station_pressure(pressure: Float[Array, "*draw"], elevation: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+def station_pressure(pressure: Float[Array, "*#draw"], elevation: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
     """Pressure at the pad from the pressure a flyer wrote down. [Pa]
 
     Weather reports give it reduced to sea level (QNH), a barometer at the pad as it is; the figure is
@@ -78,10 +78,10 @@ def station_pressure(pressure: Float[Array, "*draw"], elevation: Float[Array, "*
 
 
 def pad_air(
-    elevation: Float[Array, "*draw"],
-    temperature: Float[Array, "*draw"],
-    pressure: Float[Array, "*draw"],
-    humidity: Float[Array, "*draw"],
+    elevation: Float[Array, "*#draw"],
+    temperature: Float[Array, "*#draw"],
+    pressure: Float[Array, "*#draw"],
+    humidity: Float[Array, "*#draw"],
 ) -> Air:
     """Air at the pad from what was recorded there; nan is "not recorded" and becomes the standard.
 
@@ -98,7 +98,7 @@ def pad_air(
 
 
 def altimeter_gain(
-    elevation: Float[Array, "*draw"], temperature: Float[Array, "*draw"], pressure: Float[Array, "*draw"]
+    elevation: Float[Array, "*#draw"], temperature: Float[Array, "*#draw"], pressure: Float[Array, "*#draw"]
 ) -> Float[Array, "*draw"]:
     """Height shown by a barometric altimeter over true height above the pad. [1]
 
@@ -113,7 +113,7 @@ def altimeter_gain(
     return STANDARD_TEMPERATURE * (weight / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / warmth
 
 
-def wind_at(height: Float[Array, "*draw"], wind: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+def wind_at(height: Float[Array, "*#draw"], wind: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
     """Horizontal wind at a height above the pad from the wind measured there. [m/s]
 
     Source: the one-seventh power law over open ground (e.g. Panofsky and Dutton, 1984).

@@ -15,9 +15,9 @@ from fieldkit.shapes import Array, Float
 from fieldkit.shelf import plugins
 from fieldkit.simulator.state import Force, Setup
 
-Strength = Float[Array, "*draw flight"]
+Strength = Float[Array, "*#draw"]
 BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
-Readings = Mapping[str, Float[Array, "*draw flight"]]
+Readings = Mapping[str, Float[Array, "*#draw"]]
 BendReading = Callable[[Readings, Strength], Readings]
 
 

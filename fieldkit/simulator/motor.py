@@ -51,8 +51,8 @@ class Burns:
     so that one step of all motors lies together.
     """
 
-    edge: Float[Array, "step+1 motor"]
     thrust: Float[Array, "step 3 motor"]
+    edge: Float[Array, "step+1 motor"]
     spent: Float[Array, "step 3 motor"]
     rise_time: Float[Array, "knot motor"]
     rise_thrust: Float[Array, "knot motor"]

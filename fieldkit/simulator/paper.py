@@ -95,11 +95,11 @@ def paper_burns(steps: int = 8) -> Burns:
 
 
 def paper_setup(
-    motor: Int[Any, "*draw"],
-    dry_mass: Float[Array, "*draw"],
-    cd: Float[Array, "*draw"],
-    alpha: Float[Array, "*draw"],
-    diameter: Float[Array, "*draw"] | float = DIAMETER,
+    motor: Int[Any, "*#draw"],
+    dry_mass: Float[Array, "*#draw"],
+    cd: Float[Array, "*#draw"],
+    alpha: Float[Array, "*#draw"],
+    diameter: Float[Array, "*#draw"] | float = DIAMETER,
     curves: Burns | None = None,
 ) -> Setup:
     """A set-up in the paper's physics: index of the motor, dry mass [kg], Cd [1], alpha [1], diameter [m]."""

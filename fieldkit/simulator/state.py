@@ -50,20 +50,20 @@ class Setup:
 
     burns: Burns
     air: Air
-    dry_mass: Float[Array, "*draw"]
-    drag_area: Float[Array, "*draw"]
-    motor: Int[Any, "*draw"] = _for_all(0)
-    thrust_factor: Float[Array, "*draw"] = _for_all(1.0)
-    burn_stretch: Float[Array, "*draw"] = _for_all(1.0)
-    rail_length: Float[Array, "*draw"] = _for_all(1.0)
-    rail_angle: Float[Array, "*draw"] = _for_all(0.0)
-    rail_friction: Float[Array, "*draw"] = _for_all(0.0)
-    wind: Float[Array, "*draw"] = _for_all(0.0)
-    delay: Float[Array, "*draw"] = _for_all(np.nan)
-    opening_time: Float[Array, "*draw"] = _for_all(0.5)
-    descent_speed: Float[Array, "*draw"] = _for_all(5.0)
-    altimeter_gain: Float[Array, "*draw"] = _for_all(1.0)
-    forces: tuple[tuple[Force, Float[Array, "*draw"]], ...] = ()
+    dry_mass: Float[Array, "*#draw"]
+    drag_area: Float[Array, "*#draw"]
+    motor: Int[Any, "*#draw"] = _for_all(0)
+    thrust_factor: Float[Array, "*#draw"] = _for_all(1.0)
+    burn_stretch: Float[Array, "*#draw"] = _for_all(1.0)
+    rail_length: Float[Array, "*#draw"] = _for_all(1.0)
+    rail_angle: Float[Array, "*#draw"] = _for_all(0.0)
+    rail_friction: Float[Array, "*#draw"] = _for_all(0.0)
+    wind: Float[Array, "*#draw"] = _for_all(0.0)
+    delay: Float[Array, "*#draw"] = _for_all(np.nan)
+    opening_time: Float[Array, "*#draw"] = _for_all(0.5)
+    descent_speed: Float[Array, "*#draw"] = _for_all(5.0)
+    altimeter_gain: Float[Array, "*#draw"] = _for_all(1.0)
+    forces: tuple[tuple[Force, Float[Array, "*#draw"]], ...] = ()
     gravity: float = 9.80665
     pad_holds: bool = True
 

@@ -1,4 +1,7 @@
-"""Early ejection: the delay burns shorter than its number, and the parachute opens on the way up."""
+"""Early ejection: the delay burns shorter than its number, and the parachute opens on the way up.
+
+A tenth of the delay is ordinary scatter of motors; what is called early here is more.
+"""
 
 from collections.abc import Sequence
 
@@ -17,10 +20,10 @@ EFFECT = Effect(
     title="early ejection",
     explains="the ejection charge fires before apogee and the parachute ends the climb",
     unit="share of the named delay",
-    prior=Prior(mean=0.25, sd=0.2, low=0.0, high=0.9),
+    prior=Prior(mean=0.3, sd=0.2, low=0.1, high=0.9),
     source="delays of certified motors vary by up to 20 % or 1.5 s (NFPA 1125)",
     tell_apart="write down apogee to ejection, or fly the same motor with a longer delay",
     setup=setup,
     per="motor",
-    starts=(0.05, 0.25, 0.45, 0.65),
+    starts=(0.12, 0.25, 0.45, 0.65),
 )

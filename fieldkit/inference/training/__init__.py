@@ -15,8 +15,12 @@ def trainer(recipe: str) -> Callable[..., dict[str, Any]]:
     missing = [name for name in EXTRA if find_spec(name) is None]
     if missing:
         raise FieldkitError(f"training needs {' and '.join(missing)}: pip install 'fieldkit[train]'")
+    if recipe == "field":
+        from fieldkit.inference.training.field import train_field
+
+        return train_field
     if recipe != "paper":
-        raise FieldkitError(f"found the recipe {recipe!r}, expected paper")
+        raise FieldkitError(f"found the recipe {recipe!r}, expected paper or field")
     from fieldkit.inference.training.paper import train_paper
 
     return train_paper

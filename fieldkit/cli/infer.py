@@ -1,0 +1,59 @@
+"""`fieldkit infer`: drag and thrust of flights that were flown."""
+
+from enum import StrEnum
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, in_both_units, print_json, print_table
+from fieldkit.cli.session import open_ledger
+
+app = typer.Typer()
+
+
+class Which(StrEnum):
+    """The ensembles that can be asked."""
+
+    paper = "paper"
+
+
+@app.command()
+def infer(
+    context: typer.Context,
+    flights: Annotated[
+        list[str] | None, typer.Argument(metavar="[FLIGHT]...", help="By default all.", show_default=False)
+    ] = None,
+    model: Annotated[Which, typer.Option(help="The ensemble to ask.")] = Which.paper,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Infer what each flight says of the rocket's drag (Cd) and the motor's thrust (alpha, 1 as certified)."""
+    from fieldkit.errors import NoFlights
+    from fieldkit.inference.flights import infer
+
+    with open_ledger(context) as ledger:
+        flown = ledger.flights(ids=flights or None)
+        names = dict(zip(map(id, flown), ledger.ids(flown), strict=True))
+        if not flown:
+            raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
+    found = infer(flown, model.value)
+    for line in found.left_out:
+        complain(f"left out: {line}")
+    if not found.inferred:
+        raise NoFlights("no flight could be inferred")
+    if json:
+        print_json({"flights": [one.json() for one in found.inferred]})
+        return
+    headers = ("flight", "motor", "apogee", "Cd", "±", "alpha", "±")
+    rows = [
+        (
+            names[id(one.flight)],
+            one.flight.motor,
+            in_both_units("apogee", one.flight.apogee),
+            f"{one.cd:.3f}",
+            f"{one.cd_sd:.3f}",
+            f"{one.alpha:.3f}",
+            f"{one.alpha_sd:.3f}",
+        )
+        for one in found.inferred
+    ]
+    print_table(headers, rows, numbers=headers[2:])

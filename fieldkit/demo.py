@@ -1,0 +1,59 @@
+"""The whole loop on the twelve reference flights: from readouts to the next apogee and back."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.inference.flights import Inferred, infer
+from fieldkit.intake import bring_in
+from fieldkit.ledger import Ledger
+from fieldkit.loop.desk import close_loop, predict_plans, which_rocket
+from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.loop.paper.reference import TABLE
+from fieldkit.loop.paper.report import Report, report
+from fieldkit.loop.predict import Prediction
+from fieldkit.motors import Catalogue
+
+Tell = Callable[[str, float], None]
+"""Told what is being done and the share that is done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """What each step found: one entry a flight, or one a motor and configuration."""
+
+    rocket: str
+    flights: Sequence[Flight]
+    inferred: Sequence[Inferred]
+    predictions: Sequence[Prediction]
+    diagnosis: Diagnosis
+    paper: Report
+
+
+def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
+    """Import, infer, predict, close the loop, and fly the published thrust profile against the certificates.
+
+    Raises LedgerError for a ledger that holds flights: it is somebody's.
+    """
+    if count := len(ledger.flights()):
+        raise LedgerError(f"{ledger.name}: found {count} flights, the demo wants an empty ledger or none at all")
+    tell("importing", 0.0)
+    bring_in(ledger, [TABLE], lambda name: None)
+    flights = ledger.flights()
+    tell("inferring", 0.1)
+    inferred = infer(flights).inferred
+    rocket = which_rocket(ledger, None)
+    tell("predicting", 0.15)
+    predictions = predict_plans(ledger, motors, plans(flights))
+    diagnosis = close_loop(
+        ledger, motors, rocket, progress=lambda effect, share: tell(f"trying {effect}", 0.2 + 0.5 * share)
+    )
+    tell("flying the published thrust", 0.7)
+    return Demo(rocket, flights, inferred, predictions, diagnosis, report())
+
+
+def plans(flights: Sequence[Flight]) -> list[Flight]:
+    """A plan for each motor and configuration that these flights name, flown together or not."""
+    motors, configs = (sorted({getattr(flight, name) for flight in flights}) for name in ("motor", "config"))
+    return [Flight(rocket=flights[0].rocket, config=config, motor=motor) for motor in motors for config in configs]

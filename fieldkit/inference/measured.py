@@ -1,0 +1,91 @@
+"""Simulated flights as their flyers write them down: noise, rounding and gaps."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from fieldkit.inference.observed import DECLARED, READOUT_NAMES, Observed
+from fieldkit.inference.simulated import Truth
+from fieldkit.shapes import Flags
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Of a readout, standard deviations, SI: `floor`, `share` of its size, and the device's `step`."""
+
+    floor: float
+    share: float
+    step: float
+
+
+NOISE: Mapping[str, Noise] = MappingProxyType(
+    {
+        "apogee": Noise(0.8, 0.006, 0.3048),
+        "top_speed": Noise(0.4, 0.025, 0.44704),
+        "burn_time": Noise(0.05, 0.04, 0.1),
+        "peak_accel": Noise(1.5, 0.09, 0.980665),
+        "avg_accel": Noise(0.0, 0.0, 0.980665),
+        "coast_to_apogee": Noise(0.1, 0.02, 0.1),
+        "apogee_to_eject": Noise(0.15, 0.0, 0.1),
+        "eject_altitude": Noise(1.5, 0.01, 0.3048),
+        "descent_speed": Noise(0.3, 0.1, 0.44704),
+        "duration": Noise(0.4, 0.015, 0.1),
+    }
+)
+"""What the sensors add; average acceleration follows from speed and burn time as measured."""
+SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "apogee": ("apogee",),
+        "apogee, speed": ("apogee", "top_speed"),
+        "apogee, speed, coast": ("apogee", "top_speed", "coast_to_apogee"),
+        "all ten": READOUT_NAMES,
+    }
+)
+"""Sets of readouts that ensembles are judged on, by name."""
+_SHARES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
+"""Of those four, of all but one, and of any; in training."""
+
+
+def measure(rng: np.random.Generator, truth: Truth) -> Observed:
+    """The flights as their flyers could write them down: every readout with its noise and rounding."""
+    readouts = truth.readouts.copy()
+    for number, name in enumerate(READOUT_NAMES):
+        noise = NOISE[name]
+        readouts[:, number] += noise.floor * rng.normal(size=len(truth))
+        readouts[:, number] *= 1 + noise.share * rng.normal(size=len(truth))
+    speed, burn = (READOUT_NAMES.index(name) for name in ("top_speed", "burn_time"))
+    readouts[:, burn] = np.maximum(readouts[:, burn], 0.05)
+    readouts[:, READOUT_NAMES.index("avg_accel")] = readouts[:, speed] / readouts[:, burn]
+    steps = np.array([NOISE[name].step for name in READOUT_NAMES])
+    readouts = np.round(readouts / steps) * steps
+    signed = np.array(READOUT_NAMES) == "apogee_to_eject"
+    return Observed(truth.motor, truth.declared, np.where(signed, readouts, np.maximum(readouts, 0.0)))
+
+
+def forget(rng: np.random.Generator, observed: Observed) -> Observed:
+    """The same flights with gaps such as flyers leave: subsets of the readouts, conditions, the diameter."""
+    keep = _subsets(rng, len(observed))
+    readouts = np.where(keep, observed.readouts, np.nan)
+    declared = observed.declared.copy()
+    count = len(observed)
+    for name, share in (("diameter", 0.25), ("delay", 0.3)):
+        declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
+    silence = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
+    for name in DECLARED[3:]:
+        declared[rng.uniform(size=count) < silence, DECLARED.index(name)] = np.nan
+    return Observed(observed.motor, declared, readouts)
+
+
+def _subsets(rng: np.random.Generator, count: int) -> Flags:
+    """Which readouts each flight keeps."""
+    fixed = np.array([[name in kept for name in READOUT_NAMES] for kept in SUBSETS.values()])
+    kind = rng.choice(len(_SHARES), size=count, p=_SHARES)
+    width = len(READOUT_NAMES)
+    but_one = np.arange(width) != rng.integers(width, size=count)[:, None]
+    anything = rng.uniform(size=(count, width)) < rng.uniform(0.1, 1.0, size=(count, 1))
+    anything[:, 0] |= rng.uniform(size=count) < 0.8
+    keep: Flags = fixed[np.minimum(kind, len(fixed) - 1)]
+    keep = np.where((kind == len(fixed))[:, None], but_one, keep)
+    return np.where((kind > len(fixed))[:, None], anything, keep)

@@ -1,0 +1,134 @@
+"""All members of a density ensemble as one network: every layer is one batched product.
+
+Five small networks trained side by side cost a thread little more than one, and become one ONNX graph.
+"""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+from torch.optim.lr_scheduler import OneCycleLR
+
+from fieldkit.inference.mixture import COMPONENTS, GUARD_SHARPEST, SHARPEST, WIDTH
+from fieldkit.inference.training.fit import Progress
+
+MEMBERS = 5
+HIDDEN = 128
+LAYERS = 3
+GUARD_SHARE = 0.1
+"""Weight of the guard's loss against the posterior's. [1]"""
+FARTHEST = 8.0
+"""Standard deviations from its mean to which a feature is clipped. [1]"""
+STEEPEST = 5.0
+"""Largest norm of a step's gradient."""
+Scale = np.ndarray[Any, np.dtype[np.float64]]
+"""One number a feature."""
+
+
+class Members(nn.Module):  # type: ignore[misc]
+    """Members that each map standardised features to their outputs; the first axis is the member.
+
+    A member's outputs are the mixture's (see `fieldkit.inference.mixture`), then for each readout the mean
+    and the log precision with which the guard foretells it.
+    """
+
+    def __init__(self, inputs: int, seen: int, members: int = MEMBERS, hidden: int = HIDDEN) -> None:
+        super().__init__()
+        sizes = [inputs, *[hidden] * LAYERS, WIDTH + 2 * seen]
+        self.seen = seen
+        self.weights = nn.ParameterList(
+            nn.Parameter(torch.randn(members, a, b) * (1.5 / a) ** 0.5) for a, b in pairwise(sizes)
+        )
+        self.biases = nn.ParameterList(nn.Parameter(torch.zeros(members, 1, b)) for b in sizes[1:])
+        with torch.no_grad():
+            self.weights[-1] *= 0.1
+            self.biases[-1][..., COMPONENTS : 3 * COMPONENTS] = torch.randn(members, 1, 2 * COMPONENTS)
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Outputs [member flight output] of features [member flight feature]."""
+        values = features
+        for number, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
+            values = torch.baddbmm(bias, values, weight)
+            if number < LAYERS:
+                values = nn.functional.silu(values)
+        return values
+
+
+def log_density(outputs: Tensor, target: Tensor) -> Tensor:
+    """Log density of the logits [... 2] under each member's mixture."""
+    parts = outputs[..., :WIDTH].unflatten(-1, (6, COMPONENTS)).unbind(-2)
+    sharp_x, sharp_y = (part.clamp(*SHARPEST) for part in parts[3:5])
+    z_x = (target[..., :1] - parts[1]) * sharp_x.exp()
+    z_y = (target[..., 1:] - parts[2]) * sharp_y.exp() - parts[5] * z_x
+    log_parts = parts[0].log_softmax(-1) + sharp_x + sharp_y - 0.5 * (z_x.square() + z_y.square())
+    return log_parts.logsumexp(-1) - float(np.log(2 * np.pi))
+
+
+def guard_loss(outputs: Tensor, shown: Tensor) -> Tensor:
+    """How badly the readouts that there are were foretold, in nats a readout."""
+    mean, sharp = outputs[..., WIDTH:].chunk(2, -1)
+    sharp = sharp.clamp(*GUARD_SHARPEST)
+    there = shown.isfinite()
+    z = (torch.where(there, shown, 0.0) - mean) * sharp.exp()
+    return torch.where(there, 0.5 * z.square() - sharp, 0.0).mean()
+
+
+@dataclass(frozen=True, slots=True)
+class Batch:
+    """What members learn from: features, logits of the truth, readouts as the guard sees them; float32."""
+
+    features: np.ndarray[Any, np.dtype[np.float32]]
+    target: np.ndarray[Any, np.dtype[np.float32]]
+    shown: np.ndarray[Any, np.dtype[np.float32]]
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """How long and how fast: passes over fresh observations of the same flights, batch, peak rate."""
+
+    epochs: int
+    batch: int = 2048
+    rate: float = 3e-3
+
+
+def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = None) -> tuple[Members, Scale, Scale]:
+    """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
+
+    `observe()` gives the same flights as observed afresh. Each member sees them in another order.
+    """
+    batch = observe()
+    count = len(batch.features)
+    mean, sd = batch.features.mean(axis=0, dtype=np.float64), batch.features.std(axis=0, dtype=np.float64) + 1e-6
+    members = Members(batch.features.shape[1], batch.shown.shape[1])
+    optimiser = torch.optim.Adam(members.parameters(), lr=plan.rate)
+    rate = OneCycleLR(optimiser, plan.rate, total_steps=plan.epochs * (count // plan.batch), pct_start=0.15)
+    for epoch in range(1, plan.epochs + 1):
+        batch = observe() if epoch > 1 else batch
+        scaled = ((batch.features - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+        tensors = [torch.from_numpy(array) for array in (scaled, batch.target, batch.shown)]
+        losses = []
+        for rows in _orders(count, plan.batch):
+            features, target, shown = (tensor[rows] for tensor in tensors)
+            found = members(features)
+            loss = -log_density(found, target).mean()
+            optimiser.zero_grad()
+            (loss + GUARD_SHARE * guard_loss(found, shown)).backward()
+            nn.utils.clip_grad_norm_(members.parameters(), STEEPEST)
+            optimiser.step()
+            rate.step()
+            losses.append(loss.item())
+        if progress:
+            progress(epoch, plan.epochs, float(np.mean(losses[-100:])))
+    return members, mean, sd
+
+
+def _orders(count: int, batch: int) -> Iterator[Tensor]:
+    """Rows of each batch [member row]: one shuffle, which every member enters at another place."""
+    order = torch.randperm(count)
+    starts = [member * (count // MEMBERS) for member in range(MEMBERS)]
+    for first in range(0, count - batch + 1, batch):
+        yield torch.stack([order[(torch.arange(first, first + batch) + start) % count] for start in starts])

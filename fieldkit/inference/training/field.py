@@ -1,0 +1,141 @@
+"""The field ensemble: densities of drag area and alpha learnt from simulated flights of every motor."""
+
+import time
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import BadValue
+from fieldkit.inference import guard
+from fieldkit.inference.ensemble import from_parts
+from fieldkit.inference.field import INTERVALS, intervals
+from fieldkit.inference.field_features import FEATURES, features, shown
+from fieldkit.inference.judge import judge
+from fieldkit.inference.measured import NOISE, forget, measure
+from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
+from fieldkit.inference.observed import SEEN, Observed
+from fieldkit.inference.simulated import PRIORS, Truth, flown_motors, simulate
+from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
+from fieldkit.inference.training.density_graph import density_graph
+from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.restricted import train_restricted
+from fieldkit.inference.training.shipping import claim, ship
+from fieldkit.motors import Motor, catalogue
+from fieldkit.shapes import Array, Float
+
+HELD_OUT = "Quest"
+"""The maker whose motors no member ever sees: the ensemble is judged on them."""
+PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=20)}
+"""A first look, and what is shipped."""
+JUDGED = 20_000
+"""Fresh flights the ensemble is judged on, and as many of the maker held out."""
+REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
+"""Features whose bounds in training are kept: beyond them a flyer is warned."""
+
+
+def train_field(
+    out: Path,
+    *,
+    seed: int = 1,
+    n_train: int = 1_000_000,
+    schedule: str = "published",
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Simulate, train, export into a new folder, judge, and say how good it came out.
+
+    Raises BadValue for an unknown schedule, too few flights or a folder that holds an ensemble already.
+    """
+    if schedule not in PLANS:
+        raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
+    plan = PLANS[schedule]
+    if n_train < plan.batch:
+        raise BadValue(f"found {n_train} flights to train on, expected at least {plan.batch}")
+    claim(out)
+    began = time.perf_counter()
+    known, others = motors_apart()
+    streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(5)]
+    truth = simulate(streams[0], known, n_train)
+    flown = round(time.perf_counter() - began, 1)
+    with one_thread(seed):
+        members, mean, sd = fit(lambda: batch(streams[1], truth), plan, progress)
+    exported = density_graph(members, mean, sd)
+    card = _card(seed, n_train, schedule, plan) | {
+        "simulations": len(truth),
+        "simulation_seconds": flown,
+        "seconds": round(time.perf_counter() - began, 1),
+        "reach": reach(features(measure(streams[2], truth.rows(slice(0, 100_000))))),
+    }
+    card["guard"] = guard.limits(from_parts(exported, card, out), _fresh(streams[3], known))
+    ensemble = from_parts(exported, card, out)
+    card["test"] = judge(ensemble, streams[4], known, JUDGED)
+    card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED)
+    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), JUDGED)
+    if schedule == "published":
+        card["restricted"] = train_restricted(seed=seed)
+    both = card["test"]["all ten"]
+    return {
+        "recipe": "field",
+        "cd_mae": both["cd_mae"],
+        "alpha_mae": both["alpha_mae"],
+        "n_train": n_train,
+        "seconds": card["seconds"],
+        "files": ship(out, exported, card),
+    }
+
+
+def _peers(known: list[Motor], others: list[Motor]) -> list[Motor]:
+    """Motors that were learnt from, of the classes of those that were not."""
+    classes = {motor.impulse_class for motor in others}
+    return [motor for motor in known if motor.impulse_class in classes]
+
+
+def motors_apart() -> tuple[list[Motor], list[Motor]]:
+    """Every motor up to class I but those of the maker held out, and those."""
+    flown = flown_motors(catalogue().motors)
+    return [m for m in flown if m.maker != HELD_OUT], [m for m in flown if m.maker == HELD_OUT]
+
+
+def batch(rng: np.random.Generator, truth: Truth) -> Batch:
+    """The flights as observed once, with fresh noise and fresh gaps."""
+    whole = measure(rng, truth)
+    observed = forget(rng, whole)
+    target = logits(truth.parameters, *intervals(observed))
+    arrays = features(observed), target, shown(observed.with_readouts(whole.readouts))
+    return Batch(*(np.asarray(array, np.float32) for array in arrays))
+
+
+def _fresh(rng: np.random.Generator, motors: list[Motor]) -> Observed:
+    """Flights that nothing was learnt from, with gaps."""
+    return forget(rng, measure(rng, simulate(rng, motors, 4 * JUDGED)))
+
+
+def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
+    """Between which bounds nearly all simulated flights lie."""
+    bounds = np.percentile(columns, [0.02, 99.98], axis=0)
+    return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
+
+
+def _card(seed: int, n_train: int, schedule: str, plan: Plan) -> dict[str, Any]:
+    """What is known before training."""
+    return {
+        "name": "field",
+        "recipe": "field",
+        "physics": "field",
+        "effects": [],
+        "command": f"fieldkit train --recipe field --schedule {schedule} --seed {seed} --n-train {n_train} --out DIR",
+        "seed": seed,
+        "n_train": n_train,
+        "priors": dict(PRIORS),
+        "noise": {name: {"floor": n.floor, "share": n.share, "step": n.step} for name, n in NOISE.items()},
+        "intervals": INTERVALS,
+        "held_out": HELD_OUT,
+        "features": list(FEATURES),
+        "outputs": ["log_drag_area", "alpha"],
+        "parts": [MEMBERS, WIDTH + 2 * len(SEEN)],
+        "guarded": list(SEEN),
+        "network": {"members": MEMBERS, "hidden": [HIDDEN] * LAYERS, "layer": "linear, SiLU", "gaussians": COMPONENTS},
+        "training": {"optimiser": "Adam, one cycle", "batch": plan.batch, "epochs": plan.epochs, "rate": plan.rate},
+        "made_with": {name: version(name) for name in ("torch", "onnx", "numpy")},
+    }

@@ -1,0 +1,58 @@
+"""An ensemble of the field's kind trained on the restricted problem, whose exact answer is known."""
+
+from typing import Any
+
+import numpy as np
+
+from fieldkit.inference.field_features import features, shown
+from fieldkit.inference.mixture import logits, mixture
+from fieldkit.inference.observed import READOUT_NAMES, Observed
+from fieldkit.inference.restricted import (
+    SUBSETS,
+    Restricted,
+    against_exact,
+    exact,
+    intervals,
+    measured,
+    restricted_draws,
+)
+from fieldkit.inference.training.density import FARTHEST, Batch, Members, Plan, Scale, fit
+from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.shapes import Array, Float
+
+PLAN = Plan(epochs=20)
+
+
+def train_restricted(
+    *, seed: int = 1, n_train: int = 200_000, plan: Plan = PLAN, judged: int = 500, progress: Progress | None = None
+) -> dict[str, Any]:
+    """Train on the restricted problem, and say how far the ensemble is from the exact posterior."""
+    rng = np.random.default_rng(seed)
+    flights, clean = restricted_draws(rng, n_train)
+    with one_thread(seed):
+        members, mean, sd = fit(lambda: _batch(rng, flights, clean), plan, progress)
+    fresh, _ = restricted_draws(rng, judged)
+    densities = {
+        name: mixture(_run(members, mean, sd, fresh.observed.only(*kept)), *intervals(judged))
+        for name, kept in SUBSETS.items()
+    }
+    return against_exact(fresh, densities, exact(), judged)
+
+
+def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "flight readout"]) -> Batch:
+    """The flights as measured afresh, each with one of the subsets of readouts."""
+    whole = measured(rng, clean, flights.motor, flights.config)
+    kept = np.array([[name in names for name in READOUT_NAMES] for names in SUBSETS.values()])
+    which = rng.integers(len(kept), size=len(clean))
+    observed = whole.with_readouts(np.where(kept[which], whole.readouts, np.nan))
+    arrays = features(observed), logits(flights.truth, *intervals(len(clean))), shown(whole)
+    return Batch(*(np.asarray(array, np.float32) for array in arrays))
+
+
+def _run(members: Members, mean: Scale, sd: Scale, observed: Observed) -> Float[Array, "flight member part"]:
+    import torch
+
+    scaled = ((features(observed) - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+    with torch.no_grad():
+        found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
+    return found.swapaxes(0, 1).astype(float)

@@ -1,0 +1,154 @@
+"""The shipped field ensemble: any readouts in, a posterior that is right out, and warnings where they are due."""
+
+import json
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.inference.ensemble import Ensemble, load
+from fieldkit.inference.field import LEVELS, infer_field, infer_observed, posterior
+from fieldkit.inference.guard import misfit
+from fieldkit.inference.judge import score, table
+from fieldkit.inference.measured import SUBSETS, measure
+from fieldkit.inference.observed import ALPHA_SD, DECLARED, READOUT_NAMES, SEEN, Observed
+from fieldkit.inference.simulated import Truth, flown_motors, simulate
+from fieldkit.motors import catalogue
+from fieldkit.shelf import trained_folder
+
+
+@pytest.fixture(scope="module")
+def field() -> Ensemble:
+    return load("field")
+
+
+@pytest.fixture(scope="module")
+def truth() -> Truth:
+    return simulate(np.random.default_rng(11), flown_motors(catalogue().motors), 2000)
+
+
+@pytest.fixture(scope="module")
+def observed(truth: Truth) -> Observed:
+    return measure(np.random.default_rng(12), truth)
+
+
+def flight(**known: float) -> Flight:
+    """A D12 flight of a 41 mm rocket, as an altimeter showed it."""
+    usual = {"dry_mass": 0.12, "diameter": 0.041, "apogee": 190.0, "top_speed": 62.0}
+    return Flight(flight_id="1", rocket="Bertha", motor="Estes D12-5", **{**usual, **known})
+
+
+@pytest.mark.parametrize("name", SUBSETS)
+def test_intervals_cover_as_often_as_they_say(name: str, field: Ensemble, truth: Truth, observed: Observed) -> None:
+    density = posterior(observed.only(*SUBSETS[name]), field)
+    found, _ = score(np.random.default_rng(1), density.rows(slice(0, 1000)), truth.parameters[:1000])
+    for parameter in ("drag_area", "alpha"):
+        for level, covered in found["coverage"][parameter].items():
+            assert covered == pytest.approx(float(level), abs=0.05)
+
+
+def test_every_further_readout_narrows_the_posterior(field: Ensemble, observed: Observed) -> None:
+    some = observed.rows(slice(0, 500))
+    sds = [posterior(some.only(*kept), field).margin(1).moments()[1].mean() for kept in SUBSETS.values()]
+    assert sds == sorted(sds, reverse=True)
+    assert sds[-1] < 0.5 * sds[0]
+
+
+def test_the_card_says_how_good_it_is_and_that_is_good_enough() -> None:
+    card = json.loads((trained_folder("field") / "card.json").read_text())
+    for name in SUBSETS:
+        for coverage in card["test"][name]["coverage"].values():
+            for level, covered in coverage.items():
+                assert covered == pytest.approx(float(level), abs=0.015), (name, level)
+    assert len(table(card)) > 10
+
+
+def test_a_flight_alone_and_among_others_gets_the_same_answer(field: Ensemble) -> None:
+    flights = [flight(), flight(apogee=150.0), flight(coast_to_apogee=5.0)]
+    found = [catalogue().find(one.motor) for one in flights]
+    together = infer_field(flights, found, field)
+    alone = [infer_field([one], [motor], field) for one, motor in zip(flights, found, strict=True)]
+    assert together.cd == pytest.approx([one.cd[0] for one in alone], rel=1e-4)
+    assert together.alpha_sd == pytest.approx([one.alpha_sd[0] for one in alone], rel=1e-4)
+    assert together.cd_quantiles.shape == (3, len(LEVELS))
+    assert (np.diff(together.cd_quantiles, axis=1) > 0).all()
+
+
+def test_less_height_at_the_same_speed_is_more_drag(field: Ensemble) -> None:
+    flights = [flight(apogee=170.0), flight(apogee=195.0)]
+    found = infer_field(flights, [catalogue().find(one.motor) for one in flights], field)
+    assert found.cd[0] > found.cd[1]
+
+
+def test_draws_agree_with_mean_and_spread(field: Ensemble) -> None:
+    found = infer_field([flight()], [catalogue().find("Estes D12-5")], field)
+    area, alpha = found.draws(np.random.default_rng(1), 20_000)
+    assert area.mean() == pytest.approx(found.drag_area[0], rel=0.02)
+    assert alpha.std() == pytest.approx(found.alpha_sd[0], rel=0.05)
+    assert found.cd[0] == pytest.approx(found.drag_area[0] / (np.pi / 4 * 0.041**2))
+
+
+def test_without_a_diameter_drag_area_is_known_and_cd_is_a_guess(field: Ensemble) -> None:
+    whole = flight(coast_to_apogee=5.0, burn_time=1.5)
+    motor = catalogue().find("Estes D12-5")
+    found = infer_field([whole, replace(whole, diameter=None)], [motor, motor], field)
+    assert found.drag_area[1] == pytest.approx(found.drag_area[0], rel=0.3)
+    assert found.cd_sd[1] / found.cd[1] > 1.2 * found.cd_sd[0] / found.cd[0]
+    assert any("no diameter" in line for line in found.warnings[1])
+
+
+def test_a_flight_without_any_readout_is_answered_by_the_prior_and_told_so(field: Ensemble) -> None:
+    silent = Flight(flight_id="1", motor="Estes D12-5", dry_mass=0.12, diameter=0.041)
+    found = infer_field([silent], [catalogue().find("Estes D12-5")], field)
+    assert found.alpha[0] == pytest.approx(1.0, abs=0.03)
+    assert found.alpha_sd[0] == pytest.approx(ALPHA_SD, abs=0.02)
+    assert any("no readout" in line for line in found.warnings[0])
+
+
+def test_apogee_of_a_heavy_rocket_alone_does_not_tell_drag(field: Ensemble) -> None:
+    heavy = Flight(flight_id="1", motor="Estes D12-5", dry_mass=0.25, diameter=0.025, apogee=70.0)
+    found = infer_field([heavy], [catalogue().find("Estes D12-5")], field)
+    assert any("apogee alone cannot tell drag from thrust" in line for line in found.warnings[0])
+
+
+def test_no_mass_is_an_error_that_names_the_flight(field: Ensemble) -> None:
+    with pytest.raises(ImpossibleFlight, match="1: found no dry mass"):
+        infer_field([Flight(flight_id="1", apogee=100.0)], [catalogue().find("Estes D12-5")], field)
+
+
+def test_good_flights_are_warned_about_one_time_in_a_hundred(field: Ensemble, observed: Observed) -> None:
+    assert 0.002 < (misfit(field, observed) >= 0).mean() < 0.025
+
+
+@pytest.mark.parametrize(("name", "factor"), [("apogee", 1.5), ("top_speed", 1.5), ("coast_to_apogee", 0.4)])
+def test_a_readout_that_does_not_fit_is_named(name: str, factor: float, field: Ensemble, observed: Observed) -> None:
+    some = observed.rows(slice(0, 300))
+    readouts = some.readouts.copy()
+    readouts[:, READOUT_NAMES.index(name)] *= factor
+    which = misfit(field, some.with_readouts(readouts))
+    assert (which == SEEN.index(name)).mean() > 0.7
+
+
+def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
+    good = flight(coast_to_apogee=5.0, burn_time=1.5)
+    motor = catalogue().find("Estes D12-5")
+    found = infer_field([good, replace(good, apogee=400.0)], [motor, motor], field)
+    assert found.fits.tolist() == [True, False]
+    assert found.warnings[1][0].startswith("apogee of 400 m does not fit the rest")
+    assert found.cd_sd[1] > found.cd_sd[0]
+
+
+def test_circumstances_beyond_training_are_told(field: Ensemble) -> None:
+    feather = flight(dry_mass=3e-4)
+    found = infer_field([feather], [catalogue().find("Estes D12-5")], field)
+    assert any("beyond training" in line for line in found.warnings[0])
+
+
+def test_declared_conditions_may_all_be_missing(field: Ensemble, observed: Observed) -> None:
+    declared = observed.declared.copy()
+    declared[:, 1:] = np.nan
+    found = infer_observed(replace(observed, declared=declared).rows(slice(0, 20)), field)
+    assert np.isfinite(found.cd).all()
+    assert DECLARED[0] == "dry_mass"

@@ -1,0 +1,87 @@
+"""Training of density ensembles: the loss, the export, and the same answer twice."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.inference.mixture import WIDTH, logits, mixture
+
+torch = pytest.importorskip("torch")
+pytest.importorskip("onnx")
+pytestmark = pytest.mark.train
+
+
+@pytest.fixture
+def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> tuple[Path, str]:
+    """The folder of an ensemble trained for a moment by the command, and what the command printed."""
+    from fieldkit.cli.main import main
+    from fieldkit.inference.training import density, field
+
+    monkeypatch.setattr(field, "JUDGED", 100)
+    monkeypatch.setitem(field.PLANS, "quick", density.Plan(epochs=2, batch=256))
+    out = tmp_path / "field"
+    options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")
+    assert main(["train", *options, "--out", str(out)]) == 0
+    return out, capsys.readouterr().out
+
+
+def test_the_loss_is_the_density_that_numpy_gives() -> None:
+    from fieldkit.inference.training.density import log_density
+
+    rng = np.random.default_rng(1)
+    outputs = rng.normal(size=(7, 1, WIDTH))
+    low, high = np.zeros((7, 2)), np.ones((7, 2))
+    values = rng.uniform(size=(7, 2))
+    line = logits(values, low, high)
+    own = log_density(torch.from_numpy(outputs[:, 0]), torch.from_numpy(line)).numpy()
+    stretch = np.log(values * (1 - values)).sum(axis=1)
+    assert mixture(outputs, low, high).log_density(values) == pytest.approx(own - stretch)
+
+
+def test_the_loss_is_that_of_a_library_of_distributions() -> None:
+    from torch.distributions import Categorical, MixtureSameFamily, MultivariateNormal
+
+    from fieldkit.inference.mixture import COMPONENTS
+    from fieldkit.inference.training.density import log_density
+
+    torch.manual_seed(2)
+    outputs, target = torch.randn(5, WIDTH, dtype=torch.float64), torch.randn(5, 2, dtype=torch.float64)
+    weight, x, y, sharp_x, sharp_y, slope = outputs.unflatten(-1, (6, COMPONENTS)).unbind(-2)
+    scale = torch.zeros(5, COMPONENTS, 2, 2, dtype=torch.float64)
+    scale[..., 0, 0], scale[..., 1, 1] = torch.exp(-sharp_x), torch.exp(-sharp_y)
+    scale[..., 1, 0] = slope * torch.exp(-sharp_y)
+    parts = MultivariateNormal(torch.stack([x, y], -1), scale_tril=scale)
+    whole = MixtureSameFamily(Categorical(logits=weight), parts)
+    assert torch.allclose(log_density(outputs, target), whole.log_prob(target))
+
+
+def test_the_graph_says_what_the_network_says(tmp_path: Path) -> None:
+    from fieldkit.inference.ensemble import from_parts
+    from fieldkit.inference.training.density import Members
+    from fieldkit.inference.training.density_graph import density_graph
+
+    torch.manual_seed(4)
+    members, rng = Members(6, 2), np.random.default_rng(5)
+    features = rng.normal(size=(9, 6))
+    mean, sd = features.mean(axis=0), features.std(axis=0)
+    content = density_graph(members, mean, sd)
+    card = {"name": "one", "features": list("abcdef"), "outputs": ["x", "y"], "parts": [5, WIDTH + 4]}
+    found = from_parts(content, card, tmp_path).members(features)
+    scaled = torch.from_numpy((features - mean) / sd).float().expand(5, -1, -1)
+    assert found == pytest.approx(members(scaled).detach().numpy().swapaxes(0, 1), abs=1e-4)
+
+
+def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, str]) -> None:
+    from fieldkit.errors import BadValue
+    from fieldkit.inference.ensemble import load_folder
+    from fieldkit.inference.training.field import train_field
+
+    folder, printed = tiny
+    assert "motors of Quest, never seen" in printed
+    assert printed.count("all ten") == 3
+    ensemble = load_folder(folder)
+    assert ensemble.members(np.zeros((2, len(ensemble.features)))).shape == (2, *ensemble.card["parts"])
+    assert set(ensemble.card["guard"]) == set(ensemble.card["guarded"])
+    with pytest.raises(BadValue, match="an ensemble there already"):
+        train_field(folder)

@@ -1,0 +1,89 @@
+"""What wakes up when a command starts: each heavy library only where it is needed. Plug-ins keep to their own."""
+
+import ast
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+
+NEVER = {"torch", "textual", "pandas", "matplotlib"}
+ALLOWED = {
+    "parsers": {"parsing", "flight", "units", "errors", "shapes", "sanity", "logtext", "safe_text"},
+    "models/effects": {"simulator", "flight", "errors", "shapes"},
+}
+"""What the plug-ins of a shelf may use of the engine."""
+
+
+def woken(tmp_path: Path, *arguments: str) -> set[str]:
+    """The modules that a fresh process has imported once a command is done."""
+    code = (
+        "import json, sys\n"
+        "from fieldkit.cli.main import main\n"
+        f"status = main({list(arguments)!r})\n"
+        f"open({str(tmp_path / 'woken.json')!r}, 'w').write(json.dumps([status, *sys.modules]))\n"
+    )
+    flyer = {name: text for name, text in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
+    flyer |= {"PYTHONPATH": str(ROOT), "XDG_DATA_HOME": str(tmp_path)}
+    done = subprocess.run([sys.executable, "-c", code], env=flyer, cwd=tmp_path, capture_output=True, text=True)
+    status, *modules = json.loads((tmp_path / "woken.json").read_text())
+    assert status == 0, done.stderr
+    return set(modules)
+
+
+@pytest.fixture(scope="module")
+def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """The path of a ledger that holds the reference flights."""
+    from fieldkit.cli.main import main
+
+    path = str(tmp_path_factory.mktemp("hygiene") / "ledger.db")
+    assert main(["--ledger", path, "import", str(ROOT / "fieldkit" / "data" / "reference_flights.csv")]) == 0
+    return path
+
+
+@pytest.mark.parametrize("arguments", [["--help"], ["add", "--help"], ["predict", "--help"], ["demo", "--help"]])
+def test_help_wakes_nothing_heavy(tmp_path: Path, arguments: list[str]) -> None:
+    heavy = NEVER | {"numpy", "scipy", "sqlalchemy", "alembic", "onnxruntime", "sqlite3"}
+    assert not heavy & woken(tmp_path, *arguments)
+
+
+def test_listing_flights_wakes_only_the_ledger(tmp_path: Path, ledger: str) -> None:
+    modules = woken(tmp_path, "--ledger", ledger, "flights")
+    assert not (NEVER | {"scipy", "scipy.optimize", "numpy", "onnxruntime"}) & modules
+    assert "sqlalchemy" in modules
+
+
+def test_predicting_wakes_no_training(tmp_path: Path, ledger: str) -> None:
+    modules = woken(tmp_path, "--ledger", ledger, "predict", "--motor", "F24-4W")
+    assert not (NEVER | {"onnxruntime", "alembic", "scipy.optimize", "scipy.stats"}) & modules
+    assert "numpy" in modules
+
+
+def test_inferring_wakes_no_training(tmp_path: Path, ledger: str) -> None:
+    modules = woken(tmp_path, "--ledger", ledger, "infer", "1")
+    assert not (NEVER | {"onnx", "zuko", "scipy.optimize"}) & modules
+    assert "onnxruntime" in modules
+
+
+def imports(file: Path) -> Iterator[str]:
+    """The modules of fieldkit that a file imports, below `fieldkit`."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module == "fieldkit":
+            yield from (name.name for name in node.names)
+        elif isinstance(node, ast.ImportFrom) and node.module and node.module.startswith("fieldkit."):
+            yield node.module.split(".")[1]
+        elif isinstance(node, ast.Import):
+            yield from (name.name.partition(".")[2] for name in node.names if name.name.split(".")[0] == "fieldkit")
+
+
+@pytest.mark.parametrize("shelf", ALLOWED)
+def test_plug_ins_know_the_engine_and_not_each_other(shelf: str) -> None:
+    files = sorted((ROOT / shelf).glob("*.py"))
+    assert files
+    for file in files:
+        assert set(imports(file)) <= ALLOWED[shelf], file.name

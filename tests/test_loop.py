@@ -1,0 +1,109 @@
+"""The loop, on flights from a truth that is not the product's: what is there is found, and nothing else."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.make import make
+from fieldkit.flight import Flight
+from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.loop.model import observe
+from fieldkit.loop.predict import predict, rocket_model
+from fieldkit.loop.residual import fingerprint, patterns, readout_residuals, spreads
+from fieldkit.motors import Found, catalogue
+from fieldkit.parsing import read
+
+SEED = 31
+"""Of the sets that these tests hold; none of them was looked at while the loop was made."""
+HELD = ("null", "wind", "mass_offset", "early_ejection", "motor_thrust")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One set of each held scenario, at its strongest."""
+    folder = tmp_path_factory.mktemp("sets")
+    make(folder, HELD, 1, SEED, "fast", first=2)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def diagnoses(folder: Path) -> dict[str, tuple[Diagnosis, dict[str, object], list[Flight]]]:
+    """The diagnosis of each set, with its label and its later flights, by scenario."""
+    found = {}
+    for label in json.loads((folder / "labels.json").read_text()):
+        flights = _flights(folder / f"{label['set']}.csv")
+        model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+        diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
+        later = [f for f, _ in _flights(folder / f"{label['set']}_future.csv")]
+        found[str(label["scenario"])] = (diagnosis, label, later)
+    return found
+
+
+def _flights(path: Path) -> list[tuple[Flight, Found]]:
+    flights = read(path.read_bytes(), path.name, lambda name: None).flights
+    motors = catalogue()
+    return [(flight, motors.resolve(flight.motor)) for flight in flights]
+
+
+@pytest.mark.parametrize("scenario", [name for name in HELD if name != "null"])
+def test_an_undeclared_effect_is_named(diagnoses: dict, scenario: str) -> None:
+    diagnosis, label, _ = diagnoses[scenario]
+    assert diagnosis.effect == label["label"]
+    assert diagnosis.confidence > 0.5
+    assert diagnosis.after.mae < diagnosis.before.mae
+
+
+def test_nothing_is_found_where_nothing_is(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["null"]
+    assert diagnosis.effect == "none"
+    assert diagnosis.accepted == ()
+    assert diagnosis.after == diagnosis.before
+
+
+def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict) -> None:
+    before, after = [], []
+    for scenario in HELD[1:]:
+        diagnosis, _, later = diagnoses[scenario]
+        flown = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
+        motors = catalogue()
+        plans = [
+            (flight.with_changes(**dict.fromkeys(flight.readouts())), motors.resolve(flight.motor)) for flight in later
+        ]
+        truth = np.array([flight.apogee for flight in later])
+        places = [trial.candidate.place for trial in diagnosis.accepted]
+        for accepted, errors in (([], before), (places, after)):
+            forecast = [np.median(one.apogee) for one in predict(flown, plans, accepted, draws=300)]
+            errors.append(np.abs(np.array(forecast) - truth).mean())
+    assert np.mean(after) < 0.85 * np.mean(before)
+
+
+def test_residuals_are_in_units_of_their_scatter(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["null"]
+    residual = readout_residuals(diagnosis)
+    assert residual.shape == (len(diagnosis.model.flights), 6)
+    assert 0.4 < np.nanstd(residual[:, 0]) < 1.8
+    assert all(abs(row.bias) < 1.0 for row in spreads(diagnosis))
+
+
+def test_wind_shows_in_the_pattern_of_a_windy_history(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["wind"]
+    assert patterns(diagnosis)[0].against == "wind_mps"
+    assert patterns(diagnosis)[0].statistic < 0
+
+
+def test_an_early_ejection_has_the_fingerprint_of_one(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["early_ejection"]
+    marks = fingerprint(diagnosis.accepted[0])
+    assert marks["coast_to_apogee"] < -0.02
+    assert marks["apogee"] < 0
+    assert abs(marks["top_speed"]) < 1e-3
+
+
+def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(folder: Path, diagnoses: dict) -> None:
+    diagnosis, label, _ = diagnoses["wind"]
+    flights = _flights(folder / f"{label['set']}.csv")
+    model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+    again = diagnose(model, diagnosis.data)
+    assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]
