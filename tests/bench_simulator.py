@@ -107,8 +107,7 @@ def test_all_readouts_in_the_papers_physics(benchmark: BenchmarkFixture) -> None
 
 
 def test_scipy_as_the_paper_uses_it(benchmark: BenchmarkFixture) -> None:
-    rows = iter(range(12))
-    timed(benchmark, "scipy as published", 1, lambda: by_scipy(next(rows), max_step=0.02))
+    timed(benchmark, "scipy as published", 6, lambda: [by_scipy(row, max_step=0.02) for row in range(6)], rounds=2)
 
 
 def test_scipy_ended_at_apogee(benchmark: BenchmarkFixture) -> None:
@@ -167,6 +166,6 @@ def test_the_simulator_is_as_many_times_quicker_as_it_should_be(benchmark: Bench
     ratios = benchmark.pedantic(
         lambda: [RATES["paper, apogees"] / RATES[name] for name in ("scipy as published", "scipy to apogee")]
     )
-    RATES["times scipy as published"], RATES["times scipy to apogee"] = ratios
+    sys.stdout.write(f"\nas many flights as scipy as published: {ratios[0]:,.0f}, ended at apogee: {ratios[1]:,.0f}\n")
     assert ratios[0] > AS_PUBLISHED
     assert ratios[1] > TO_APOGEE

@@ -66,7 +66,7 @@ def test_predicting_wakes_no_training(tmp_path: Path, ledger: str) -> None:
 
 def test_inferring_wakes_no_training(tmp_path: Path, ledger: str) -> None:
     modules = woken(tmp_path, "--ledger", ledger, "infer", "1")
-    assert not (NEVER | {"onnx", "zuko", "scipy.optimize"}) & modules
+    assert not (NEVER | {"onnx", "scipy.optimize"}) & modules
     assert "onnxruntime" in modules
 
 

@@ -61,7 +61,7 @@ def _log(ratio: Array) -> Array:
 def features(observed: Observed) -> Float[Array, "flight feature"]:
     """What the ensemble is shown, a column for each of `FEATURES`; nothing in it is nan."""
     columns = _columns(observed)
-    return np.stack([np.nan_to_num(columns[name], nan=0.0) for name in FEATURES], axis=-1)
+    return np.nan_to_num(np.stack([columns[name] for name in FEATURES], axis=-1), nan=0.0)
 
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:

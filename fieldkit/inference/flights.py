@@ -59,12 +59,18 @@ def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
             left_out.append(f"flight {flight.flight_id}, {error}")
     if not known:
         return Inferences((), tuple(left_out))
-    found = infer_field(*zip(*known, strict=True))
-    columns = (found.cd, found.cd_sd, found.alpha, found.alpha_sd)
-    figures = zip(*(column.tolist() for column in columns), strict=True)
+    found = infer_field([flight for flight, _ in known], [motor for _, motor in known])
     inferred = [
-        Inferred(flight, *four, found.model, warnings)
-        for (flight, _), four, warnings in zip(known, figures, found.warnings, strict=True)
+        Inferred(
+            flight,
+            float(found.cd[row]),
+            float(found.cd_sd[row]),
+            float(found.alpha[row]),
+            float(found.alpha_sd[row]),
+            found.model,
+            found.warnings[row],
+        )
+        for row, (flight, _) in enumerate(known)
     ]
     return Inferences(tuple(inferred), tuple(left_out))
 

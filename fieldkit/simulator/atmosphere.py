@@ -45,8 +45,8 @@ class Air:
     def thinning(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Density at a height above the pad over density at the pad. [1]"""
         if self.scale_height is not None:
-            result: Float[Array, "*draw"] = np.exp(height * (-1 / self.scale_height))
-            return result
+            share = np.asarray(height * (-1 / self.scale_height))
+            return np.asarray(np.exp(share, out=share))
         warmth = np.asarray(np.maximum(height * (-LAPSE / self.temperature), -0.9))
         np.log1p(warmth, out=warmth)
         warmth *= HYDROSTATIC - 1

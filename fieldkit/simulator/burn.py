@@ -1,5 +1,6 @@
 """The burn: from lift-off to burnout by Runge-Kutta in time, stepped along the thrust curve."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
@@ -98,23 +99,14 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
 
     Without `highlights` top speed, peak acceleration and rail speed are not looked for.
     """
-    burns, motor, stretch = setup.burns, setup.motor, setup.burn_stretch
     pull = Pull(setup, burning=True)
     zero = np.zeros(setup.draws)
     start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
     latest = start[np.isfinite(start)].max(initial=0.0)
-    fixed_mass = setup.dry_mass + burns.casing_mass[motor]
-    factor = setup.thrust_factor / stretch
     at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
     track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
-    for step in range(len(burns.edge) - 1):
-        first, last = burns.edge[step][motor] * stretch, burns.edge[step + 1][motor] * stretch
-        dt = last - first
-        if not (dt > 0).any():
-            break
-        thrust: Stages = [stage[motor] * factor for stage in burns.thrust[step]]
-        mass: Stages = [fixed_mass + burns.propellant_mass[motor] * (1 - stage[motor]) for stage in burns.spent[step]]
+    for first, dt, thrust, mass in _steps(setup):
         if first.min() < latest:
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
@@ -138,6 +130,28 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
     return track
 
 
+def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
+    """Beginning and length of every step [s], thrust [N] and mass [kg] in it; a step begins as the last one ends."""
+    burns, motor = setup.burns, setup.motor
+    empty, propellant = setup.dry_mass + burns.casing_mass[motor], burns.propellant_mass[motor]
+    factor = setup.thrust_factor / setup.burn_stretch
+
+    def push(step: int, stage: int) -> Array:
+        return np.asarray(burns.thrust[step, stage][motor] * factor)
+
+    def mass(step: int, stage: int) -> Array:
+        return np.asarray(empty + propellant * (1 - burns.spent[step, stage][motor]))
+
+    first, push_end, mass_end = burns.edge[0][motor] * setup.burn_stretch, push(0, 0), mass(0, 0)
+    for step in range(len(burns.edge) - 1):
+        last = burns.edge[step + 1][motor] * setup.burn_stretch
+        if not (last > first).any():
+            return
+        pushes, masses = [push_end, push(step, 1), push(step, 2)], [mass_end, mass(step, 1), mass(step, 2)]
+        yield first, last - first, pushes, masses
+        first, push_end, mass_end = last, pushes[2], masses[2]
+
+
 def _between(values: Stages, start: Array, end: Array) -> Stages:
     """Start, middle and end of a part of a step over which a figure is a quadratic; places in [0, 1]."""
     if len(start) == 1 and start[0] == 0 and end[0] == 1:
@@ -154,6 +168,11 @@ def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) 
     Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that. A planar
     flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
     """
+    greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
+    fastest = np.abs(track.velocity[0]).max() + dt.max() * greatest
+    bound = setup.drag_area.max() * setup.air.density.max() * fastest * dt.max() / mass[2].min()
+    if len(track.position) == 1 and bound <= STIFFEST:
+        return np.ones(1)
     speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
     stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
     wanted = stiffness / STIFFEST

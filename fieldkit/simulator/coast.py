@@ -80,29 +80,30 @@ def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed
 def _layers(setup: Setup, track: Track, *, timed: bool) -> Iterator[_Point]:
     """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
 
+    `thin` is 1/u^2, of the density half way up the layer.
     Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
     """
     burns, motor, g = setup.burns, setup.motor, setup.gravity
     mass = setup.dry_mass + burns.casing_mass[motor]
-    even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG)
+    even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG) / g
     time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
     zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
     thin = even * setup.air.thinning(height)
-    yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
-    count = _count(np.log1p(thin / g * upward**2) / (thin * (2 * LAYER)))
+    yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero)
+    count = _count(np.log1p(thin * upward**2) / (thin * (2 * LAYER * g)))
     share = upward / count
     for _ in range(int(count.max())):
         slower = np.maximum(upward - share, 0.0)
-        middle, fall = 0.5 * (upward + slower), upward - slower
-        thin = even * setup.air.thinning(height + 0.5 * middle * fall / (g + thin * middle**2))
-        square = thin / g
-        gain = 0.5 / thin * np.log1p((upward + slower) * fall * square / (1 + slower**2 * square))
+        total, fall = upward + slower, upward - slower
+        squares = total * fall
+        middle = height + squares * (0.25 / g) / (1 + 0.25 * thin * total**2)
+        thin = even * setup.air.thinning(middle)
+        height = height + np.log1p(squares * thin / (1 + thin * slower**2)) / thin * (0.5 / g)
         if timed:
-            root = np.sqrt(square)
-            time = time + np.arctan(root * fall / (1 + square * upward * slower)) / (g * root)
-        height, upward = height + gain, slower
-        if timed:
-            yield _Point(time, height, upward, -g - thin * upward**2, zero, zero)
+            root = np.sqrt(thin)
+            time = time + np.arctan(root * fall / (1 + thin * upward * slower)) / (g * root)
+            yield _Point(time, height, slower, -g * (1 + thin * slower**2), zero, zero)
+        upward = slower
     if not timed:
         yield _Point(untold, height, upward, untold, zero, zero)
 

@@ -41,10 +41,11 @@ def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
     """Rows that fly together, and their part of the set-up: apart what flies straight up and what does not, side by
     side what burns alike. How a draw flies does not hang on the company it keeps; how fast does."""
     flat = setup.flat(setup.draw_shape)
-    aslant = np.broadcast_to(planar(flat), flat.draws)
-    kind = flat.burns.lengths.argsort().argsort()[flat.motor] + len(flat.burns.burnout) * aslant
-    order = np.argsort(kind.astype(np.min_scalar_type(int(kind.max(initial=0)))), kind="stable")
-    upright = flat.draws - int(aslant.sum())
+    aslant, rank = planar(flat), flat.burns.lengths.argsort().argsort()
+    small = np.min_scalar_type(2 * len(rank))
+    kind = rank.astype(small)[flat.motor] + aslant * small.type(len(rank))
+    order = np.argsort(np.broadcast_to(kind, flat.draws), kind="stable")
+    upright = flat.draws - int(np.broadcast_to(aslant, flat.draws).sum())
     cuts = [*range(0, upright, CHUNK), *range(upright, flat.draws, CHUNK), flat.draws]
     with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
         for first, last in pairwise(cuts):

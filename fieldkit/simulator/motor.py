@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
-STEPS = 12
+STEPS = 14
 """No step is longer than the burn over this."""
 
 
