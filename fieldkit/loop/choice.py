@@ -15,10 +15,14 @@ from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, family_forecasts
 from fieldkit.shapes import Array, Flags, Float
 
-DECISIVE = 0.7
+DECISIVE = 0.6
 """Posterior probability that something is missing, from which on it is said. [1]"""
 BETTER = 0.97
 """Error on flights left out, over that of the plain model, that an effect must not exceed. [1]"""
+HARMLESS = 1.03
+"""The same for an effect whose evidence is `OVERWHELMING`: it may show in readouts that are no apogee. [1]"""
+OVERWHELMING = 5.0
+"""Log posterior odds. [nat]"""
 PATTERN_SHARE = 0.1
 """Share of the prior odds that patterns without an explanation have beside the effects. [1]"""
 
@@ -83,17 +87,25 @@ def _ranked(
     folds = np.stack([trial.fold_evidence for trial in family])
     forecasts = family_forecasts(family)
     misses = _misses(forecasts, truth, seen)
+    log_bayes = float(np.logaddexp.reduce(whole + share) - plainer.log_evidence)
+    fold_log_bayes = np.logaddexp.reduce(folds + share[:, None], axis=0) - plainer.fold_evidence
+    fold_misses, fold_plain = misses.sum() - misses, plain_misses.sum() - plain_misses
     return Ranked(
         effect=name,
         trials=tuple(family),
-        log_bayes=float(np.logaddexp.reduce(whole + share) - plainer.log_evidence),
-        fold_log_bayes=np.logaddexp.reduce(folds + share[:, None], axis=0) - plainer.fold_evidence,
+        log_bayes=log_bayes,
+        fold_log_bayes=fold_log_bayes,
         log_odds=odds,
         forecasts=forecasts,
         score=score(forecasts, truth, seen),
-        helps=bool(misses.sum() < BETTER * plain_misses.sum()),
-        fold_helps=np.asarray(misses.sum() - misses < BETTER * (plain_misses.sum() - plain_misses)),
+        helps=bool(misses.sum() < _limit(log_bayes + odds) * plain_misses.sum()),
+        fold_helps=np.asarray(fold_misses < _limit(fold_log_bayes + odds) * fold_plain),
     )
+
+
+def _limit(weight: Array | float) -> Array:
+    """The error that an effect of this log posterior odds may leave, over that of the plain model. [1]"""
+    return np.where(np.asarray(weight) > OVERWHELMING, HARMLESS, BETTER)
 
 
 def probability(ranking: Sequence[Ranked]) -> float:
