@@ -86,7 +86,7 @@ def predict_plans(
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
         planned = [(completed(plans[row], before), motors.resolve(plans[row].motor)) for row in rows]
-        made = predict(history, planned, accepted_places(ledger, rocket, which))
+        made = predict(history, planned, accepted_places(ledger, rocket, which), declared=which == "after")
         answers |= dict(zip(rows, made, strict=True))
     if keep:
         for prediction in answers.values():

@@ -16,6 +16,7 @@ from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.effect import effects
+from fieldkit.simulator.field import recorded
 
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
@@ -81,18 +82,21 @@ def predict(
     planned: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
     *,
+    declared: bool = True,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
-    Flights with an anomaly tag count as flown and do not teach. Raises ImpossibleFlight for a flight
+    Flights with an anomaly tag count as flown and do not teach. Wind that was written down acts with the
+    prior of its effect, accepted or not; with `declared` False it does not. Raises ImpossibleFlight for a flight
     without a dry mass.
     """
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
-    model = rocket_model(flights, found, accepted, FORECAST_SLACK)
+    acting = (*accepted, *_declared(flights, accepted)) if declared else accepted
+    model = rocket_model(flights, found, acting, FORECAST_SLACK)
     result = fit_robustly(model, observe(flights, teach))
     rng = np.random.default_rng(seed)
     values, scales = sample(result, draws, rng)
@@ -127,6 +131,16 @@ def predict(
             model=model_name(accepted),
         )
         for i, (flight, motor) in enumerate(planned)
+    ]
+
+
+def _declared(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
+    """Effects whose column was written down, and that no accepted effect stands for already."""
+    known = {place.effect for place in accepted}
+    return [
+        Place(name)
+        for name, effect in effects().items()
+        if effect.needs and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
 
 
