@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.loop.candidates import effect_candidates, pattern_candidates
-from fieldkit.loop.choice import Ranked, pick_in_folds, probability, rank, strongest
+from fieldkit.loop.choice import DECISIVE_MORE, Ranked, pick_in_folds, probability, rank, strongest
 from fieldkit.loop.fit import fit
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
@@ -119,7 +119,7 @@ def _verdict(
     if first is None and pattern is None:
         why = "the flights differ from the model by no more than their own scatter, as far as they can show"
         return _Verdict("none", 1 - something, why)
-    second = strongest(pairs, named=True) if first is not None else None
+    second = strongest(pairs, named=True, decisive=DECISIVE_MORE) if first is not None else None
     both = first.weight + (second.weight if second else 0.0) if first is not None else -np.inf
     if first is None or (pattern is not None and pattern.weight > both):
         assert pattern is not None
