@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
-from fieldkit.loop.fit import Fit, Tangent, _log_inside, fit, leave_one_out, scale_grid, solve
+from fieldkit.loop.fit import Fit, _log_inside, fit, leave_one_out, scale_grid, solve
 from fieldkit.loop.model import (
     LOGARITHMIC,
     OBSERVED,
@@ -24,6 +24,7 @@ from fieldkit.loop.model import (
     reading_sd,
     shown,
 )
+from fieldkit.loop.tangent import Tangent
 from fieldkit.motors import catalogue
 
 SETS = 40
