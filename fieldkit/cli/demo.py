@@ -1,6 +1,5 @@
 """`fieldkit demo`: the whole of fieldkit on twelve flights that come with it."""
 
-import re
 from contextlib import ExitStack
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -8,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.screen import print_table, progress, say, say_wrapped
+from fieldkit.cli.screen import print_table, progress, say, say_report, say_wrapped
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
@@ -115,16 +114,8 @@ def _loop(found: "Demo") -> None:
 
     say("4. The loop closed: what the model gets wrong, and what could be missing")
     say()
-    for line in report(found.rocket, found.diagnosis):
-        say_wrapped(line, _column(line)) if line else say()
+    say_report(report(found.rocket, found.diagnosis))
     say()
-
-
-def _column(line: str) -> str:
-    """Blanks up to the last column of a line, for what does not fit to go on below it."""
-    text = line.strip()
-    columns = list(re.finditer(r"\s{3,}", text))
-    return " " * (columns[-1].end() if columns else 2)
 
 
 def _profile(found: "Demo") -> None:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say
+from fieldkit.cli.screen import print_json, print_table, say_report
 from fieldkit.cli.session import known_motors, open_ledger
 
 app = typer.Typer()
@@ -29,8 +29,7 @@ def loop(
     if json:
         print_json(loop_document(name, diagnosis))
         return
-    for line in report(name, diagnosis):
-        say(line)
+    say_report(report(name, diagnosis))
 
 
 @app.command()

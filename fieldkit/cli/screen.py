@@ -31,6 +31,15 @@ def say_wrapped(text: str, hanging: str = "") -> None:
         say(line)
 
 
+def say_report(lines: Iterable[str]) -> None:
+    """Print lines of a report, what does not fit going on below its last column."""
+    import re
+
+    for line in lines:
+        columns = list(re.finditer(r"\s{3,}", line.strip()))
+        say_wrapped(line, " " * (columns[-1].end() if columns else 2)) if line else say()
+
+
 def complain(text: str) -> None:
     """Print a message, a line or a few, where it is not taken for a result."""
     sys.stderr.write("".join(printable(line) + "\n" for line in text.splitlines()))

@@ -84,17 +84,21 @@ def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
 def _fingerprints(diagnosis: Diagnosis) -> Iterator[str]:
     """Readouts as they were off, in expected scatter, and what the likeliest effects would do to them."""
     rows = spreads(diagnosis)
-    short = {"top_speed": "speed", "burn_time": "burn", "peak_accel": "peak", "coast_to_apogee": "coast"}
+    short = {
+        "top_speed": "speed",
+        "burn_time": "burn",
+        "peak_accel": "peak",
+        "coast_to_apogee": "coast",
+        "apogee_to_eject": "eject s",
+    }
     names = [row.readout for row in rows]
-    yield f"  {'off by, in expected scatter':32}" + "".join(
-        f"{short.get(n, n.replace('_', ' ')[:9]):>10}" for n in names
-    )
-    yield f"  {'mean of the flights':32}" + "".join(f"{row.bias:+10.2f}" for row in rows)
-    yield f"  {'one flight and the next alike':32}" + "".join(f"{row.autocorrelation:+10.2f}" for row in rows)
+    yield f"  {'off, in its scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
+    yield f"  {'mean':24}" + "".join(f"{row.bias:+9.2f}" for row in rows)
+    yield f"  {'one to the next alike':24}" + "".join(f"{row.autocorrelation:+9.2f}" for row in rows)
     for item in [item for item in diagnosis.ranking if item.effect][:3]:
         marks = fingerprint(item.best)
-        cells = (f"{marks[n]:+10.2f}" if n == "apogee_to_eject" else f"{marks[n]:+10.1%}" for n in names)
-        yield f"  {item.effect + ' would do':32}" + "".join(cells)
+        cells = (f"{marks[n]:+9.2f}" if n == "apogee_to_eject" else f"{marks[n]:+9.1%}" for n in names)
+        yield f"  {item.effect + ' does':24}" + "".join(cells)
 
 
 def effect_help() -> Iterator[str]:
