@@ -139,7 +139,14 @@ def _profile(found: "Demo") -> None:
     say_wrapped(
         f"   Apogees rebuilt with it are {bias['published']:+.1f} m off in the mean of the {count} clean flights, "
         f"and {bias['certified']:+.1f} m with certified curves; {below['published']} of the {count} lie below the "
-        f"lowest apogee that its prior can make, {below['certified']} with certified curves. "
-        "`fieldkit paper` tells the rest."
+        f"lowest apogee that its prior can make, {below['certified']} with certified curves."
+    )
+    say()
+    missed = {rule["rule"]: rule for rule in found.paper.rules}
+    before, after = missed["published_carried_over"], missed["hierarchical_certified"]
+    say_wrapped(
+        f"   Each clean flight forecast from the others, left out: {before['mae_m']:.1f} m off in the mean (bias "
+        f"{before['bias_m']:+.1f} m) with the published profile and parameters, {after['mae_m']:.1f} m (bias "
+        f"{after['bias_m']:+.1f} m) with certified curves. `fieldkit paper` tells the rest."
     )
     say()

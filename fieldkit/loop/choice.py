@@ -59,6 +59,10 @@ class Ranked:
         """Log posterior odds against the plainer model."""
         return self.log_bayes + self.log_odds
 
+    def worth(self, after: Score, before: Score) -> bool:
+        """Whether flights not seen are forecast better when the whole choice is made without them."""
+        return after.mae < before.mae * (HARMLESS if self.weight > OVERWHELMING else 1.0)
+
     @property
     def fold_weight(self) -> Float[Array, "flight"]:
         """Log posterior odds without each flight; minus infinity where it does not help there."""

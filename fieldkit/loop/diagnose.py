@@ -56,6 +56,9 @@ class Diagnosis:
         return [effects()[name].tell_apart for name in names] if self.also else []
 
 
+_NO_BETTER = "but flights that were not seen are forecast no better with it, so it is left out until more have flown"
+
+
 @dataclass(frozen=True, slots=True)
 class _Verdict:
     effect: str
@@ -92,9 +95,14 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
                 tell(f"{first.effect}+{name}", 0.5 + number / (2 * len(families)))
                 found += try_family(first.best.fit.model, data, family, first.best.fit)
         pairs = rank(found, first.best, truth, seen)
-    verdict = _verdict(ranking, first, strongest(ranking, named=False), pairs)
     before = forecasts_of(base.left_out)
-    after = pick_in_folds(ranking, before, first.effect if first else "", pairs) if verdict.effect != "none" else before
+    plain_score = score(before, truth, seen)
+    after = pick_in_folds(ranking, before, first.effect if first else "", pairs)
+    verdict = _verdict(ranking, first, strongest(ranking, named=False), pairs)
+    if first is not None and verdict.accepted and not first.worth(score(after, truth, seen), plain_score):
+        verdict = _Verdict("none", 1 - probability(ranking), f"{first.effect} is likely, {_NO_BETTER}")
+    if verdict.effect == "none":
+        after = before
     return Diagnosis(
         model=model,
         data=data,
@@ -105,7 +113,7 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
         why=verdict.why,
         also=verdict.also,
         accepted=verdict.accepted,
-        before=score(before, truth, seen),
+        before=plain_score,
         after=score(after, truth, seen),
         forecasts_before=before,
         forecasts_after=after,
