@@ -56,6 +56,8 @@ class Diagnosis:
         return [effects()[name].tell_apart for name in names] if self.also else []
 
 
+CERTAIN = 0.99
+"""Probability that something is missing, from which on it is said even where nothing known forecasts better."""
 _NO_BETTER = "but flights that were not seen are forecast no better with it, so it is left out until more have flown"
 
 
@@ -66,6 +68,7 @@ class _Verdict:
     why: str
     also: tuple[str, ...] = ()
     accepted: tuple[Trial, ...] = ()
+    pattern: bool = False
 
 
 def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
@@ -100,8 +103,8 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
     after = pick_in_folds(ranking, before, first.effect if first else "", pairs)
     verdict = _verdict(ranking, first, strongest(ranking, named=False), pairs)
     if first is not None and verdict.accepted and not first.worth(score(after, truth, seen), plain_score):
-        verdict = _Verdict("none", 1 - probability(ranking), f"{first.effect} is likely, {_NO_BETTER}")
-    if verdict.effect == "none":
+        verdict = _rejected(ranking)
+    if not verdict.accepted and not verdict.pattern:
         after = before
     return Diagnosis(
         model=model,
@@ -125,15 +128,14 @@ def _verdict(
 ) -> _Verdict:
     something = probability(ranking)
     if first is None and pattern is None:
-        why = "the flights differ from the model by no more than their own scatter, as far as they can show"
-        return _Verdict("none", 1 - something, why)
+        return _rejected(ranking)
     second = strongest(pairs, named=True, decisive=DECISIVE_MORE) if first is not None else None
     both = first.weight + (second.weight if second else 0.0) if first is not None else -np.inf
     if first is None or (pattern is not None and pattern.weight > both):
         assert pattern is not None
         place = pattern.best.candidate.place.where
         why = f"the flights differ from the model together with {place}, and no known effect accounts for it"
-        return _Verdict("unexplained", something, why)
+        return _Verdict("unexplained", something, why, pattern=True)
     accepted = (first.best, second.best) if second is not None else (first.best,)
     names = [trial.candidate.effect for trial in accepted]
     near = [item.effect for item in ranking if item.effect and item.log_bayes > first.log_bayes - APART]
@@ -141,6 +143,17 @@ def _verdict(
     share = float(np.exp(first.weight - rivals)) if second is None else probability(pairs)
     also = tuple(name for name in near if name not in names)
     return _Verdict("+".join(names), something * share, _because(accepted), also, accepted)
+
+
+def _rejected(ranking: Sequence[Ranked]) -> _Verdict:
+    """Nothing is accepted: because nothing is there, or because what is there helps no forecast."""
+    something = probability(ranking)
+    best = max(ranking, key=lambda item: item.weight, default=None)
+    if best is None or best.weight < 0:
+        why = "the flights differ from the model by no more than their own scatter, as far as they can show"
+        return _Verdict("none", 1 - something, why)
+    why = f"{best.best.candidate.place if best.effect else best.best.candidate.place.where} fits best, {_NO_BETTER}"
+    return _Verdict("unexplained", something, why) if something >= CERTAIN else _Verdict("none", 1 - something, why)
 
 
 def _because(accepted: Sequence[Trial]) -> str:

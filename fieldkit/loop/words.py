@@ -67,7 +67,8 @@ def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
         chance = 1 - diagnosis.confidence
         yield f"  (the chance that something is missing is put at {chance:.0%}, before unseen flights have their say)"
     else:
-        yield f"  (the chance that it is this is put at {diagnosis.confidence:.0%})"
+        what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
+        yield f"  (the chance that {what} is put at {diagnosis.confidence:.0%})"
     if diagnosis.also:
         yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
         for advice in diagnosis.advice:
