@@ -17,7 +17,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 DECISIVE = 0.5
 """Posterior probability that something is missing, among what helps unseen flights, from which on it is said:
-of 42 histories without an effect (`bench`, seed 11) two would then be given one. [1]"""
+of 42 histories without an effect (`bench`, seed 11) one is then given one. [1]"""
 DECISIVE_MORE = 0.7
 """The same for a second effect beside an accepted one, which may only mend what the first got wrong. [1]"""
 BETTER = 0.97
