@@ -1,8 +1,10 @@
 """Every annotated shape is checked while the tests run; an ordinary run pays nothing for them."""
 
 import os
+import sys
 
-os.environ["FIELDKIT_CHECK_SHAPES"] = "1"  # read by fieldkit.shapes when it is imported
+# read by fieldkit.shapes when it is imported; where speed is measured, checking shapes would slow it
+os.environ["FIELDKIT_CHECK_SHAPES"] = "" if "--benchmark-only" in sys.argv else "1"
 
 from hypothesis import settings
 from jaxtyping import install_import_hook
@@ -11,7 +13,8 @@ from tests import checker
 
 CHECKED = ("fieldkit.simulator", "fieldkit.motors", "fieldkit.inference", "fieldkit.loop")
 
-install_import_hook(CHECKED, f"{checker.__name__}.{checker.check.__name__}")
+if os.environ["FIELDKIT_CHECK_SHAPES"]:
+    install_import_hook(CHECKED, f"{checker.__name__}.{checker.check.__name__}")
 
 settings.register_profile("fieldkit", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("fieldkit")
