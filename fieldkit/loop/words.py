@@ -5,7 +5,6 @@ from collections.abc import Iterator
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.predict import Prediction
 from fieldkit.loop.residual import fingerprint, patterns, spreads
-from fieldkit.simulator.effect import effects
 from fieldkit.units import FOOT
 
 
@@ -100,9 +99,3 @@ def _fingerprints(diagnosis: Diagnosis) -> Iterator[str]:
         marks = fingerprint(item.best)
         cells = (f"{marks[n]:+9.2f}" if n == "apogee_to_eject" else f"{marks[n]:+9.1%}" for n in names)
         yield f"  {item.effect + ' does':24}" + "".join(cells)
-
-
-def effect_help() -> Iterator[str]:
-    """Every effect the loop knows, in plain words."""
-    for name, effect in effects().items():
-        yield f"{name}: {effect.explains}. Source: {effect.source}."
