@@ -25,22 +25,33 @@ class Reading:
     """One flight as a log states it, or one rocket of a list of rockets.
 
     `stated` maps fields of `Flight` to SI values or texts, `columns` the same fields to the names that
-    this log has for them (for messages), `events` names to seconds from lift-off. `rocket_key` is the
-    log's own name of the rocket, by which a list of rockets read together with it adds what it knows.
-    `series` holds the samples where there are any.
+    this log has for them (for messages). `rocket_key` is the log's own name of the rocket, by which a list of
+    rockets read together with it adds what it knows. `series` holds the samples where there are any, a `Series`
+    for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
+    to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
+    with a flight and is never taken into the ledger.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
     extra: Mapping[str, str] = field(default_factory=dict)
     columns: Mapping[str, str] = field(default_factory=dict)
     row: int | None = None
-    describes: Literal["flight", "rocket"] = "flight"
+    describes: Literal["flight", "rocket", "simulation"] = "flight"
     rocket_key: str = ""
-    series: Series | None = None
+    series: Series | tuple[Series, ...] = ()
     events: Mapping[str, float] = field(default_factory=dict)
     device: str = ""
     firmware: str = ""
     serial: str = ""
+
+    @property
+    def clocks(self) -> tuple[Series, ...]:
+        """The samples, a `Series` for each clock of the log."""
+        return (self.series,) if isinstance(self.series, Series) else self.series
+
+
+EVENTS = ("liftoff", "burnout", "apogee", "ejection", "drogue", "main", "landing")
+"""What most loggers mark; `drogue` and `main` are outputs of a logger, `ejection` is the motor's own charge."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -251,7 +262,7 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
     """The flight that a reading tells of, with a name. Raises DamagedLog if it was never flown."""
     flight = _flight(reading)
-    if not (flight.readouts() or flight.log or flight.tags or reading.series):
+    if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
         raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
     _check_motor(flight, reading, check_motor)
