@@ -6,7 +6,7 @@ linear is that of the whole history, and second effects beside a first are not t
 """
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from fieldkit.loop.model import Data
 from fieldkit.loop.score import Forecasts, forecasts_of, score
 from fieldkit.loop.tangent import Tangent
 from fieldkit.loop.trial import Trial, by_effect
-from fieldkit.shapes import Flags
+from fieldkit.shapes import Array, Flags
 
 FEWEST = 4
 """Earlier clean flights from which on a choice is made."""
@@ -78,7 +78,7 @@ def _at(diagnosis: Diagnosis, flight: int) -> tuple[Forecasts, Forecasts, str]:
     return _last(plain), _last(chosen.forecasts), chosen.effect
 
 
-def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: np.ndarray, seen: Flags) -> bool:
+def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: Array, seen: Flags) -> bool:
     """Whether no pattern is likelier, and the whole choice, made anew in every fold, forecasts better."""
     pattern = strongest(ranking, named=False)
     if pattern is not None and pattern.weight > chosen.weight:
@@ -134,7 +134,7 @@ def _joined(parts: Sequence[Forecasts]) -> Forecasts:
     """Forecasts of one flight each, side by side."""
     longest = max(len(part.mean) for part in parts)
 
-    def column(name: str, fill: float) -> np.ndarray:
+    def column(name: str, fill: float) -> Array:
         columns = [getattr(part, name)[:, 0] for part in parts]
         return np.stack([np.pad(c, (0, longest - len(c)), constant_values=fill) for c in columns], axis=1)
 

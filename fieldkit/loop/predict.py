@@ -95,7 +95,7 @@ def predict(
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
-    acting = (*accepted, *_declared(flights, accepted)) if declared else accepted
+    acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     model = rocket_model(flights, found, acting, FORECAST_SLACK)
     result = fit_robustly(model, observe(flights, teach))
     rng = np.random.default_rng(seed)
@@ -134,7 +134,7 @@ def predict(
     ]
 
 
-def _declared(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
+def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
     """Effects whose column was written down, and that no accepted effect stands for already."""
     known = {place.effect for place in accepted}
     return [

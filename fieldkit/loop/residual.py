@@ -132,12 +132,10 @@ def readout_patterns(diagnosis: Diagnosis) -> list[Pattern]:
 
 
 def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
-    numbers, kinds = _numbers(diagnosis), _kinds(diagnosis)
+    numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
     every = readout_residuals(diagnosis)
     found = [
-        (name, *test)
-        for name in readouts
-        for test in associations(every[:, OBSERVED.index(name)], numbers, kinds)
+        (name, *test) for name in readouts for test in associations(every[:, OBSERVED.index(name)], numbers, kinds)
     ]
     corrected = holm([p for *_, p in found])
     rows = [
@@ -179,12 +177,14 @@ def holm(p: Sequence[float]) -> list[float]:
     return [float(value) for value in corrected]
 
 
-def _kinds(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
+def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
+    """The groups each flight belongs to."""
     model = diagnosis.model
     return {name: groups(model.flights, model.found, name) for name in ("motor", "config", "site")}
 
 
-def _numbers(diagnosis: Diagnosis) -> dict[str, Array]:
+def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
+    """Everything written down of the flights in numbers, and their number, hour and expected speed."""
     flights = diagnosis.model.flights
     hours = [f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights]
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}
