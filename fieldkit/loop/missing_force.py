@@ -9,6 +9,7 @@ term that could have been added. Samples that a smoother has tied together count
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import lgamma
+from typing import Protocol
 
 import numpy as np
 
@@ -33,6 +34,28 @@ class Track:
     push: Float[Array, "time"]
     push_sd: Float[Array, "time"]
     burning: Flags
+
+
+class Measured(Protocol):
+    """What is taken of forces measured in a log, whoever measured them; as in `Track`."""
+
+    @property
+    def time_from_liftoff(self) -> Float[Array, "time"]: ...
+    @property
+    def height(self) -> Float[Array, "time"]: ...
+    @property
+    def speed(self) -> Float[Array, "time"]: ...
+    @property
+    def push(self) -> Float[Array, "time"]: ...
+    @property
+    def push_sd(self) -> Float[Array, "time"]: ...
+    @property
+    def burning(self) -> Flags: ...
+
+
+def track_of(measured: Measured) -> Track:
+    """The climb of which forces were measured."""
+    return Track(*(getattr(measured, name) for name in Track.__dataclass_fields__))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -113,9 +136,15 @@ SLOWEST = 5.0
 """Below this speed a climb is over and its direction unknown. [m/s]"""
 
 
-def missing_force(track: Track, rocket: Rocket) -> Missing:
-    """Measured less modelled push at every sample that flies upward, the clock set by the thrust curve."""
-    flown = track.speed > SLOWEST
+def missing_force(track: Track, rocket: Rocket, guard: float = 0.0) -> Missing:
+    """Measured less modelled push at every sample that flies upward, the clock set by the thrust curve.
+
+    Samples within `guard` [s] of burnout are left out: where acceleration was made from heights, smoothing has
+    mixed thrust and drag there.
+    """
+    time = track.time_from_liftoff
+    burnout = float(time[track.burning].max(initial=-np.inf))
+    flown = (track.speed > SLOWEST) & (np.abs(time - burnout) >= guard)
     track = Track(*(getattr(track, name)[flown] for name in Track.__dataclass_fields__))
     return beside_model(_on_time(track, rocket), rocket)
 
