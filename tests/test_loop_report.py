@@ -14,6 +14,9 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.loop import desk
+from fieldkit.loop import leftover as leftover_module
 from fieldkit.loop.ahead import FEWEST
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.loop.findings import Findings, findings
@@ -210,6 +213,29 @@ def test_flights_that_their_forecasts_miss_widen_and_others_do_not() -> None:
 def test_what_the_residual_goes_with_is_said(diagnosis: Diagnosis) -> None:
     told = leftover(diagnosis).in_words
     assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", told)
+
+
+def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
+    diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motors = catalogue()
+    plan = windy()[0].with_changes(flight_id="next", apogee=None, top_speed=None, coast_to_apogee=None)
+    unexplained = replace(diagnosis, effect="unexplained", accepted=())
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add(windy())
+        monkeypatch.setattr(desk, "diagnose", lambda *_: unexplained)
+        monkeypatch.setattr(leftover_module, "widening", lambda *_: 1.4)
+        desk.close_loop(ledger, motors, HOSTILE)
+        assert desk.accepted_widening(ledger, HOSTILE) == 1.4
+        assert desk.accepted_widening(ledger, HOSTILE, "before") == 1.0
+        assert "lower than the others" in ledger.versions(HOSTILE)[0].payload["unexplained"]["goes_with"]
+        desk.close_loop(ledger, motors, HOSTILE)
+        assert len(ledger.versions(HOSTILE)) == 1
+        (wide,) = desk.predict_plans(ledger, motors, [plan], keep=False)
+        monkeypatch.setattr(desk, "diagnose", lambda *_: replace(unexplained, effect="none"))
+        desk.close_loop(ledger, motors, HOSTILE)
+        (narrow,) = desk.predict_plans(ledger, motors, [plan], keep=False)
+    assert np.log(wide.apogee).std() == pytest.approx(1.4 * np.log(narrow.apogee).std(), rel=0.02)
 
 
 # The page

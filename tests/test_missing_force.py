@@ -5,7 +5,7 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fieldkit.loop.missing_force import Law, Rocket, Track, beside_model, law, library, missing_force
+from fieldkit.loop.missing_force import Law, Rocket, Track, beside_model, law, library, missing_force, track_of
 from fieldkit.motors import catalogue
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.atmosphere import pad_air
@@ -106,3 +106,17 @@ def test_a_late_lift_off_is_no_force() -> None:
 
 def test_smoothed_samples_count_for_less() -> None:
     assert found(SLOW, "", 0.0, smooth=15).worth < 0.4 * found(SLOW, "", 0.0).worth
+
+
+def test_measured_forces_are_taken_as_they_come() -> None:
+    measured = noisy(climb(SLOW, "base drag", 0.4), 1)
+    assert law(missing_force(track_of(measured), SLOW)).effects == ("base_drag",)
+
+
+def test_a_guard_leaves_out_the_moment_of_burnout() -> None:
+    track = climb(SLOW, "", 0.0)
+    burnout = track.time_from_liftoff[track.burning].max()
+    kept = missing_force(track, SLOW, guard=0.5).track.time_from_liftoff
+    left_out = len(missing_force(track, SLOW).track.time_from_liftoff) - len(kept)
+    assert left_out == pytest.approx(100, abs=2)
+    assert kept.max() > burnout + 1

@@ -48,6 +48,11 @@ def test_the_page_is_what_the_command_writes(tmp_path: Path) -> None:
     assert done.returncode == 0, done.stderr
     written = (ROOT / "docs" / "reference-study.md").read_text(encoding="utf-8")
     here = (tmp_path / "page.md").read_text(encoding="utf-8")
+    assert_alike(written, here)
+
+
+def assert_alike(written: str, here: str) -> None:
+    """The same words, and figures as far as another machine's rounding may move them."""
     assert NUMBER.sub("#", " ".join(written.split())) == NUMBER.sub("#", " ".join(here.split()))
     for stated, computed in zip(NUMBER.findall(written), NUMBER.findall(here), strict=True):
         assert float(computed) == pytest.approx(float(stated), rel=0.03, abs=0.11)
@@ -125,3 +130,17 @@ def test_a_page_goes_where_it_is_told_or_says_why_not(tmp_path: Path, capsys: py
     capsys.readouterr()
     assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "nowhere" / "page.md")]) == 1
     assert "cannot be written" in capsys.readouterr().err
+
+
+LOGS = ROOT.parent / "shared" / "logs"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not LOGS.is_dir(), reason="the published logs are not beside the checkout")
+def test_the_page_on_the_journal_is_what_the_command_writes(tmp_path: Path) -> None:
+    ledger = str(tmp_path / "ledger.db")
+    tables = [str(LOGS / f"altimetertwo__rocketlaunchjournal_{name}.csv") for name in ("rockets", "launches")]
+    assert main(["--ledger", ledger, "import", *tables]) == 0
+    assert main(["--ledger", ledger, "study", "rockets", "--unnamed", "--out", str(tmp_path / "page.md")]) == 0
+    _, _, written = (ROOT / "docs" / "journal.md").read_text(encoding="utf-8").partition("---\n\n")
+    assert_alike(written, (tmp_path / "page.md").read_text(encoding="utf-8"))

@@ -9,7 +9,7 @@ term that could have been added. Samples that a smoother has tied together count
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import lgamma
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -36,6 +36,7 @@ class Track:
     burning: Flags
 
 
+@runtime_checkable
 class Measured(Protocol):
     """What is taken of forces measured in a log, whoever measured them; as in `Track`."""
 
