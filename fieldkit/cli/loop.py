@@ -14,6 +14,10 @@ app = typer.Typer()
 def loop(
     context: typer.Context,
     rocket: Annotated[str | None, typer.Option(help="By default the one flown last.", show_default=False)] = None,
+    effect: Annotated[
+        str | None,
+        typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
+    ] = None,
     look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -24,8 +28,9 @@ def loop(
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
+        given = effect.split("+") if effect else []
         with progress("looking for an effect") as tell:
-            diagnosis = close_loop(ledger, known_motors(), name, accept=not look, progress=tell)
+            diagnosis = close_loop(ledger, known_motors(), name, accept=not look, progress=tell, given=given)
     if json:
         print_json(loop_document(name, diagnosis))
         return
