@@ -86,6 +86,7 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None, given: 
     tell = progress or (lambda text, share: None)
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
+    _check(given, families)
     base, trials = _search(model, data, fit(model, data), families, lambda text, share: tell(text, 0.5 * share))
     ranking = rank(trials, base, truth, seen)
     before = forecasts_of(base.left_out)
@@ -141,17 +142,19 @@ def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> tu
 
 def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Sequence[str]) -> Ranked:
     """The effects named, each put where it is most at home beside those before it."""
-    chosen: Ranked | None = None
-    for name in given:
-        known = [item for item in ranking if item.effect == name] if name else []
-        if chosen is not None and name in families and name not in chosen.effects:
-            known = list(_beside(chosen, data, {name: families[name]}, lambda text, share: None))
-        if not known:
-            could = ", ".join(sorted(item.effect for item in ranking if item.effect))
-            raise UnknownEffect(f"found the effect {name!r}, expected one that these flights could show: {could}")
-        chosen = known[0]
-    assert chosen is not None
+    first, *others = given
+    chosen = next(item for item in ranking if item.effect == first)
+    for name in others:
+        (chosen,) = _beside(chosen, data, {name: families[name]}, lambda text, share: None)
     return chosen
+
+
+def _check(given: Sequence[str], families: Families) -> None:
+    """Raise UnknownEffect for a name that is no effect here, or given twice."""
+    for number, name in enumerate(given):
+        if not name or name not in families or name in given[:number]:
+            could = ", ".join(sorted(name for name in families if name))
+            raise UnknownEffect(f"found the effect {name!r}, expected one that these flights could show: {could}")
 
 
 def _search(
