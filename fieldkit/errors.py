@@ -60,3 +60,7 @@ class DamagedModel(FieldkitError):
 
 class ImpossibleFlight(FieldkitError):
     """The rocket as described cannot leave the pad, or the description lacks what physics needs."""
+
+
+class UnknownEffect(FieldkitError):
+    """No effect of that name could act on these flights; the message lists those that could."""

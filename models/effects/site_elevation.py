@@ -1,0 +1,48 @@
+"""Site elevation: a field that lies higher or lower than was written down, and the air and the altimeter that go
+with it."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.atmosphere import HYDROSTATIC, LAPSE, STANDARD_TEMPERATURE
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.field import recorded
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The air of a pad this much higher [m]: less pressure, and colder where no temperature was written down.
+
+    An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; where
+    the temperature was written down it is true, and heights are shown the lower.
+    """
+    coolness = _coolness(strength)
+    known = np.isfinite(recorded(flights, "temperature"))
+    thinning = coolness**HYDROSTATIC / np.where(known, 1.0, coolness)
+    warmth = setup.air.temperature * np.where(known, 1.0, coolness)
+    air = replace(setup.air, density=setup.air.density * thinning, temperature=warmth)
+    return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * np.where(known, coolness, 1.0))
+
+
+def _coolness(higher: Float[Array, "*draw flight"]) -> Float[Array, "*draw flight"]:
+    """Standard temperature this much higher over that at sea level. [1]"""
+    return np.asarray(1 - LAPSE * higher / STANDARD_TEMPERATURE)
+
+
+EFFECT = Effect(
+    title="a site that lies higher or lower",
+    explains="a site lies higher or lower than was written down, so its air is thinner or denser",
+    unit="m",
+    prior=Prior(mean=0.0, sd=1200.0, low=-3000.0, high=5000.0),
+    source="U.S. Standard Atmosphere 1976: a tenth less density for each 1,000 m",
+    tell_apart="write down the site's elevation",
+    setup=setup,
+    per="site",
+    everywhere=False,
+    form_of="air_density",
+    measured=10.0,
+)
