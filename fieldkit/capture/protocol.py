@@ -33,7 +33,7 @@ class Wishes:
     """Of a radio. [Hz]"""
     baud: int | None = None
     wait: float | None = None
-    """How long a unit may take to say anything at all. [s]"""
+    """How long a unit that talks by itself may take to say anything. [s]"""
     silence: float | None = None
     """How long a stream may pause before it is over. [s]"""
     seconds: float | None = None

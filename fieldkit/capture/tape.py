@@ -64,7 +64,7 @@ class Tape:
         self._append(self._journal, json.dumps(line).encode() + b"\n")
 
     def tick(self) -> None:
-        """Note when bytes came and bring to the disc what is due; for a few times a second, also when nothing arrives."""
+        """Note when bytes came, bring to the disc what is due; to be called also when nothing arrives."""
         if self.size != self._marked_size and time.monotonic() - self._marked >= GRAIN:
             self.note()
         if self._dirty and time.monotonic() - self._synced >= SYNC:
@@ -137,6 +137,7 @@ def go_on(file: Path, began: datetime) -> Tape:
         raise CaptureTrouble(f"{file}: cannot go on ({error.strerror})") from error
     passed = max(0.0, (datetime.now().astimezone() - began).total_seconds())
     tape = Tape(file, raw, journal, began, raw.seek(0, os.SEEK_END), time.monotonic() - passed)
+    tape._marked_size = tape.size
     if journal.seek(0, os.SEEK_END):
         tape._append(journal, b"\n")  # its last line may be torn
     return tape

@@ -23,6 +23,7 @@ GREETINGS, GREETING = 8, 1.5
 """How often the unit is greeted, and how long it has to answer: opening the port restarts some boards. [s]"""
 ANSWER = 5.0
 """How long a unit may pause within an answer. [s]"""
+REFUSALS = ("KO", "K0", "UNKNOWN")
 TRIES = 3
 STREAM = 60.0
 """How long telemetry may pause. [s]"""
@@ -148,7 +149,7 @@ def _telemetry(link: Link, one: Sentence) -> None:
 def _identified(link: Link) -> Talk[None]:
     """Take down the settings, whose eighth field is the name of the board."""
     link.send(b"b;")
-    while (one := (yield from _next(link, GREETING))) is not None and one.name != "end":
+    while (one := (yield from _next(link, ANSWER))) is not None and one.name not in ("end", *REFUSALS):
         if one.name == "alticonfig" and one.sound and len(one.fields) > 9:
             link.about["model"] = one.fields[7]
             link.about["firmware"] = f"{one.fields[8]}.{one.fields[9]}"
@@ -215,7 +216,7 @@ def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
     while (one := (yield from _next(link, ANSWER))) is not None:
         if one.name == "end":
             return good, bad, True
-        if one.name in ("KO", "K0", "UNKNOWN"):
+        if one.name in REFUSALS:
             break
         if one.fields and one.sound and one.name == "data":
             good += 1

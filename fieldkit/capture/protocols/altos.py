@@ -60,9 +60,7 @@ def _identity(link: Link) -> Talk[dict[str, str]]:
     """What a unit says of itself. Raises PortTrouble where it says nothing."""
     for _ in range(TRIES):
         link.send(b"c s\n")
-        yield from link.drain(0.2)
         link.send(b"f\n")
-        yield from link.drain(0.2)
         found = yield from version(link)
         if found:
             return found

@@ -41,6 +41,11 @@ class Record:
     def model(self) -> int:
         return self.payload[9] >> 4
 
+    @property
+    def count(self) -> int:
+        """How many samples it has."""
+        return (len(self.payload) - (12 if self.model == 2 else 10)) // 2
+
 
 @dataclass(slots=True)
 class Stream:
@@ -113,7 +118,8 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
         for record in stream.feed(chunk):
             if record is not None and record.sound:
                 link.about["model"] = MODELS.get(record.model, "MicroPeak")
-                if len(record.payload) <= 12:
+                link.samples, link.share = base + record.count, 1.0
+                if not record.count:
                     yield Told("the unit holds no flight")
                 yield from link.drain(TAIL)
                 return True
