@@ -48,7 +48,7 @@ class Wire:
                 if select.select([], [self.master], [], 0.05)[1]:
                     piece = piece[self._write(piece[:1024]) :]
             place += size
-            if dribble and dribble.random() < 0.2:
+            if dribble and dribble.random() < 0.05:
                 time.sleep(0.001)
 
     def _write(self, piece: bytes) -> int:

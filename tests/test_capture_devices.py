@@ -45,7 +45,9 @@ def _answers_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
 def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     """For units that stop in the middle or never begin."""
     monkeypatch.setattr(altimulti, "ANSWER", 0.3)
-    monkeypatch.setattr(altimulti, "GREETINGS", 3)
+    monkeypatch.setattr(altimulti, "GREETINGS", 2)
+    monkeypatch.setattr(altos, "TRIES", 2)
+    monkeypatch.setattr(mawd, "TRIES", 2)
     monkeypatch.setattr("fieldkit.capture.altus.ANSWER", 0.2)
     monkeypatch.setattr(mawd, "ANSWER", 0.4)
     monkeypatch.setattr(micropeak, "PAUSE", 0.5)
@@ -165,7 +167,7 @@ def test_an_altimulti_gives_all_its_flights_dribbled_between_telemetry_and_noise
     assert end.about["model"] == "AltiMulti"
     (log,) = logs_in(end.file)
     assert flown(log.content) == short[0] + short[1]
-    assert [event for event in events if isinstance(event, Listed)][0].chosen == (0, 1)
+    assert next(event for event in events if isinstance(event, Listed)).chosen == (0, 1)
     seen = [event.sample for event in events if isinstance(event, Progress) and event.sample]
     assert seen[-1].altitude == 123
     assert seen[-1].state == "flying"
@@ -406,6 +408,7 @@ def test_the_text_of_an_eggtimer_is_kept_as_it_came(tmp_path: Path) -> None:
         ("teledongle", devices.telem(devices.telem_sensor(5, 100, 0)) * 20),
         ("blue_raven", devices.raven_frame("BLR_STAT", 1, "HG: 100 A: 0 0 1000 Bo: 9800") * 20),
     ],
+    ids=lambda one: one if isinstance(one, str) else "",
 )
 def test_a_unit_that_talks_by_itself_is_recognised_and_nothing_of_it_is_lost(
     tmp_path: Path, device: str, content: bytes

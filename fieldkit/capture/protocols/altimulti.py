@@ -160,7 +160,8 @@ def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     count = yield from _counted(link)
     _same_unit(link, count, captured)
     flights = [Stored(number, f"flight {number + 1}") for number in range(min(count, MOST))]
-    chosen = [number for number in wishes.choose(flights) if number < count] if flights else []
+    wanted = set(wishes.choose(flights)) if flights else set()
+    chosen = [flight.number for flight in flights if flight.number in wanted]
     yield Listed(tuple(flights), tuple(chosen))
     have = {number for number, frame in frames(captured).items() if frame.whole}
     link.send(b"f;")
