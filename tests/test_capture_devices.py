@@ -19,8 +19,8 @@ from fieldkit.capture import (
     Told,
     Wishes,
     capture,
+    known_devices,
     logs_in,
-    protocols,
     read_capture,
     resume,
 )
@@ -79,8 +79,8 @@ def heard(wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK) 
 
 
 def test_every_protocol_has_a_title_and_a_rate() -> None:
-    assert len(protocols()) >= 8
-    for name, protocol in protocols().items():
+    assert len(known_devices()) >= 8
+    for name, protocol in known_devices().items():
         assert name == name.lower()
         assert protocol.title
         assert protocol.settings.baud in (9600, 19_200, 38_400, 115_200)
@@ -429,7 +429,7 @@ def test_a_unit_that_talks_by_itself_is_recognised_and_nothing_of_it_is_lost(
 
 
 @pytest.mark.usefixtures("impatient")
-@pytest.mark.parametrize("device", [*protocols(), None])
+@pytest.mark.parametrize("device", [*known_devices(), None])
 def test_a_unit_that_never_answers_is_told_of_in_one_line_and_leaves_no_file(
     tmp_path: Path, device: str | None
 ) -> None:

@@ -11,7 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fieldkit.capture import Port, Wishes, protocols
+from fieldkit.capture import Port, Wishes, known_devices
 from fieldkit.capture.captured import Captured
 from fieldkit.capture.commands import ALLOWED, ForbiddenCommand, allowed
 from fieldkit.capture.line import Line
@@ -84,7 +84,7 @@ def tape(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Tape]:
         yield tape
 
 
-@pytest.mark.parametrize("protocol", [*protocols(), "", "unknown"])
+@pytest.mark.parametrize("protocol", [*known_devices(), "", "unknown"])
 def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str) -> None:
     for command in FORBIDDEN:
         ear = Ear(silent)
@@ -123,10 +123,10 @@ def test_letters_for_a_mawd_never_make_a_command_that_fires(letters: list[bytes]
 
 
 def test_who_only_listens_may_send_nothing() -> None:
-    for protocol in set(protocols()) - set(ALLOWED):
+    for protocol in set(known_devices()) - set(ALLOWED):
         assert not any(allowed(protocol, bytes([byte])) for byte in range(256))
-    assert set(ALLOWED) <= set(protocols())
-    assert {"micropeak", "stratologger", "eggtimer"} == set(protocols()) - set(ALLOWED)
+    assert set(ALLOWED) <= set(known_devices())
+    assert {"micropeak", "stratologger", "eggtimer"} == set(known_devices()) - set(ALLOWED)
 
 
 # --- The code itself
@@ -159,8 +159,8 @@ def test_only_two_modules_know_serial_ports_and_one_of_them_only_lists() -> None
         for path in modules()
         if "serial" in imported(ast.parse(path.read_text("utf-8")))
     }
-    assert owners == {"fieldkit/capture/line.py", "fieldkit/capture/ports.py"}
-    lister = ast.parse((ROOT / "fieldkit/capture/ports.py").read_text("utf-8"))
+    assert owners == {"fieldkit/capture/line.py", "fieldkit/capture/port.py"}
+    lister = ast.parse((ROOT / "fieldkit/capture/port.py").read_text("utf-8"))
     taken = [node for node in ast.walk(lister) if isinstance(node, ast.ImportFrom) and node.module == "serial.tools"]
     assert [name.name for node in taken for name in node.names] == ["list_ports"]
     assert not {"Serial", "serial_for_url"} & {
@@ -268,7 +268,7 @@ def _hasty(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("_hasty")
-@pytest.mark.parametrize("name", [*protocols()])
+@pytest.mark.parametrize("name", [*known_devices()])
 def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str) -> None:
     sent: set[bytes] = set()
     for seed in range(30):
@@ -285,7 +285,7 @@ def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str
             lambda flights: [-3, 2**40, *(f.number for f in flights)], seed % 3 == 0, 434.55e6, wait=5, silence=5
         )
         try:
-            for _ in protocols()[name].talk(link, wishes, Captured(tape.file, b"")):
+            for _ in known_devices()[name].talk(link, wishes, Captured(tape.file, b"")):
                 pass
         except (Stopped, FieldkitError):
             pass

@@ -3,7 +3,7 @@
 Bytes are on the disc before anything looks at them, and nothing but the table in `commands.py` is ever sent.
 """
 
-from fieldkit.capture.captured import Captured, Log, captures, is_capture, read_capture
+from fieldkit.capture.captured import Captured, Log, captures, is_capture, read_capture, unfinished
 from fieldkit.capture.events import (
     Back,
     Ended,
@@ -17,8 +17,8 @@ from fieldkit.capture.events import (
     Stored,
     Told,
 )
-from fieldkit.capture.ports import Port, ports
-from fieldkit.capture.protocol import Protocol, Wishes, logs_in, protocol, protocols
+from fieldkit.capture.port import Port, ports
+from fieldkit.capture.protocol import Protocol, Wishes, known_device, known_devices, logs_in
 from fieldkit.capture.session import capture, resume
 
 __all__ = [
@@ -41,10 +41,11 @@ __all__ = [
     "capture",
     "captures",
     "is_capture",
+    "known_device",
+    "known_devices",
     "logs_in",
     "ports",
-    "protocol",
-    "protocols",
     "read_capture",
     "resume",
+    "unfinished",
 ]

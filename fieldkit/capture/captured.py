@@ -107,6 +107,11 @@ def _mark(line: bytes) -> Mark | None:
         return None
 
 
-def captures(folder: Path) -> list[Captured]:
+def captures(folder: Path) -> list[Path]:
     """The captures in a folder, newest last."""
-    return [read_capture(file) for file in sorted(folder.glob(f"*{BYTES}")) if is_capture(file)]
+    return [file for file in sorted(folder.glob(f"*{BYTES}")) if is_capture(file)]
+
+
+def unfinished(folder: Path) -> Path | None:
+    """The newest capture that something is missing from, None where there is none."""
+    return next((file for file in reversed(captures(folder)) if not read_capture(file).whole), None)

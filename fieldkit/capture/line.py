@@ -44,7 +44,9 @@ class Line:
     def hear(self) -> bytes:
         """What has arrived, after `WAIT` at most and perhaps nothing; it is on the tape already. Raises PortLost."""
         try:
-            chunk: bytes = self._port.read(self._port.in_waiting or 1)
+            chunk: bytes = self._port.read(1)
+            if chunk:
+                chunk += self._port.read(self._port.in_waiting)
         except _faults() as error:
             self.tape.tick()
             raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error

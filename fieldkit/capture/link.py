@@ -42,6 +42,8 @@ class Link:
     """When to stop, on the monotonic clock. [s]"""
     samples: int = 0
     damaged: int = 0
+    open_ended: bool = False
+    """Whether only the flyer knows when it is over, so that stopping it is no loss."""
     share: float | None = None
     sample: Sample | None = None
     about: dict[str, str] = field(default_factory=dict)

@@ -80,7 +80,7 @@ NOT_PUBLIC: Mapping[str, str] = {
 """Units that can be asked for and not be captured, with the way that there is."""
 
 
-def protocols() -> Mapping[str, Protocol]:
+def known_devices() -> Mapping[str, Protocol]:
     """Every protocol on the shelf, by the name that `--device` takes."""
     found = plugins("capture.protocols", "PROTOCOL")
     for name, protocol in found.items():
@@ -89,20 +89,20 @@ def protocols() -> Mapping[str, Protocol]:
     return found  # type: ignore[return-value]
 
 
-def protocol(name: str) -> Protocol:
+def known_device(name: str) -> Protocol:
     """The protocol of a name. Raises PortTrouble that says what there is instead."""
     plain = name.strip().lower().replace("-", "_").replace(" ", "_")
-    if plain in protocols():
-        return protocols()[plain]
+    if plain in known_devices():
+        return known_devices()[plain]
     if plain in NOT_PUBLIC:
         raise PortTrouble(f"{plain}: {NOT_PUBLIC[plain]}")
-    raise PortTrouble(f"no device is called {name!r}, expected one of {', '.join(protocols())}")
+    raise PortTrouble(f"no device is called {name!r}, expected one of {', '.join(known_devices())}")
 
 
 def logs_in(file: Path) -> list[Log]:
     """The logs that a capture holds, ready for parsers, by either of its files. Raises CaptureTrouble."""
     captured = read_capture(file)
-    found = protocols().get(captured.device)
+    found = known_devices().get(captured.device)
     logs = found.logs(captured) if found else as_it_came(captured)
     if not logs:
         raise CaptureTrouble(

@@ -2,6 +2,7 @@
 
 import time
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 
@@ -9,10 +10,10 @@ from fieldkit.capture.captured import read_capture
 from fieldkit.capture.events import Back, Ended, Event, Lost, Opened, Recognised, Told
 from fieldkit.capture.line import Line, Settings, open_line
 from fieldkit.capture.link import Link, Stopped, Talk, never
-from fieldkit.capture.ports import Port, again, ports
-from fieldkit.capture.protocol import Wishes, protocol, protocols
+from fieldkit.capture.port import Port, again, ports
+from fieldkit.capture.protocol import Wishes, known_device, known_devices
 from fieldkit.capture.tape import Tape, begin, go_on
-from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
+from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 
 LISTENED = 16_384
 """How much of the end of what is heard is looked at to recognise a unit. [bytes]"""
@@ -20,6 +21,9 @@ RATES = (9600, 19_200, 38_400)
 """Speeds at which units talk unasked, tried in turn where one makes no sense. [baud]"""
 PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
+
+AFTER_A_FAULT = 30.0
+"""Silence that ends a capture which nobody understands any more. [s]"""
 
 Look = Callable[[], list[Port]]
 """Which ports there are now."""
@@ -90,12 +94,12 @@ def _name(device: str) -> str:
     """The name of a protocol on the shelf, empty for none. Raises PortTrouble for another."""
     if not device:
         return ""
-    wanted = protocol(device)
-    return next(name for name, one in protocols().items() if one is wanted)
+    wanted = known_device(device)
+    return next(name for name, one in known_devices().items() if one is wanted)
 
 
 def _settings(name: str, wishes: Wishes) -> Settings:
-    settings = protocols()[name].settings if name else Settings(RATES[0])
+    settings = known_devices()[name].settings if name else Settings(RATES[0])
     return replace(settings, baud=wishes.baud) if wishes.baud else settings
 
 
@@ -124,9 +128,15 @@ def _run(
                 link.line = yield from _reopened(link, port, settings, wishes.reconnect, look, lost)
                 yield Back(link.line.name)
     except Stopped as stopped:
-        why = str(stopped)
+        why, whole = str(stopped), link.open_ended and link.samples > 0
     except PortLost as lost:
         why = str(lost)
+    except FieldkitError:
+        raise
+    except Exception:
+        yield Told("a fault of this program; what the unit still sends is kept all the same")
+        yield from _kept(link, wishes.silence)
+        raise
     finally:
         link.line.close()
     tape.note(ended=why, whole=whole)
@@ -137,7 +147,7 @@ def _run(
 
 def _converse(link: Link, wishes: Wishes) -> Talk[bool]:
     """Talk to a known unit, with what the tape has of it."""
-    one = protocols()[link.line.protocol]
+    one = known_devices()[link.line.protocol]
     if one.invites:
         yield Told(one.invites)
     return (yield from one.talk(link, wishes, read_capture(link.line.tape.file)))
@@ -185,7 +195,7 @@ def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
             at_rate, nonsense, heard = (at_rate + 1) % len(rates), 0, b""
             link.line.retune(Settings(rates[at_rate]))
     what = "nothing" if not link.heard else f"{link.heard} bytes that no protocol knows"
-    names_of = ", ".join(protocols())
+    names_of = ", ".join(known_devices())
     raise PortTrouble(f"{link.line.name}: heard {what} in {patience:.0f} s; name the unit with --device: {names_of}")
 
 
@@ -194,7 +204,7 @@ _NONSENSE = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0
 
 
 def _overheard(heard: bytes) -> list[str]:
-    return [name for name, one in protocols().items() if one.overhears(heard)]
+    return [name for name, one in known_devices().items() if one.overhears(heard)]
 
 
 def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
@@ -202,3 +212,9 @@ def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
     link.line.protocol = name
     link.line.tape.note(device=name, settings={"baud": baud})
     link.push_back(heard)
+
+
+def _kept(link: Link, silence: float | None) -> Talk[None]:
+    """Keep what comes without a look at it, until it stops."""
+    with suppress(Stopped, PortLost):
+        yield from link.drain(AFTER_A_FAULT if silence is None else silence)

@@ -231,6 +231,7 @@ def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
 def _followed(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     """Telemetry until it pauses, or until the flyer stops it."""
     silence = STREAM if wishes.silence is None else wishes.silence
+    link.open_ended = True
     link.send(b"y1;")
     try:
         while (piece := (yield from link.piece(b";", silence))) is not None:

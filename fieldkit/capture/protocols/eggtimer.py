@@ -28,6 +28,7 @@ def overhears(heard: bytes) -> bool:
 def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
+    link.open_ended = True
     yield from link.first_word(wait, "press the unit's button; the Classic talks at --baud 19200, the TRS at 9600")
     while (line := (yield from link.text_line(silence))) is not None:
         link.samples += _ROW.fullmatch(line) is not None

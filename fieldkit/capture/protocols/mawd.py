@@ -7,7 +7,7 @@ Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author call
 
 import re
 
-from fieldkit.capture.captured import Captured
+from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Told
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
@@ -21,6 +21,7 @@ STATISTICS = 5
 """Lines of the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
 
 _SAMPLE = re.compile(r".\d{4}")
+_ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
 def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
@@ -84,4 +85,14 @@ def _flight(link: Link, count: int) -> Talk[bool]:
     return False
 
 
-PROTOCOL = Protocol("PerfectFlite MAWD", Settings(38_400, xonxoff=True), talk)
+def logs(captured: Captured) -> list[Log]:
+    """The last answer to each letter, and of those to D the one with most samples."""
+    answers = captured.answers()
+    kept = [[answer.content for answer in answers if answer.command == command][-1:] for command in (b"I", b"V", b"S")]
+    flights = [answer.content for answer in answers if answer.command == b"D"]
+    best = max(flights, key=lambda content: len(_ROW.findall(content)), default=b"")
+    content = b"".join(b"".join(one) for one in kept) + best
+    return [Log(captured.file.name, content or captured.raw)] if captured.raw else []
+
+
+PROTOCOL = Protocol("PerfectFlite MAWD", Settings(38_400, xonxoff=True), talk, logs)

@@ -33,6 +33,7 @@ def overhears(heard: bytes) -> bool:
 def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
+    link.open_ended = True
     yield from link.first_word(wait, "its telemetry has to be switched on in its settings")
     while (line := (yield from link.text_line(silence))) is not None:
         if _NUMBER.fullmatch(line):

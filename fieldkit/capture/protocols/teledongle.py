@@ -55,6 +55,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
         )
     if wishes.frequency is not None:
         link.send(b"c F %d\n" % round(wishes.frequency / 1000))
+    link.open_ended = True
     link.send(b"m 20\n")
     yield Told("listening for packets; stop when the rocket is down")
     silence = STREAM if wishes.silence is None else wishes.silence
