@@ -1,8 +1,7 @@
 """Featherweight GPS: what its tracker recorded, what the ground station heard, and copies with fewer columns.
 
 `ALT` is in feet above sea level. Rows can be out of order, and some come twice. The stated Unix time has been
-seen seven hours off beside the UTC of the same row, so only its differences are used; time starts at the
-first sample. A ground station hears several trackers, each of which is a reading of its own.
+seen seven hours off beside the UTC of the same row, so only its differences are used, from the first sample on. A ground station hears several trackers, each of which is a reading of its own.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -64,7 +63,8 @@ def read(log: bytes) -> list[Found]:
         if (np.diff(time) < 0).any():
             notes.append(Note(f"has {int((np.diff(time) < 0).sum())} rows out of order, put in order"))
         extra = _utc(log, head, part, time)
-        series = _series(ordered[0] - ordered[0][0], dict(zip(names, ordered[1:], strict=True)))
+        zero = 0.0 if head.place("unixtime") is None and not ground else ordered[0][0]
+        series = _series(np.round(ordered[0] - zero, 3), dict(zip(names, ordered[1:], strict=True)))
         readings.append(Reading({}, extra, series=series, device="Featherweight GPS", serial=name))
     return [*readings, *notes, *table.found]
 

@@ -55,10 +55,10 @@ def read(log: bytes) -> list[Found]:
         raise DamagedLog("found no channel that is known, expected such as Baro (Atm)", row=head.row)
     wanted = [Channel(f"time {place}", 3 * place) for place in dict.fromkeys(places.values())]
     wanted += [Channel(name, 3 * place + 1, CHANNELS[head.names[3 * place + 1]][1]) for name, place in places.items()]
-    clock = min(places.values())
+    flags = {str(place): 3 * place + 2 for place in dict.fromkeys(places.values())}
     whole = b"\n".join(_whole_rows(log, len(head.names) // 3))
-    table = read_columns(whole, wanted, after=head.row, widths={len(head.names)}, words={FLAGS: 3 * clock + 2})
-    return [Reading(series=_clocks(table, places), events=_events(table, clock), device="Raven"), *table.found]
+    table = read_columns(whole, wanted, after=head.row, widths={len(head.names)}, words=flags)
+    return [Reading(series=_clocks(table, places), events=_events(table), device="Raven"), *table.found]
 
 
 def _whole_rows(log: bytes, channels: int) -> Iterator[bytes]:
@@ -96,16 +96,16 @@ def _series(series: Series, name: str, values: Float[Array, "time"]) -> Series:
     return series if np.isnan(values).all() else replace(series, **{name: values})
 
 
-def _events(table: Table, clock: int) -> dict[str, float]:
-    """When each flag of a channel is first set. [s]"""
-    known, which = table.words[FLAGS]
-    time = table.values[f"time {clock}"]
-    events = {}
-    for event, digit in EVENTS.items():
-        said = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
-        times = time[np.isin(which, said) & np.isfinite(time)]
-        if len(times):
-            events[event] = float(times.min())
+def _events(table: Table) -> dict[str, float]:
+    """When each flag is first set on any channel, for some end before others. [s]"""
+    events: dict[str, float] = {}
+    for place, (known, which) in table.words.items():
+        time = table.values[f"time {place}"]
+        for event, digit in EVENTS.items():
+            said = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
+            times = time[np.isin(which, said) & np.isfinite(time)]
+            if len(times):
+                events[event] = min(float(times.min()), events.get(event, np.inf))
     return events
 
 
