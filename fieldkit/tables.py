@@ -46,10 +46,19 @@ def heading(
 ) -> Heading | None:
     """The first row near the start of a log whose names, in lower case and single-spaced, fit. Raises DamagedLog."""
     for row, line in enumerate(re.split(r"\r\n|\n|\r", decode(log[:HEAD])), start=1):
-        for separator in separators:
-            names = [_plain(cell) for cell in line.lstrip("\ufeff").split(separator)]
-            if fits(names):
-                return Heading(row, tuple(names), separator)
+        if found := heading_of(line, row, fits, separators):
+            return found
+    return None
+
+
+def heading_of(
+    line: str, row: int, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
+) -> Heading | None:
+    """A line as the header of a table, if its names fit."""
+    for separator in separators:
+        names = [_plain(cell) for cell in line.lstrip("\ufeff").split(separator)]
+        if fits(names):
+            return Heading(row, tuple(names), separator)
     return None
 
 
@@ -96,7 +105,8 @@ def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] 
     axis = int(np.argmax(np.abs(levels)))
     if not REST[0] <= abs(levels[axis]) <= REST[1]:
         return None
-    return axes[axis] * np.sign(levels[axis])
+    felt: Float[Array, "row"] = axes[axis] * np.sign(levels[axis])
+    return felt
 
 
 def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:

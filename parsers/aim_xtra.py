@@ -46,7 +46,7 @@ def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, _fits, "groups of columns that begin with time, Pressure AGL among them")
     starts = [place for place, name in enumerate(head.names) if name == "time"]
     groups = [
-        (a, [p for p in range(a + 1, b) if head.names[p] in CHANNELS | FLAGS])
+        (a, [p for p in range(a + 1, b) if head.names[p] in {*CHANNELS, *FLAGS}])
         for a, b in pairwise([*starts, len(head.names)])
     ]
     groups = [(clock, places) for clock, places in groups if places]

@@ -70,11 +70,10 @@ class Frame:
 
     def numbers(self) -> list[float]:
         """The clock [s from `EPOCH`] and what is used of the sample, nan for what is missing."""
+        wanted: tuple[tuple[str, int], ...] = LOW
         if self.kind == "HIR":
             label = next((name for name, values in self.fields.items() if "acc" in name and len(values) >= 3), "")
-            wanted = [(label, place) for place in range(3)]
-        else:
-            wanted = LOW
+            wanted = tuple((label, place) for place in range(3))
         cells = (self.fields.get(label, ())[place : place + 1] for label, place in wanted)
         return [(self.clock - EPOCH) / timedelta(seconds=1), *(float(cell[0]) if cell else math.nan for cell in cells)]
 

@@ -1,7 +1,8 @@
 """Featherweight GPS: what its tracker recorded, what the ground station heard, and copies with fewer columns.
 
 `ALT` is in feet above sea level. Rows can be out of order, and some come twice. The stated Unix time has been
-seen seven hours off beside the UTC of the same row, so only its differences are used, from the first sample on. A ground station hears several trackers, each of which is a reading of its own.
+seen seven hours off beside the UTC of the same row, so only its differences are used, from the first sample
+on. A ground station hears several trackers, each of which is a reading of its own.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

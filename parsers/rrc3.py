@@ -2,10 +2,11 @@
 
 The header bears no units: pressure is in mbar, and what it says of the height by the standard atmosphere proves
 whether altitude and velocity are in feet or in metres; where it proves neither they are left out. Temperature is
-in the degrees that go with them. Cells are parted by comma, TAB or semicolon (with decimal commas), the text is
-UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at apogee.
+in the degrees that go with them; it is filled once a second. Cells are parted by comma, TAB or semicolon (with
+decimal commas), the text is UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at apogee.
 """
 
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 
@@ -16,12 +17,15 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logtext import decode
 from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.tables import Heading, heading, heading_or_damage
 from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
+WORDS = ("temperature", "events")
+"""Where there is no temperature the event stands in its place, so both are read as words."""
+MOST_WORDS = 300
+"""So many different words are looked at for events. [1]"""
 AIR = (100.0, 115_000.0)
 """What an altimeter can measure at all. [Pa]"""
 CLIMB = 20.0
@@ -44,26 +48,40 @@ def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
     if b"\0" in log[:200]:
         log = decode(log).encode()
-    channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name != "events"]
+    channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name not in WORDS]
     table = read_columns(
         log,
         [replace(c, unit=UNITS["pressure"]["mbar"]) if c.name == "pressure" else c for c in channels],
         after=head.row,
         separator=head.separator,
         decimal=_decimal(log, head),
-        words={"events": NAMES.index("events")},
-    )
-    table = table.forward()
-    events = {
-        printable(word.lower()): float(table.values["time"][table.where("events", word)[0]])
-        for word in table.words["events"][0][:12]
-        if word.strip("-")
-    }
+        words={name: NAMES.index(name) for name in WORDS},
+    ).forward()
+    events = _events(table)
     table, garbage = _without_garbage(table)
     if not len(table) or not AIR[0] <= np.nanmedian(table.values["pressure"]) <= AIR[1]:
         raise DamagedLog("found pressures that are not in mbar, expected 1 to 1150", row=head.row, column="pressure")
     series, note = _settled(table)
     return [Reading(series=series, events=events, device="RRC3"), note, *table.found, *garbage]
+
+
+def _events(table: Table) -> dict[str, float]:
+    """The words among the samples, each with the time of its first row. [s]"""
+    events: dict[str, float] = {}
+    for name in WORDS:
+        known, which = table.words[name]
+        for i, word in enumerate(known[:MOST_WORDS]):
+            if re.fullmatch(r"[A-Za-z][A-Za-z ]*", word.strip()) and (which == i).any():
+                when = float(table.values["time"][int(np.argmax(which == i))])
+                events[word.strip().lower()] = min(when, events.get(word.strip().lower(), when))
+    return events
+
+
+def _temperature(table: Table) -> Float[Array, "row"] | None:
+    """The temperature in the log's own degrees, or None."""
+    known, which = table.words["temperature"]
+    degrees = np.array([float(word) if re.fullmatch(r"\s*-?\d{1,3}([.]\d*)?\s*", word) else np.nan for word in known])
+    return None if np.isnan(degrees[which]).all() else degrees[which]
 
 
 def _decimal(log: bytes, head: Heading) -> str:
@@ -120,7 +138,7 @@ def _settled(table: Table) -> tuple[Series, Note]:
 
 
 def _in_units(series: Series, table: Table, length: Unit, degrees: Unit) -> Series:
-    altitude, velocity, temperature = (table.get(name) for name in ("altitude", "velocity", "temperature"))
+    altitude, velocity, temperature = table.get("altitude"), table.get("velocity"), _temperature(table)
     return replace(
         series,
         altitude=None if altitude is None else altitude * length.factor,
