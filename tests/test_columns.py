@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldkit import columns
+from fieldkit import columns, logtext
 from fieldkit.columns import Channel, onward, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.parsing import Note
@@ -95,10 +95,10 @@ def test_a_stray_quotation_mark_costs_one_row() -> None:
 
 
 def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(columns, "BLOCK", 64)
+    monkeypatch.setattr(logtext, "BLOCK", 64)
     table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
     assert table.values["time"].tolist() == [0, 2]
-    assert told(table) == ["row 2: found a line of more than 64 characters, expected a row"]
+    assert told(table) == ["row 2: found a line without end, or NUL, expected a row"]
 
 
 def test_many_damaged_rows_are_told_of_as_one() -> None:
@@ -109,7 +109,7 @@ def test_many_damaged_rows_are_told_of_as_one() -> None:
 
 
 def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(columns, "BLOCK", 256)
+    monkeypatch.setattr(logtext, "BLOCK", 256)
     monkeypatch.setattr(columns, "MOST_NUMBERS", 2000)
     log = b"".join(b"%d,1,%s\n" % (i, b"Main" if i == 3777 else b"-") for i in range(5000))
     table = read_columns(log, CHANNELS, after=0, words={"event": 2})
