@@ -5,12 +5,14 @@ A row that is no row of the table costs itself and nothing else, and is told of 
 of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
 """
 
+import hashlib
 import math
 import re
 from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 from operator import length_hint
 from typing import Any
 
@@ -90,19 +92,39 @@ class Table:
         channels = {name: self.get(name) for name in names - {"time"}}
         return Series(self.values["time"], **channels)
 
-    def forward(self, clock: str = "time") -> "Table":
-        """The table without the fewest rows that make its clock run backwards, each of them told of."""
-        kept = onward(self.values[clock])
-        if kept.all():
-            return self
-        strays = (
-            DamagedLog(f"found {clock} {value:.10g} out of its order, expected it to go on", row=int(row))
-            for row, value in zip(self.rows[~kept], self.values[clock][~kept], strict=True)
-        )
-        told = [stray for _, stray in zip(range(MOST_TOLD), strays, strict=False)]
-        more = int((~kept).sum()) - len(told)
-        rest = [DamagedLog(f"found {more} more rows out of order")] if more else []
-        return replace(self.pick(kept), found=(*self.found, *told, *rest))
+    def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
+        """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
+
+        A part that says the same as an earlier one is a repetition and left out.
+        """
+        found = list(self.found)
+        parts: dict[bytes, Table] = {}
+        starts = [0, *restarts(self.values[clock]).tolist(), len(self)]
+        for start, stop in pairwise(starts):
+            part = self.pick(slice(start, stop))
+            content = hashlib.blake2b(b"".join(values.tobytes() for values in part.values.values())).digest()
+            if content in parts:
+                found.append(Note("repeats an earlier flight of this file, taken once", int(part.rows[0])))
+                continue
+            kept = onward(part.values[clock])
+            found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
+            parts[content] = part.pick(kept)
+        return list(parts.values()), found
+
+
+def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
+    for row, value in zip(rows[:MOST_TOLD].tolist(), clock.tolist(), strict=False):
+        yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
+    if len(rows) > MOST_TOLD:
+        yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")
+
+
+def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
+    """Where a clock starts anew: three rows before, each of them, say later than three rows from there on."""
+    if len(clock) < 6:
+        return np.empty(0, np.int64)
+    three = np.lib.stride_tricks.sliding_window_view(clock, 3)
+    return np.flatnonzero(three[:-3].min(axis=1) > three[3:].max(axis=1)) + 3
 
 
 def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:

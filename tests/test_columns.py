@@ -127,12 +127,19 @@ def test_nothing_to_read_is_a_damaged_log() -> None:
 
 
 def test_rows_out_of_order_are_left_out_and_told_of() -> None:
-    table = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).forward()
-    assert table.values["time"].tolist() == [0, 1, 2, 3, 4]
-    assert told(table) == [
+    parts, found = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).flights()
+    assert [part.values["time"].tolist() for part in parts] == [[0, 1, 2, 3, 4]]
+    assert [str(error) for error in found] == [
         "row 3: found time 912 out of its order, expected it to go on",
         "row 6: found time 0.5 out of its order, expected it to go on",
     ]
+
+
+def test_a_clock_that_starts_anew_starts_a_flight() -> None:
+    first, second = b"0,1\n1,2\n2,3\n3,4\n", b"0,1\n1,1\n2,1\n"
+    parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
+    assert [part.rows.tolist() for part in parts] == [[1, 2, 3, 4], [5, 6, 7]]
+    assert found == [Note("repeats an earlier flight of this file, taken once", 8)]
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
