@@ -136,10 +136,10 @@ def test_rows_out_of_order_are_left_out_and_told_of() -> None:
 
 
 def test_a_clock_that_starts_anew_starts_a_flight() -> None:
-    first, second = b"0,1\n1,2\n2,3\n3,4\n", b"0,1\n1,1\n2,1\n"
+    first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
     parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
-    assert [part.rows.tolist() for part in parts] == [[1, 2, 3, 4], [5, 6, 7]]
-    assert found == [Note("repeats an earlier flight of this file, taken once", 8)]
+    assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
+    assert found == [Note("repeats an earlier flight of this file, taken once", 17)]
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
