@@ -99,16 +99,20 @@ class Table:
         """
         found = list(self.found)
         parts: dict[bytes, Table] = {}
+        repeated: list[int] = []
         starts = [0, *restarts(self.values[clock]).tolist(), len(self)]
         for start, stop in pairwise(starts):
             part = self.pick(slice(start, stop))
             content = hashlib.blake2b(b"".join(values.tobytes() for values in part.values.values())).digest()
             if content in parts:
-                found.append(Note("repeats an earlier flight of this file, taken once", int(part.rows[0])))
+                repeated.append(int(part.rows[0]))
                 continue
             kept = onward(part.values[clock])
             found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
             parts[content] = part.pick(kept)
+        if repeated:
+            times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
+            found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
         return list(parts.values()), found
 
 
