@@ -209,8 +209,7 @@ def _values(packets: Int[Integers, "packet byte"], field: Field) -> Float[Array,
     size = np.dtype(field.kind).itemsize
     raw = packets[:, field.place : field.place + size].astype(np.uint8)
     counts = np.frombuffer(raw.tobytes(), field.kind).astype(np.int64)
-    values: Array = counts * field.scale + field.offset
-    return values if field.convert is None else field.convert(counts)
+    return counts.astype(float) * field.scale + field.offset if field.convert is None else field.convert(counts)
 
 
 PARSER = Parser("AltOS .telem", recognises, read)
