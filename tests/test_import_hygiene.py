@@ -18,6 +18,7 @@ ALLOWED = {
         "parsing",
         "columns",
         "tables",
+        "altos",
         "standard_air",
         "flight",
         "units",
