@@ -5,8 +5,9 @@ does not arrive whole leaves 0xff, as erased memory does; such a block is asked 
 Source: AltosLink.java, AltosEepromDownload.java, AltosEepromBlock.java (Altus Metrum).
 """
 
+import json
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 from fieldkit.capture.altus import ANSWER, silence_echo, version
@@ -18,7 +19,8 @@ from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
 
 TRIES = 3
-BLOCK, ROW = 256, 8
+BLOCK, ROW, LINE = 256, 8, 32
+"""Bytes of a block, of a line that a unit sends, and of a line of a file. [bytes]"""
 ERASED = b"\xff" * BLOCK
 MOST = 100_000
 """No flight has more blocks; one that claims so has its line torn."""
@@ -172,7 +174,43 @@ def blocks(captured: Captured) -> dict[int, Block]:
 
 def logs(captured: Captured) -> list[Log]:
     """Each flight as the vendor's own program saves it: what the unit says of itself, then its memory in hex."""
-    return []
+    answers = {answer.command: answer.content.decode("latin-1").splitlines() for answer in captured.answers()}
+    told = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
+    memory = blocks(captured)
+    found = []
+    for one in extents(answers.get(b"l\n", [])):
+        have = [number for number in range(one.start, one.end) if number in memory]
+        content = b"".join(
+            memory[number].content if number in memory else ERASED
+            for number in range(one.start, max(have, default=0) + 1)
+        )
+        if have and content.strip(b"\xff"):
+            name = f"{captured.file.name} flight {one.number}"
+            found.append(Log(name, _eeprom(settings(told) | {"flight": one.number}, content)))
+    return found
+
+
+def settings(lines: Iterable[str]) -> dict[str, str | int]:
+    """What a unit says of itself, by names as the vendor's program spells them in its files."""
+    found: dict[str, str | int] = {}
+    for line in lines:
+        if match := _CALIBRATION.match(line):
+            found |= {"accel_cal_plus": int(match[1]), "accel_cal_minus": int(match[2])}
+        elif match := _SETTING.match(line):
+            name = re.sub(r"[^a-z0-9]+", "_", match[1].lower()).strip("_")
+            value = match[2].strip().strip('"')
+            found[_RENAMED.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,9}", value) else value
+    return found
+
+
+def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
+    rows = [content[place : place + LINE].hex(" ") for place in range(0, len(content), LINE)]
+    return "\n".join([json.dumps(told, indent=1), *rows, ""]).encode()
+
+
+_CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")
+_SETTING = re.compile(r"\s*([A-Za-z][A-Za-z0-9 _-]{0,40}?)(?::\s*|\s+)(\S[^\r\n]{0,80})$")
+_RENAMED = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
 PROTOCOL = Protocol("Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", Settings(9600), talk, logs)

@@ -5,6 +5,7 @@ Source: AltosLink.java, AltosTelemetry.java, ao_telemetry.h (Altus Metrum).
 
 import re
 import struct
+from collections.abc import Mapping
 
 from fieldkit.capture.altus import silence_echo, version
 from fieldkit.capture.captured import Captured, Log
@@ -18,6 +19,9 @@ from fieldkit.errors import PortTrouble
 STREAM = 1800.0
 """How long there may be no packet: rockets wait on pads. [s]"""
 STATES = ("startup", "idle", "pad", "boost", "fast", "coast", "drogue", "main", "landed", "invalid", "stateless")
+SPEEDS: Mapping[int, int] = {1: 20, 2: 20, 3: 20, 9: 28, 10: 16, 16: 20, 17: 20}
+"""Where packets keep a speed in sixteenths of m/s and, behind it, a height in m, by their type: TeleMetrum 1, TeleMini 1
+and TeleNano; TeleMega; TeleMetrum 2; TeleMini 2 and 3."""
 TICK = 0.01
 """A flight computer's tick. [s]"""
 
@@ -34,11 +38,12 @@ def packet(line: str) -> bytes | None:
 
 
 def sample(content: bytes) -> Sample | None:
-    """Height and speed of a sensor packet of TeleMetrum v1, TeleMini v1 or TeleNano; None for other packets."""
-    if len(content) != 32 or content[4] not in (1, 2, 3):
+    """Height and speed of a packet that has them, None for another."""
+    place = SPEEDS.get(content[4]) if len(content) == 32 else None
+    if place is None:
         return None
     tick, state = struct.unpack_from("<HxB", content, 2)
-    speed, height = struct.unpack_from("<hh", content, 20)
+    speed, height = struct.unpack_from("<hh", content, place)
     return Sample(float(height), tick * TICK, speed / 16, STATES[state] if state < len(STATES) else "")
 
 
