@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.altos import NONE, TICK, entered
 from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.logtext import blocks
+from fieldkit.logtext import first_lines
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import UNITS, Unit
 
@@ -69,8 +69,7 @@ def read(log: bytes) -> list[Found]:
 
 def _header(log: bytes) -> tuple[int, list[str]] | None:
     """The row and the names of the header, None if it is none of AltOS."""
-    _, lines = next(blocks(log[: 1 << 16]), (1, []))
-    for row, line in enumerate(lines[:MOST_HEADER], start=1):
+    for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         names = [name.strip().lower() for name in line.lstrip("# ").split(",")]
         if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
             return row, names
@@ -81,8 +80,8 @@ def _header(log: bytes) -> tuple[int, list[str]] | None:
 
 def _widths(log: bytes, header_row: int) -> Counter[int]:
     """How many cells the first rows have."""
-    _, lines = next(blocks(log[: 1 << 18], header_row), (1, []))
-    return Counter(line.count(",") + 1 for line in lines[:FIRST_ROWS] if line.strip() and not line.startswith("#"))
+    lines = first_lines(log, after=header_row, most=FIRST_ROWS)
+    return Counter(line.count(",") + 1 for line in lines if line.strip() and not line.startswith("#"))
 
 
 def _certain(names: Sequence[str], row: int) -> list[str]:
@@ -142,8 +141,8 @@ def _unwrapped(table: Table) -> Table:
 
 def _about(log: bytes, header_row: int) -> dict[str, str]:
     """What the comment lines say, by name in lower case."""
-    _, lines = next(blocks(log[: 1 << 16]), (1, []))
-    pairs = (re.match(r"#\s*([^:]{1,40}):\s*(.*)", line) for line in lines[: header_row - 1])
+    lines = first_lines(log, most=header_row - 1)
+    pairs = (re.match(r"#\s*([^:]{1,40}):\s*(.*)", line) for line in lines)
     return {pair[1].strip().lower(): pair[2].strip() for pair in pairs if pair}
 
 

@@ -25,7 +25,7 @@ from fieldkit.altos import (
 )
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import blocks, is_cut, shown
+from fieldkit.logtext import blocks, first_lines, is_cut, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -122,7 +122,7 @@ def _settings(log: bytes) -> tuple[str, int]:
 
 
 def _line(log: bytes, row: int) -> str:
-    return next(blocks(log, row - 1))[1][0].strip()
+    return first_lines(log, after=row - 1, most=1)[0].strip()
 
 
 def _setting(settings: str, name: str) -> int | None:
@@ -134,7 +134,7 @@ def _setting(settings: str, name: str) -> int | None:
 def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
     damaged: list[DamagedLog] = []
-    flash, starts = bytearray(), [(0, row)]
+    flash, missing = bytearray(), 0
     width = len(bytes.fromhex(_line(log, row)))
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
@@ -142,10 +142,12 @@ def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
                 continue
             data = _bytes(line)
             if data is None or len(data) != width:
-                starts.append((len(flash), number))
                 damaged.append(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
-                data = (data or b"")[:width].ljust(width, b"\xff")
-            flash += data
+                data = (data or b"")[:width]
+            missing = width - len(data)
+            flash += data.ljust(width, b"\xff")
+    if is_cut(log) and missing:
+        del flash[-missing:]
     found = _told(damaged, "lines", log)
     size = layout.size
     whole = np.frombuffer(bytes(flash[: len(flash) // size * size]), np.uint8).reshape(-1, size)
@@ -153,7 +155,8 @@ def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     good = sound(written)
     if not good.all():
         first_bad = int(np.flatnonzero(~good)[0]) + 1
-        found.append(Note(f"{(~good).sum()} records have a wrong checksum, left out; the first is record {first_bad}"))
+        records = "record has" if (~good).sum() == 1 else "records have"
+        found.append(Note(f"{(~good).sum()} {records} a wrong checksum, left out; the first is record {first_bad}"))
     return Flash(settings, written[good], tuple(found))
 
 
@@ -305,12 +308,16 @@ def _positions(fixes: Int[Integers, "record byte"], time: Float[Array, "record"]
 
 def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
     """The flight of a TeleMini 1: words of 2 bytes, the flight first, then pressures and, with the high bit, states."""
-    data = bytearray()
-    for _, lines in blocks(log, row - 1):
-        data += b"".join(_bytes(line) or b"" for line in lines)
-    flight, *words = np.frombuffer(bytes(data[: len(data) // 2 * 2]), "<u2").tolist() or [0]
+    data, damaged = bytearray(), list[DamagedLog]()
+    for first, lines in blocks(log, row - 1):
+        for number, line in enumerate(lines, start=first):
+            words = _bytes(line)
+            if words is None:
+                damaged.append(DamagedLog(f"found {shown(line)}, expected bytes in hex", row=number))
+            data += words or b""
+    flight, *rest = np.frombuffer(bytes(data[: len(data) // 2 * 2]), "<u2").tolist() or [0]
     times, counts, state_times, states, time = [], [], [], [], 0.0
-    for word in words:
+    for word in rest:
         if word == 0xFFFF:
             break
         if word >= 0x8000:
@@ -332,7 +339,7 @@ def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
         device=_word(settings, "product") or "TeleMini 1",
         serial=_text(settings, "serial"),
     )
-    return [reading]
+    return [reading, *_told(damaged, "lines", log)]
 
 
 PARSER = Parser("AltOS .eeprom", recognises, read)

@@ -1,8 +1,9 @@
 """MicroPeak .mpd: what the altimeter blinks after a flight, `MP`, then hex, CRC last; MicroKite and MicroPeak 2 alike.
 
-It keeps the ground's pressure, the least pressure that its filter saw, and the low 16 bits of each sample. The apogee
-stated is what the device blinks: it follows from the first two, for the samples may end before it, and the clock
-of the first model may be off by a tenth. Characters between the digits do not matter, a wrong checksum does.
+It keeps the ground's pressure, the least pressure that its filter saw, and the low 16 bits of each sample, the first
+one step after the ground was measured. Heights are above that pressure, by the standard atmosphere, and so is the
+apogee stated, which is what the device blinks: the samples may end before it. The clock of the first model may be
+off by a tenth. Characters between the digits do not matter, a wrong checksum does.
 Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 """
 
@@ -107,24 +108,24 @@ def _flight(digits: bytes, row: int) -> list[Found]:
 
 def _reading(model: Model, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:
     pressure = _whole(ground, samples)
-    heights = pressure_height(np.array([ground, least], float))
+    pad, apogee = pressure_height(np.array([ground, least], float))
     try:
-        stated = {"apogee": check(BY_NAME["apogee"], float(heights[1] - heights[0]))}
+        stated = {"apogee": check(BY_NAME["apogee"], float(apogee - pad))}
     except BadValue:
         stated = {}
+    time = np.arange(1, 1 + len(pressure), dtype=float) * model.step
     return Reading(
         stated=stated,
         extra={"ground_pressure_pa": str(ground), "least_pressure_pa": str(least)},
-        series=Series(np.arange(len(pressure), dtype=float) * model.step, pressure=pressure),
+        series=Series(time, pressure=pressure, altitude=pressure_height(pressure) - pad),
         device=model.name,
     )
 
 
 def _whole(ground: int, samples: Float[Array, "sample"]) -> Float[Array, "time"]:
     """Pressures from the ground's and the low 16 bits of those that follow, each nearest to the one before. [Pa]"""
-    low = np.concatenate([[ground], samples])
-    steps = np.diff(low % 65536)
-    return np.concatenate([[ground], ground + np.cumsum((steps + 32768) % 65536 - 32768)])
+    steps = np.diff(samples, prepend=ground % 65536)
+    return ground + np.cumsum((steps + 32768) % 65536 - 32768)
 
 
 PARSER = Parser("MicroPeak .mpd", recognises, read)

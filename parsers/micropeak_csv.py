@@ -6,7 +6,7 @@ too, are left to whoever wants them. Source: the header as listed with the forma
 
 from fieldkit.columns import Channel, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.logtext import blocks
+from fieldkit.logtext import first_lines
 from fieldkit.parsing import Found, Parser, Reading
 
 COLUMNS = {"time": "time", "press(pa)": "pressure", "height(m)": "altitude", "speed(m/s)": "speed"}
@@ -32,8 +32,7 @@ def read(log: bytes) -> list[Found]:
 
 def _header(log: bytes) -> tuple[int, list[str]] | None:
     """The row and the names of the header, None if it is another's."""
-    _, lines = next(blocks(log[: 1 << 16]), (1, []))
-    for row, line in enumerate(lines, start=1):
+    for row, line in enumerate(first_lines(log), start=1):
         names = [name.strip().lower() for name in line.split(",")]
         if names[:3] == ["time", "press(pa)", "height(m)"]:
             return row, names
