@@ -197,9 +197,9 @@ def settings(lines: Iterable[str]) -> dict[str, str | int]:
         if match := _CALIBRATION.match(line):
             found |= {"accel_cal_plus": int(match[1]), "accel_cal_minus": int(match[2])}
         elif match := _SETTING.match(line):
-            name = re.sub(r"[^a-z0-9]+", "_", match[1].lower()).strip("_")
-            value = match[2].strip().strip('"')
-            found[_RENAMED.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,9}", value) else value
+            name = re.sub(r"[^a-z0-9]+", "_", (match[1] or match[2]).lower()).strip("_")
+            value = match[3].strip().strip('"')
+            found[_RENAMED.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,10}", value) else value
     return found
 
 
@@ -209,7 +209,7 @@ def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
 
 
 _CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")
-_SETTING = re.compile(r"\s*([A-Za-z][A-Za-z0-9 _-]{0,40}?)(?::\s*|\s+)(\S[^\r\n]{0,80})$")
+_SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-z0-9_-]{0,40})\s+)(\S[^\r\n]{0,80})$")
 _RENAMED = {"serial_number": "serial", "current_flight": "last_flight"}
 
 

@@ -20,8 +20,8 @@ STREAM = 1800.0
 """How long there may be no packet: rockets wait on pads. [s]"""
 STATES = ("startup", "idle", "pad", "boost", "fast", "coast", "drogue", "main", "landed", "invalid", "stateless")
 SPEEDS: Mapping[int, int] = {1: 20, 2: 20, 3: 20, 9: 28, 10: 16, 16: 20, 17: 20}
-"""Where packets keep a speed in sixteenths of m/s and, behind it, a height in m, by their type: TeleMetrum 1, TeleMini 1
-and TeleNano; TeleMega; TeleMetrum 2; TeleMini 2 and 3."""
+"""Where packets keep a speed in sixteenths of m/s and behind it a height in m, by their type: TeleMetrum 1, TeleMini 1,
+TeleNano; TeleMega; TeleMetrum 2; TeleMini 2 and 3."""
 TICK = 0.01
 """A flight computer's tick. [s]"""
 
