@@ -6,6 +6,8 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Ended,
@@ -24,6 +26,7 @@ from fieldkit.capture import (
     read_capture,
     resume,
 )
+from fieldkit.capture.captured import Captured, Mark
 from fieldkit.capture.protocols import altimulti, altos, blue_raven, mawd, micropeak, stratologger
 from fieldkit.errors import PortTrouble
 from tests import devices
@@ -185,7 +188,7 @@ def test_a_chosen_flight_that_wraps_its_clock_comes_alone(tmp_path: Path) -> Non
 def test_a_flight_with_a_wrong_checksum_is_read_again(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS[:1], spoil=1)) as wire:
         events = heard(wire, "altimulti", tmp_path)
-    assert "reading it again" in told(events)
+    assert "flight 0: 1 sentences with a wrong checksum; reading it again" in told(events)
     assert ended(events).whole
     assert flown(logs_in(ended(events).file)[0].content) == FLIGHTS[0]
 
@@ -444,3 +447,56 @@ def test_a_unit_that_never_answers_is_told_of_in_one_line_and_leaves_no_file(
 def test_a_unit_that_cannot_be_captured_is_refused_with_the_way_that_there_is(tmp_path: Path, device: str) -> None:
     with pytest.raises(PortTrouble, match=r"not public|expected one of altimulti"):
         list(capture(Port("/dev/null"), device, folder=tmp_path))
+
+
+# --- Captures that nobody would make on purpose
+
+WORDS = [
+    *(b"$start;", b"$end;", devices.TELEMETRY, FLIGHTS[0][1], b"$data,0,1", b"MP", b"a0860100", b"f" * 30, b"\r\n"),
+    *(b"flight 1 start 0 end 2\ndone\n", devices.IDENTITY, devices.SETTINGS, b"0 1 2 3 4 5 6 7 8\n", b"TELEM 22"),
+    *(
+        LOW[0],
+        HIGH[0],
+        LOW[0][:50],
+        b"G00812\r\nA01204\r\n",
+        b" 0012\r\n",
+        b"812\r\n",
+        b"T,Alt,Veloc\r\n",
+        b"1,2,3\r\n",
+    ),
+]
+ASKED = [
+    "h;",
+    "b;",
+    "r0;",
+    "r99999999999;",
+    "v\n",
+    "l\n",
+    "e 0\n",
+    "e ffffff\n",
+    "download l\r\n",
+    "I",
+    "S",
+    "D",
+    "\xff",
+]
+
+
+@pytest.mark.parametrize("name", [*known_devices()])
+@given(
+    pieces=st.lists(st.tuples(st.sampled_from(ASKED), st.sampled_from(WORDS) | st.binary(max_size=30)), max_size=25),
+    shift=st.integers(-40, 40),
+)
+@settings(max_examples=40, deadline=None)
+def test_no_capture_is_so_torn_that_taking_logs_out_of_it_fails(
+    name: str, pieces: list[tuple[str, bytes]], shift: int
+) -> None:
+    raw, marks = b"", []
+    for command, piece in pieces:
+        marks.append(Mark(max(0, len(raw) + shift), float(len(raw)), {"sent": command}))
+        raw += piece
+    protocol = known_devices()[name]
+    assert protocol.overhears(raw) in (True, False)
+    for log in protocol.logs(Captured(Path("a.raw"), raw, tuple(marks))):
+        assert log.content
+    protocol.logs(Captured(Path("a.raw"), raw))

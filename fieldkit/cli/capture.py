@@ -58,7 +58,8 @@ def capture(
         wishes = Wishes(choose, live, hertz, baud, wait, silence, seconds, reconnect)
         end = _followed(_events(where or (), device, resume, wishes, stop), view.show)
     _tell(end)
-    receipt = _received(context, end, import_, defaults, json) if end.bytes else None
+    empty = not end.bytes or (end.whole and not end.samples and not resume)
+    receipt = None if empty else _received(context, end, import_, defaults, json)
     if json:
         print_json(_document(end, receipt))
     if not end.whole:

@@ -159,7 +159,7 @@ def _identified(link: Link) -> Talk[None]:
 def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     count = yield from _counted(link)
     _same_unit(link, count, captured)
-    flights = [Stored(number, f"flight {number + 1}") for number in range(min(count, MOST))]
+    flights = [Stored(number, f"flight {number}") for number in range(min(count, MOST))]
     wanted = set(wishes.choose(flights)) if flights else set()
     chosen = [flight.number for flight in flights if flight.number in wanted]
     yield Listed(tuple(flights), tuple(chosen))
@@ -206,7 +206,7 @@ def _flight(link: Link, number: int) -> Talk[bool]:
             return True
         fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
         again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
-        yield Told(f"flight {number + 1}: {fault}{again}")
+        yield Told(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False
 
