@@ -52,7 +52,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(altos, "TRIES", 2)
     monkeypatch.setattr(mawd, "TRIES", 2)
     monkeypatch.setattr("fieldkit.capture.altus.ANSWER", 0.2)
-    monkeypatch.setattr(mawd, "ANSWER", 0.4)
+    monkeypatch.setattr(mawd, "ANSWER", 0.3)
     monkeypatch.setattr(micropeak, "PAUSE", 0.5)
 
 
@@ -441,6 +441,36 @@ def test_a_unit_that_never_answers_is_told_of_in_one_line_and_leaves_no_file(
     assert str(trouble.value).startswith(wire.name)
     assert len(str(trouble.value).splitlines()) == 1
     assert not list(tmp_path.iterdir())
+
+
+LINES = b"TELEM 22\r\n\r\n" * 50
+CHATTER = [
+    ("altimulti", devices.TELEMETRY * 20),
+    ("altos", LINES),
+    ("teledongle", devices.noise(2000)),
+    ("mawd", LINES),
+    ("blue_raven", devices.noise(2000)),
+]
+
+
+@pytest.mark.usefixtures("impatient")
+@pytest.mark.parametrize(("device", "chatter"), CHATTER, ids=[device for device, _ in CHATTER])
+def test_a_unit_that_talks_and_never_answers_is_given_up_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str, chatter: bytes
+) -> None:
+    monkeypatch.setattr(altimulti, "GREETINGS", 1)
+    for module in (altos, mawd):
+        monkeypatch.setattr(module, "TRIES", 1)
+
+    def chattering(wire: Wire) -> None:
+        while True:
+            wire.say(chatter)
+            wire.listen(0.01)
+
+    with played(chattering) as wire, pytest.raises(PortTrouble, match=wire.name):
+        heard(wire, device, tmp_path, replace(QUICK, silence=0.2))
+    (file,) = tmp_path.glob("*.raw")
+    assert file.stat().st_size > 1000
 
 
 @pytest.mark.parametrize("device", ["pnut", "RRC3", "aim", "walkie-talkie"])

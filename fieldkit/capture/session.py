@@ -110,7 +110,7 @@ def _run(
     link = Link(line, stop)
     if wishes.seconds is not None:
         link.ends = time.monotonic() + wishes.seconds
-    why, whole = "all is read", False
+    why, whole = "", False
     try:
         yield Opened(port.name, name, tape.file)
         while True:
@@ -118,7 +118,7 @@ def _run(
                 if not link.line.protocol:
                     yield from _recognise(link, wishes)
                 whole = yield from _converse(link, wishes)
-                why = why if whole else "it went silent"
+                why = "all is read" if whole and not link.open_ended else "it went silent"
                 break
             except PortLost as lost:
                 tape.note(lost=str(lost))
@@ -217,4 +217,4 @@ def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
 def _kept(link: Link, silence: float | None) -> Talk[None]:
     """Keep what comes without a look at it, until it stops."""
     with suppress(Stopped, PortLost):
-        yield from link.drain(AFTER_A_FAULT if silence is None else silence)
+        yield from link.drain(AFTER_A_FAULT if silence is None else silence, patience=float("inf"))

@@ -6,6 +6,7 @@ Source: RocketFlightLogger.ino, config.cpp, logger_i2c_eeprom.cpp (bdureau/Rocke
 """
 
 import re
+import time
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
@@ -13,7 +14,7 @@ from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.checks import sum_256
 from fieldkit.capture.events import Listed, Sample, Stored, Told
 from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.link import NOISE, Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
 
@@ -120,8 +121,9 @@ def _greeted(link: Link) -> Talk[None]:
 
 
 def _next(link: Link, silence: float) -> Talk[Sentence | None]:
-    """The next sentence that is no telemetry, None after silence. [s]"""
-    while (piece := (yield from link.piece(b";", silence))) is not None:
+    """The next sentence that is no telemetry, None after silence, or after a while of nothing but telemetry. [s]"""
+    ends = time.monotonic() + NOISE * silence
+    while time.monotonic() < ends and (piece := (yield from link.piece(b";", silence))) is not None:
         one = sentence(piece)
         if one is None:
             continue
@@ -138,12 +140,12 @@ def _telemetry(link: Link, one: Sentence) -> None:
         link.damaged += 1
         return
     try:
-        altitude, lifted, apogee, _, main, _, landed, time = (float(text) for text in one.fields[:8])
+        altitude, lifted, apogee, _, main, _, landed, clock = (float(text) for text in one.fields[:8])
     except ValueError:
         return
     flags = (("landed", landed), ("main", main), ("drogue", apogee), ("flying", lifted))
     state = next((name for name, flag in flags if flag > 0), "pad")
-    link.sample = Sample(altitude, time / 1000, state=state)
+    link.sample = Sample(altitude, clock / 1000, state=state)
 
 
 def _identified(link: Link) -> Talk[None]:
