@@ -1,7 +1,7 @@
 """Every protocol against a unit that behaves, and against one that does not."""
 
 import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,7 +34,8 @@ from tests.devices import Wire, played
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason="needs pseudo-terminals")
 
-QUICK = Wishes(wait=10, silence=0.8, reconnect=10)
+QUICK = Wishes(wait=30, silence=30, reconnect=30)
+BRIEF = replace(QUICK, silence=0.6)
 
 
 @pytest.fixture(autouse=True)
@@ -77,8 +78,10 @@ def told(events: Sequence[Event]) -> str:
     return "\n".join(event.text for event in events if isinstance(event, Told))
 
 
-def heard(wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK) -> list[Event]:
-    return run(capture(Port(wire.name), device, folder=folder, wishes=wishes), wire)
+def heard(
+    wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK, stop: Callable[[], bool] = lambda: False
+) -> list[Event]:
+    return run(capture(Port(wire.name), device, folder=folder, wishes=wishes, stop=stop), wire)
 
 
 def test_every_protocol_has_a_title_and_a_rate() -> None:
@@ -302,7 +305,8 @@ def test_packets_of_a_teledongle_show_the_height_while_they_come(tmp_path: Path)
     ]
     with played(devices.teledongle(packets, noise=b"")) as wire:
         wishes = replace(QUICK, frequency=434.65e6)
-        events = heard(wire, "teledongle", tmp_path, wishes)
+        stop = devices.arrived(tmp_path, devices.IDENTITY + b"".join(packets))
+        events = heard(wire, "teledongle", tmp_path, wishes, stop)
         wire.listen(0.2)
     end = ended(events)
     assert (end.samples, end.damaged) == (30, 3)
@@ -330,7 +334,7 @@ def test_a_blue_raven_is_read_at_both_rates_while_its_status_goes_on(tmp_path: P
     overprinted = LOW[20][:70] + LOW[21]
     low = [*LOW[:20], overprinted, *LOW[22:]]
     with played(devices.blue_raven(low, HIGH, status)) as wire:
-        events = heard(wire, "blue_raven", tmp_path, QUICK)
+        events = heard(wire, "blue_raven", tmp_path, BRIEF)
     end = ended(events)
     assert end.whole
     assert (end.samples, end.damaged) == (len(LOW) - 1 + len(HIGH), 0)
@@ -344,7 +348,7 @@ def test_a_blue_raven_is_read_at_both_rates_while_its_status_goes_on(tmp_path: P
 def test_a_frame_with_a_wrong_checksum_costs_that_frame(tmp_path: Path) -> None:
     low = [*LOW[:5], LOW[5].replace(b"Vel: 5", b"Vel: 6"), *LOW[6:]]
     with played(devices.blue_raven(low, [])) as wire:
-        events = heard(wire, "blue_raven", tmp_path)
+        events = heard(wire, "blue_raven", tmp_path, BRIEF)
     assert (ended(events).samples, ended(events).damaged) == (len(LOW) - 1, 1)
     assert "no high-rate data" in told(events)
 
@@ -369,7 +373,7 @@ def test_lines_of_a_stratologger_get_the_times_of_their_arrival(tmp_path: Path) 
     lines = b"812\r\n" + b"".join(b"%d\r\n" % height for height in (0, 1, 40, 160, 300, 290, 100, 0))
     lines = lines.replace(b"160\r\n", b"160\r\n4x0\r\n")
     with played(devices.talking(lines, pause=0.03)) as wire:
-        events = heard(wire, "stratologger", tmp_path)
+        events = heard(wire, "stratologger", tmp_path, stop=devices.arrived(tmp_path, lines))
     end = ended(events)
     assert (end.samples, end.damaged) == (9, 1)
     rows = logs_in(end.file)[0].content.decode().splitlines()
@@ -392,8 +396,8 @@ TRS = (
 
 def test_the_text_of_an_eggtimer_is_kept_as_it_came(tmp_path: Path) -> None:
     with played(devices.talking(TRS, random.Random(6))) as wire:
-        end = ended(heard(wire, "eggtimer", tmp_path))
-    assert end.samples == 100
+        end = ended(heard(wire, "eggtimer", tmp_path, BRIEF))
+    assert (end.samples, end.why) == (100, "it went silent")
     assert logs_in(end.file)[0].content == TRS
     assert not wire.received
 
