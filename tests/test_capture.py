@@ -9,6 +9,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from io import StringIO
 from pathlib import Path
 
 import pytest
@@ -20,6 +21,9 @@ from fieldkit.capture import (
     Event,
     Opened,
     Port,
+    Progress,
+    Sample,
+    Told,
     Wishes,
     capture,
     captures,
@@ -31,6 +35,7 @@ from fieldkit.capture import (
 from fieldkit.capture.checks import crc_buypass, crc_x25, sum_256
 from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, begin, go_on
+from fieldkit.cli.live import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortTrouble
 from tests import devices
@@ -74,7 +79,7 @@ def followed(events: Iterable[Event], wire: Wire) -> Ended:
 
 
 @given(chunks=st.lists(st.binary(max_size=50)), cut=st.floats(0, 1), torn=st.floats(0, 1))
-@settings(max_examples=30, deadline=None)
+@settings(max_examples=15, deadline=None)
 def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_goes_on(
     tmp_path_factory: pytest.TempPathFactory, chunks: list[bytes], cut: float, torn: float
 ) -> None:
@@ -410,3 +415,26 @@ def test_a_port_in_use_is_said(tmp_path: Path) -> None:
         with pytest.raises(PortTrouble, match="another program"):
             next(capture(Port(wire.name), "eggtimer", folder=tmp_path))
         first.close()  # type: ignore[attr-defined]
+
+
+def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    class Screen(StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    screen = Screen()
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setenv("TERM", "xterm")
+    with View() as view:
+        view.show(Opened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
+        for height, speed in ((100.0, 80.0), (250.0, 20.0), (240.0, -9.0)):
+            view.show(Progress(1000, 10, 2, 0.5, Sample(height, 1.0, speed, "coast")))
+        view.heard -= 60
+        view.show(Progress(1234, 10, 2, 0.5, view.last))
+        view.show(Told("\x1b[31mred [bold]"))
+    shown = screen.getvalue()
+    assert "every byte goes to" in shown
+    assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown
+    assert "altitude 240 m (787.4 ft)   highest 250 m (820.2 ft)   -9.0 m/s   coast   60 s ago" in shown
+    assert "▁█" in shown
+    assert "\x1b[31m" not in shown
