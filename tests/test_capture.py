@@ -17,6 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.capture import (
+    Back,
     Ended,
     Event,
     Opened,
@@ -37,7 +38,7 @@ from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, begin, go_on
 from fieldkit.cli.live import View
 from fieldkit.cli.main import main
-from fieldkit.errors import CaptureTrouble, PortTrouble
+from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
 from tests import devices
 from tests.devices import Device, Unplugged, Wire, played
 
@@ -108,6 +109,16 @@ def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_goes_on(
     after = read_capture(tape.file)
     assert after.raw == kept.raw + b"more"
     assert after.answers()[-1].content == b"more"
+
+
+def test_a_capture_without_the_head_of_its_journal_still_gives_its_flights(tmp_path: Path) -> None:
+    record = devices.micropeak_stream(devices.micropeak_payload(100_000, 99_000, range(99_000, 99_100)))
+    with begin(tmp_path, {"device": "micropeak"}) as tape:
+        tape.heard(b"junk" + record)
+    tape.file.with_suffix(JOURNAL).write_bytes(b'{"at": 0, "t": 0')
+    assert [log.content.strip() for log in logs_in(tape.file)] == [record.strip()]
+    with pytest.raises(CaptureTrouble, match="its journal is damaged"):
+        next(resume(tape.file, Port("port")))
 
 
 def test_two_captures_of_one_second_do_not_meet(tmp_path: Path) -> None:
@@ -404,6 +415,21 @@ def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.Captu
 
 
 @terminals
+def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(self: object) -> bytes:
+        raise PortLost("port: the port is gone (loose contact)")
+
+    monkeypatch.setattr("fieldkit.capture.line.Line.hear", gone)
+    monkeypatch.setattr("fieldkit.capture.session.PAUSE", 0.0)
+    with played(devices.deaf) as wire:
+        port = Port(wire.name)
+        events = list(capture(port, "eggtimer", folder=tmp_path, look=lambda: [port]))
+    assert isinstance(events[-1], Ended)
+    assert events[-1].why == "port: the port is gone (loose contact)"
+    assert 2 <= sum(isinstance(event, Back) for event in events) < 20
+
+
+@terminals
 def test_a_port_in_use_is_said(tmp_path: Path) -> None:
     def quiet(wire: Wire) -> None:
         devices.deaf(wire)
@@ -435,6 +461,7 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
     shown = screen.getvalue()
     assert "every byte goes to" in shown
     assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown
-    assert "altitude 240 m (787.4 ft)   highest 250 m (820.2 ft)   -9.0 m/s   coast   60 s ago" in shown
+    assert "altitude 240 m (787.4 ft)   highest 250 m (820.2 ft)" in shown
+    assert "-9.0 m/s   coast   heard 60 s ago" in shown
     assert "▁█" in shown
     assert "\x1b[31m" not in shown

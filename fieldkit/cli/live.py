@@ -99,9 +99,10 @@ class View:
 
         lines = [f"{self.device or 'listening'} on {self.port}   {counts(progress)}"]
         if progress.sample is not None:
-            age = time.monotonic() - self.heard
-            stale = f"   {age:.0f} s ago" if age > OLD else ""
-            lines += [altitude_line(progress.sample, self.highest) + stale, sparkline(self.heights)]
+            altitude = in_both_units("apogee", progress.sample.altitude)
+            lines.append(f"altitude {altitude}   highest {in_both_units('apogee', self.highest)}")
+            lines.append(flight_line(progress.sample, time.monotonic() - self.heard))
+            lines.append(sparkline(self.heights))
         return Text(printable_lines(lines), no_wrap=True, overflow="ellipsis")
 
 
@@ -120,12 +121,12 @@ def counts(progress: "Progress") -> str:
     return ", ".join(parts)
 
 
-def altitude_line(sample: "Sample", highest: float) -> str:
-    """The altitude now and the highest so far, with what else the stream says."""
-    parts = [f"altitude {in_both_units('apogee', sample.altitude)}", f"highest {in_both_units('apogee', highest)}"]
-    if sample.speed is not None:
-        parts.append(f"{sample.speed:+.1f} m/s")
-    return "   ".join([*parts, sample.state] if sample.state else parts)
+def flight_line(sample: "Sample", age: float) -> str:
+    """What else the stream says of the flight, and how old it is where that is long. [s]"""
+    parts = [f"{sample.speed:+.1f} m/s"] if sample.speed is not None else []
+    parts += [sample.state] if sample.state else []
+    parts += [f"heard {age:.0f} s ago"] if age > OLD else []
+    return "   ".join(parts)
 
 
 def sparkline(heights: "deque[float]") -> str:
