@@ -342,8 +342,8 @@ def size(folder: Path) -> int:
 def test_a_killed_capture_has_all_that_had_come_and_goes_on_on_another_port(folder: Path) -> None:
     text = b"".join(b"%d,%d,0,0\r\n" % (number, number % 977) for number in range(200_000))
     with played(counting) as wire, running("capture", wire.name, "--device", "eggtimer") as process:
-        until(folder.is_dir)
-        until(lambda: list(folder.glob("*.jsonl")))
+        assert process.stderr is not None
+        assert process.stderr.readline().startswith(b"eggtimer on ")
         wire.opened.set()
         until(lambda: size(folder) > 5_000)
         seen = size(folder)
