@@ -175,6 +175,18 @@ def test_a_unit_is_found_again_by_its_numbers_and_not_confused_with_another() ->
     assert again(plain, [Port("/dev/ttyS0"), plain]) == "/dev/ttyS1"
 
 
+def test_a_system_without_the_terminals_of_unix_has_ports_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("serial.Serial", _absent)
+    monkeypatch.setitem(sys.modules, "termios", None)
+    with pytest.raises(PortTrouble, match=r"COM3: cannot be opened \(no such port\)"):
+        list(capture(Port("COM3"), "eggtimer", folder=tmp_path))
+    assert not captures(tmp_path)
+
+
+def _absent(*_: object, **__: object) -> None:
+    raise OSError(2, "no such port")
+
+
 def test_ports_and_devices_are_listed_for_people_and_scripts(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -1,21 +1,19 @@
 """AltiMulti, AltiDuo, TTGO Bear, AltiGPS and their kin (bdureau): sentences asked for with one-letter commands.
 
-A sentence is `$name,field,...,checksum;`, the checksum being the sum of the characters from the name up to the
-comma before it, modulo 256. A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come between.
+A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come between.
 Source: RocketFlightLogger.ino, config.cpp, logger_i2c_eeprom.cpp (bdureau/RocketFlightLogger).
 """
 
 import re
 import time
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.checks import sum_256
 from fieldkit.capture.events import Listed, Sample, Stored, Told
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import NOISE, Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
 
 MOST = 25
@@ -28,35 +26,6 @@ REFUSALS = ("KO", "K0", "UNKNOWN")
 TRIES = 3
 STREAM = 60.0
 """How long telemetry may pause. [s]"""
-
-
-@dataclass(frozen=True, slots=True)
-class Sentence:
-    """A sentence; `sound` when its checksum is right, or when it is one that has none."""
-
-    name: str
-    fields: tuple[str, ...]
-    sound: bool
-
-
-def sentence(piece: bytes) -> Sentence | None:
-    """The sentence at the end of what came before a semicolon, None where there is none."""
-    start = piece.rfind(b"$")
-    if start < 0:
-        return None
-    body = piece[start + 1 :]
-    name, *fields = body.decode("latin-1").split(",")
-    if not fields:
-        return Sentence(name.strip(), (), name.strip().isalnum())
-    right = str(sum_256(body[: body.rfind(b",") + 1])) == fields[-1].strip()
-    return Sentence(name, tuple(fields[:-1]), right)
-
-
-def sentences(content: bytes) -> Iterable[Sentence]:
-    """All sentences of bytes."""
-    for piece in content.split(b";")[:-1]:
-        if (one := sentence(piece)) is not None:
-            yield one
 
 
 def overhears(heard: bytes) -> bool:
@@ -253,7 +222,7 @@ def logs(captured: Captured) -> list[Log]:
     if not flown:
         return [Log(captured.file.name, captured.raw)] if any(True for _ in sentences(captured.raw)) else []
     settings = [answer.content for answer in captured.answers() if answer.command == b"b;"]
-    head = [replace(_frame(content)).content for content in settings[-1:] if b"$alticonfig" in content]
+    head = [_frame(content).content for content in settings[-1:] if b"$alticonfig" in content]
     return [Log(captured.file.name, b"\n".join([*head, *flown]) + b"\n")]
 
 

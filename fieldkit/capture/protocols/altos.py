@@ -133,7 +133,7 @@ def _block(link: Link, number: int) -> Talk[Block]:
                 break
         block = assembled(lines)
         if not block.missing:
-            link.samples += 1
+            link.samples += BLOCK // ROW
             return block
         link.damaged += 1
         again = "; reading it again" if attempt < TRIES else "; they stay empty"
