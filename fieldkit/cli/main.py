@@ -16,6 +16,7 @@ from fieldkit.errors import FieldkitError
 GROUPS = (
     "demo",
     "intake",
+    "capture",
     "add",
     "records",
     "infer",
