@@ -165,7 +165,9 @@ def _format_of(log: bytes, format: str | None, source: str, choices: Sequence[Ch
         raise UnknownFormat(f"{place}{' and '.join(claimed)} both recognise this log; choose one with --format")
     if mapped and claimed[0] not in takers:
         expected = f"expected none, or --format {' or '.join(takers)} with it"
-        raise UnknownFormat(f"{place}found a mapping of columns for a log that {claimed[0]} reads by itself; {expected}")
+        raise UnknownFormat(
+            f"{place}found a mapping of columns for a log that {claimed[0]} reads by itself; {expected}"
+        )
     return claimed[0]
 
 
@@ -257,9 +259,7 @@ def derived_id(flight: Flight) -> str:
     return f"{flight.date_time:%Y-%m-%d}-{digest}" if flight.date_time else f"flight-{digest}"
 
 
-def _open(
-    log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()
-) -> tuple[str, Sequence[Found]]:
+def _open(log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()) -> tuple[str, Sequence[Found]]:
     """The name of the parser that reads a log, and what it finds in it."""
     name = _format_of(log, format, source, choices)
     parser = parsers()[name]

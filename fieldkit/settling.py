@@ -33,9 +33,7 @@ class Settled:
     why: str
 
 
-def settle_time_heights(
-    raw: Mapping[str, Float[Array, "time"]], units: Mapping[str, str]
-) -> dict[str, Settled]:
+def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[str, str]) -> dict[str, Settled]:
     """Units of `time`, `altitude` and `speed` that `units` leaves open, as far as they can be settled.
 
     `raw` are columns as they stand; `pressure` among them is of any unit. What does not come back stays open.

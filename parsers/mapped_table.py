@@ -17,7 +17,7 @@ import numpy as np
 
 from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.headings import QUANTITIES, Heading, channel, heading, plain, stated_unit, unit_named
+from fieldkit.headings import QUANTITIES, channel, heading, plain, stated_unit, unit_named
 from fieldkit.layout import Layout, layout_of
 from fieldkit.logtext import shown
 from fieldkit.mapping import Choice, choice_for
@@ -74,7 +74,7 @@ def read_mapped(log: bytes, choices: Sequence[Choice]) -> list[Found]:
     table = _table(log, layout, picks)
     picks, values = _one_a_channel(picks, table)
     units, left_out = _units(picks, values)
-    whole = {name: units[name][0].to_si(values[name]) for name in units}
+    whole = {name: _si(units[name][0], values[name]) for name in units}
     line = _line(picks, units, left_out, choice)
     kept = Choice(choice.channels if choice else {}, layout.headers if layout.named else ())
     mapped = Mapped(line, layout.above or None, kept, chosen=choice is not None and not choice.headers)
@@ -105,7 +105,7 @@ def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
 
 
 def _chosen(layout: Layout, choice: Choice) -> list[Pick]:
-    """The columns that the flyer named, and what is guessed of the rest. Raises DamagedLog for one that is not there."""
+    """The columns that the flyer named, and what is guessed of the rest. Raises DamagedLog for one not there."""
     picks: list[Pick] = []
     for name, text in choice.channels.items():
         place, unit = _find(layout, text)
@@ -171,6 +171,11 @@ def _column(pick: Pick, table: Table) -> Float[Array, "row"]:
     return values if pick.channel == "time" else np.where(np.abs(values) < LIMIT, values, np.nan)
 
 
+def _si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
+    """Values in a unit as SI values."""
+    return values * unit.factor + unit.offset
+
+
 def _seconds(word: str) -> float:
     """The seconds of `1:02:03.5` or `02:03.5`, after a date or not; nan for anything else. [s]"""
     match = re.fullmatch(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9})?)Z?", word, re.ASCII)
@@ -180,9 +185,7 @@ def _seconds(word: str) -> float:
     return 3600.0 * int(hours or 0) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
 
 
-def _one_a_channel(
-    picks: Sequence[Pick], table: Table
-) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
+def _one_a_channel(picks: Sequence[Pick], table: Table) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
     """One column for each channel. Raises DamagedLog for two that disagree and matter."""
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
@@ -210,9 +213,9 @@ def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Ar
     units = [unit_named(QUANTITIES[pick.channel.rstrip("?")], pick.unit) for pick in (one, other)]
     if units[0] is None or units[1] is None:
         return False
-    apart = np.abs(units[0].to_si(values) - units[1].to_si(others))
+    apart = np.abs(_si(units[0], values) - _si(units[1], others))
     apart = apart[np.isfinite(apart)]
-    reach = np.nanmax(np.abs(units[0].to_si(values)), initial=0.0)
+    reach = np.nanmax(np.abs(_si(units[0], values)), initial=0.0)
     return len(apart) > 0 and float(np.percentile(apart, 90)) <= 0.02 * reach
 
 
@@ -260,7 +263,7 @@ def _settled(
 ) -> dict[str, Settled]:
     """Units that physics settles."""
     if "time" in units:
-        values = {**values, "time": units["time"][0].to_si(values["time"])}
+        values = {**values, "time": _si(units["time"][0], values["time"])}
         known = {**known, "time": "s"}
     settled = settle_time_heights(values, known)
     if "pressure" in values and "pressure" not in units and (one := settle_pressure(values["pressure"])):
@@ -280,13 +283,13 @@ def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[
     """Call a column what it proves to be: felt or net acceleration, height above the pad or above elsewhere."""
     if "felt?" in units:
         unit = units.pop("felt?")
-        at_rest = rest(unit[0].to_si(values["felt?"])) / STANDARD_GRAVITY
+        at_rest = rest(_si(unit[0], values["felt?"])) / STANDARD_GRAVITY
         name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
         if name and name not in units:
             units[name] = unit[0], unit[1], unit[2] or "by what it shows at rest"
             values[name] = values["felt?"] * (-1 if name == "felt" and at_rest < 0 else 1)
     if "altitude" in units and "altitude_msl" not in units:
-        height = units["altitude"][0].to_si(values["altitude"])
+        height = _si(units["altitude"][0], values["altitude"])
         start = height[np.isfinite(height)][:20]
         if len(start) == 20 and float(np.median(start)) > ABOVE_GROUND and float(np.ptp(start)) < 5.0:
             units["altitude_msl"] = *units["altitude"][:2], "it does not start at zero"
