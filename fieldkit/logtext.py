@@ -22,7 +22,7 @@ def decode(log: bytes) -> str:
     while log.startswith(codecs.BOM_UTF8):
         log = log[len(codecs.BOM_UTF8) :]
     error = DamagedLog("found binary data, expected text")
-    for encoding in _encodings(log[:2]):
+    for encoding in encodings(log[:2]):
         try:
             text = codecs.getincrementaldecoder(encoding)().decode(log).lstrip("\ufeff").rstrip("\0")
         except UnicodeDecodeError:
@@ -33,7 +33,7 @@ def decode(log: bytes) -> str:
     raise error
 
 
-def _encodings(start: bytes) -> tuple[str, ...]:
+def encodings(start: bytes) -> tuple[str, ...]:
     """The encodings worth trying, best first, by the first two bytes."""
     if start == codecs.BOM_UTF16_LE or (start[1:] == b"\0" and start[:1] != b"\0"):
         return ("utf-16-le",)
