@@ -117,13 +117,13 @@ def write() -> None:
         "mapped_table__unix_time_and_three_axes.csv": table(
             ["timestamp_seconds,pressure_pascals,raw_acceleration_x_gs,raw_acceleration_y_gs,raw_acceleration_z_gs"],
             lambda t, h, felt, p: f"{1.7e9 + t:.3f},{p:.1f},{0.05:.3f},{-0.02:.3f},{felt / G:.4f}",
-            0.05,
+            0.1,
             20.0,
         ),
         "mapped_table__time_three_axes_total_and_feet.csv": table(
             ["Time (s),Accel X (g),Accel Y (g),Accel Z (g),Total Accel (g),Altitude (ft)"],
             lambda t, h, felt, p: f"{t:.2f},0.05,{felt / G:.3f},-0.02,{abs(felt / G):.3f},{h / FOOT:.1f}",
-            0.05,
+            0.1,
             0.0,
         ),
     }
