@@ -81,8 +81,12 @@ class Heading:
     unit: str = ""
 
 
+def _set(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
 _BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
-_QUALIFIERS = frozenset("x y z agl msl asl raw filtered baro gps imu kf est".split())
+_QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
 
 
 def heading(spelled: str) -> Heading:
@@ -136,20 +140,19 @@ def stated_unit(head: Heading, channel: str) -> str:
     return ""
 
 
-_NOT_A_SAMPLE = frozenset(
-    "predicted prediction predictor target max maximum min apogee gyro angular rate rotation mag magnetic magnetometer "
-    "quaternion quat error sd std variance covariance var bias offset wind horizontal lateral ground sats hdop vdop "
-    "dop horz north east motor chamber dynamic differential pitot velocity_pressure total_pressure derivative jerk "
-    "pad home distance range stage flag flags count id deployment threshold setting index limit".split()
+_NOT_A_SAMPLE = _set(
+    "predicted prediction predictor target max maximum min apogee gyro angular rate rotation mag magnetic "
+    "magnetometer quaternion quat error sd std variance covariance var bias offset wind horizontal "
+    "lateral ground sats hdop vdop dop horz north east motor chamber dynamic differential pitot "
+    "velocity_pressure total_pressure derivative jerk pad home distance range stage flag flags count id "
+    "deployment threshold setting index limit"
 )
-_WORKED_OUT = frozenset(
-    "est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world".split()
-)
-_TIME = frozenset("time t ts timestamp millis micros elapsed met timems times clock epoch".split())
-_HEIGHT = frozenset("alt altitude height altura hoehe höhe altitud hauteur".split())
-_SPEED = frozenset("velocity vel speed veloc vz velz vely velx".split())
-_ACCEL = frozenset("accel acceleration acc a accelerometer ax ay az accx accy accz accelx accely accelz".split())
-_TOTAL = frozenset("total magnitude norm resultant mag abs sum".split())
+_WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
+_TIME = _set("time t ts timestamp millis micros elapsed met timems times clock epoch")
+_HEIGHT = _set("alt altitude height altura hoehe höhe altitud hauteur")
+_SPEED = _set("velocity vel speed veloc vz velz vely velx")
+_ACCEL = _set("accel acceleration acc a accelerometer ax ay az accx accy accz accelx accely accelz")
+_TOTAL = _set("total magnitude norm resultant mag abs sum")
 
 
 def channel(head: Heading) -> str:

@@ -13,7 +13,8 @@ from fieldkit.errors import DamagedLog
 
 LOOKED_AT = 400
 """Lines among which the first rows of numbers must be. [1]"""
-_NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*|\s*(\d+:)?\d+:\d\d([.,]\d+)?\s*", re.I)
+_NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
+_CLOCK = re.compile(r"\d:\d\d")
 _ABSENT = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMAL = re.compile(r"\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*")
@@ -35,6 +36,11 @@ class Layout:
     decimal: str
     named: bool
     first: tuple[str, ...]
+
+    def says(self, place: int) -> bool:
+        """Whether the first row has a word in this column, and no number."""
+        cell = self.first[place] if place < len(self.first) else ""
+        return cell.lower() not in _ABSENT and not _NUMBER.fullmatch(cell) and not _CLOCK.search(cell)
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -82,7 +88,7 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
 def _numbers(cells: Sequence[str], separator: str | None) -> bool:
     """Whether most cells are numbers, and nothing but single words stands between them."""
     said = [cell for cell in cells if cell.strip().lower() not in _ABSENT]
-    count = sum(bool(_NUMBER.fullmatch(cell)) for cell in said)
+    count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in said)
     return count >= 2 and count * 2 > len(said) and not (separator is None and any("," in cell for cell in cells))
 
 

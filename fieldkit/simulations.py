@@ -7,6 +7,7 @@ word loses a column, and cannot change a number, because the unit must be one of
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -41,10 +42,15 @@ NAMES: Mapping[str, str] = {
 }
 """Columns by the words of their name, without the unit."""
 
-TIME_WORDS = frozenset("time zeit temps tiempo tempo tijd tid czas čas время час zaman idő aika 时间 時間 시간".split())
-HEIGHT_WORDS = frozenset(
-    "altitude höhe altitud altitudine quota hoogte höjd højde høyde wysokość výška высота висота yükseklik "
-    "magasság korkeus 高度 고도".split()
+
+def _set(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
+TIME_WORDS = _set("time zeit temps tiempo tempo tijd tid czas čas время час zaman idő aika 时间 時間 시간")
+HEIGHT_WORDS = _set(
+    "altitude höhe altitud altitudine quota hoogte höjd højde høyde wysokość výška высота висота "
+    "yükseklik magasság korkeus 高度 고도"
 )
 _VERTICAL = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
 _SPEED = ("geschwind", "vitesse", "veloc", "snelheid", "hastighet", "prędko", "rychlost", "скорост", "速度", "속도")
@@ -138,7 +144,7 @@ def _runs(table: Table) -> list[Table]:
     time = table.values["time"]
     falls = np.flatnonzero(np.diff(time) < -0.5 * np.ptp(time)) + 1 if len(time) else []
     starts = [0, *(int(i) for i in falls[:50]), len(time)]
-    return [table.pick(slice(a, b)) for a, b in zip(starts[:-1], starts[1:], strict=True) if b > a]
+    return [table.pick(slice(a, b)) for a, b in pairwise(starts) if b > a]
 
 
 def _vertical(table: Table) -> Table:

@@ -87,7 +87,7 @@ def _guessed(layout: Layout) -> list[Pick]:
     picks = []
     for place, head in enumerate(heads):
         name = channel(head)
-        if name:
+        if name and not layout.says(place):
             unit = stated_unit(head, "felt" if name == "felt?" else name)
             picks.append(Pick(name, place, head.spelled, _clock_unit(name, unit, layout, place)))
     return _without_clocks_of_others(picks)

@@ -1,8 +1,8 @@
 """OpenRocket's CSV export of a simulation.
 
 The header is a comment, `# Time (s),Altitude (m),...`, unless somebody took the mark off. Between the rows stand
-`# Event APOGEE occurred at t=5.2 seconds`. What separates cells and what marks a comment is the user's choice, and so are the
-columns, their units and the language of their names; a zero-width character in the brackets is "no unit".
+`# Event APOGEE occurred at t=5.2 seconds`. What separates cells and what marks a comment is the user's choice, and
+so are the columns, their units and the language of their names; a zero-width character in the brackets is "no unit".
 
 Format: openrocket/openrocket, core/.../file/CSVExport.java.
 """

@@ -91,7 +91,9 @@ def table(header: Iterable[str], row: Callable[[float, float, float, float], str
     t = np.arange(pad + len(f["t"])) * step
     h = np.concatenate([np.zeros(pad), f["h"]]) + random.normal(0, 0.1, pad + len(f["t"]))
     felt = np.concatenate([np.full(pad, G), f["a"] + G]) + random.normal(0, 0.05, len(t))
-    return ("\n".join([*header, *(row(*cells, p) for *cells, p in zip(t, h, felt, pressure(h), strict=True))]) + "\n").encode()
+    return (
+        "\n".join([*header, *(row(*cells, p) for *cells, p in zip(t, h, felt, pressure(h), strict=True))]) + "\n"
+    ).encode()
 
 
 def write() -> None:
@@ -99,7 +101,9 @@ def write() -> None:
     english = (
         "Time (s),Altitude (m),Vertical velocity (m/s),Vertical acceleration (m/s²),Thrust (N),Drag force (N),Mass (g)"
     )
-    german = "Zeit (s);Höhe (m);Vertikale Geschwindigkeit (m/s);Vertikale Beschleunigung (m/s²);Schub (N);Cd ({});Masse (g)"
+    german = (
+        "Zeit (s);Höhe (m);Vertikale Geschwindigkeit (m/s);Vertikale Beschleunigung (m/s²);Schub (N);Cd ({});Masse (g)"
+    )
     samples = {
         "openrocket__as_it_comes.csv": openrocket(",", "#", english),
         "openrocket__semicolons_and_german_names.csv": openrocket(";", "%", german.format(ZERO_WIDTH)),

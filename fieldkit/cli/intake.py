@@ -34,7 +34,7 @@ def import_(
         typer.Option(
             "--map",
             metavar="CHANNEL=COLUMN",
-            help="What a column of a table of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
+            help="What a column of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
         ),
     ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
