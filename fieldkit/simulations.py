@@ -142,7 +142,7 @@ def _decimal(log: bytes, after: int, separator: str | None) -> str:
 def _runs(table: Table) -> list[Table]:
     """The table apart where its clock starts anew: one simulation after the other, or one stage."""
     time = table.values["time"]
-    falls = np.flatnonzero(np.diff(time) < -0.5 * np.ptp(time)) + 1 if len(time) else []
+    falls = np.flatnonzero(np.diff(time) < -0.5 * np.ptp(time)) + 1
     starts = [0, *(int(i) for i in falls[:50]), len(time)]
     return [table.pick(slice(a, b)) for a, b in pairwise(starts) if b > a]
 

@@ -1,8 +1,8 @@
 """RockSim's CSV export of a simulation.
 
 One line of names, each followed by its unit after a blank: `Time,Thrust N,Altitude Feet,Velocity Feet / Sec`. Cells
-have leading blanks, and some names one before their comma. Time alone has no unit; it counts seconds, and the climb that
-the speed makes of them must be the one that the height shows.
+have leading blanks, and some names one before their comma. Time alone has no unit; it counts seconds, and the climb
+that the speed makes of them must be the one that the height shows.
 """
 
 from fieldkit.errors import DamagedLog
