@@ -5,13 +5,14 @@ A row that is no row of the table costs itself and nothing else, and is told of 
 of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
 """
 
-import codecs
+import hashlib
 import math
 import re
 from array import array
 from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
 from operator import length_hint
 from typing import Any
 
@@ -19,13 +20,11 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import encodings, shown
+from fieldkit.logtext import ENDLESS, blocks, is_cut, shown
 from fieldkit.parsing import Found, Note
 from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 from fieldkit.units import Unit
 
-BLOCK = 1 << 19
-"""How much of a log is text at one time, and the longest line there may be. [bytes]"""
 PATIENCE = 50
 """A block with so many damaged rows is read cell by cell from there on. [1]"""
 MOST_TOLD = 20
@@ -93,19 +92,43 @@ class Table:
         channels = {name: self.get(name) for name in names - {"time"}}
         return Series(self.values["time"], **channels)
 
-    def forward(self, clock: str = "time") -> "Table":
-        """The table without the fewest rows that make its clock run backwards, each of them told of."""
-        kept = onward(self.values[clock])
-        if kept.all():
-            return self
-        strays = (
-            DamagedLog(f"found {clock} {value:.10g} out of its order, expected it to go on", row=int(row))
-            for row, value in zip(self.rows[~kept], self.values[clock][~kept], strict=True)
-        )
-        told = [stray for _, stray in zip(range(MOST_TOLD), strays, strict=False)]
-        more = int((~kept).sum()) - len(told)
-        rest = [DamagedLog(f"found {more} more rows out of order")] if more else []
-        return replace(self.pick(kept), found=(*self.found, *told, *rest))
+    def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
+        """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
+
+        A part that says the same as an earlier one is a repetition and left out.
+        """
+        found = list(self.found)
+        parts: dict[bytes, Table] = {}
+        repeated: list[int] = []
+        starts = [0, *restarts(self.values[clock]).tolist(), len(self)]
+        for start, stop in pairwise(starts):
+            part = self.pick(slice(start, stop))
+            content = hashlib.blake2b(b"".join(values.tobytes() for values in part.values.values())).digest()
+            if content in parts:
+                repeated.append(int(part.rows[0]))
+                continue
+            kept = onward(part.values[clock])
+            found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
+            parts[content] = part.pick(kept)
+        if repeated:
+            times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
+            found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
+        return list(parts.values()), found
+
+
+def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
+    for row, value in zip(rows[:MOST_TOLD].tolist(), clock.tolist(), strict=False):
+        yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
+    if len(rows) > MOST_TOLD:
+        yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")
+
+
+def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
+    """Where a clock starts anew: three rows before, each of them, say later than three rows from there on."""
+    if len(clock) < 6:
+        return np.empty(0, np.int64)
+    three = np.lib.stride_tricks.sliding_window_view(clock, 3)
+    return np.flatnonzero(three[:-3].min(axis=1) > three[3:].max(axis=1)) + 3
 
 
 def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
@@ -143,48 +166,15 @@ def read_columns(
     needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
     kept apart. Raises DamagedLog if not one row can be read.
     """
-    size = _size(log)
     reader = _Reader(channels, separator, widths, words or {})
-    for first, lines in _blocks(log, size, after):
+    for first, lines in blocks(log, after):
         kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
         if comment:
             reader.remarks += [(first + i, lines[i]) for i in kept if lines[i].startswith(comment)]
             kept = [i for i in kept if not lines[i].startswith(comment)]
         rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
         reader.read([first + i for i in kept], rows)
-    return reader.table(cut=log[size - 1 : size] not in (b"\n", b"\r"))
-
-
-def _size(log: bytes) -> int:
-    """The length of a log without the NUL that pads it."""
-    size = len(log)
-    while size and not log[size - 1]:
-        start = max(0, size - BLOCK)
-        size = start + len(log[start:size].rstrip(b"\0"))
-    return size
-
-
-def _blocks(log: bytes, size: int, after: int) -> Iterator[tuple[int, list[str]]]:
-    """The lines below row `after` in blocks, each with the number of its first; an endless line comes as `\\0`."""
-    number, rest, end = 1, "", "\n" if b"\n" in log[: 4 * BLOCK] else "\r"
-    for text in _texts(log, size):
-        *lines, rest = (rest + text).split(end)
-        rest = "\0" if len(rest) > BLOCK else rest
-        skipped = min(max(after + 1 - number, 0), len(lines))
-        yield number + skipped, [line.strip("\r\ufeff") for line in lines[skipped:]]
-        number += len(lines)
-    if number > after:
-        yield number, [rest]
-
-
-def _texts(log: bytes, size: int) -> Iterator[str]:
-    """The text of a log, a block at a time; a character that is none is replaced."""
-    begin = 0
-    while log.startswith(codecs.BOM_UTF8, begin):
-        begin += len(codecs.BOM_UTF8)
-    decoder = codecs.getincrementaldecoder(encodings(log[begin : begin + 2])[0])("replace")
-    for start in range(begin, size, BLOCK):
-        yield decoder.decode(log[start : min(size, start + BLOCK)])
+    return reader.table(cut=is_cut(log))
 
 
 class _Reader:
@@ -304,8 +294,8 @@ class _Reader:
 
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
         """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""
-        if line.startswith("\0"):
-            return DamagedLog(f"found a line of more than {BLOCK} characters, expected a row", row=row)
+        if line.startswith(ENDLESS):
+            return DamagedLog("found a line without end, or NUL, expected a row", row=row)
         if self.widths is not None and len(cells) not in self.widths:
             expected = " or ".join(map(str, sorted(self.widths)[:3]))
             return DamagedLog(f"found {len(cells)} cells, expected {expected}", row=row)

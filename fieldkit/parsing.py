@@ -30,7 +30,8 @@ class Reading:
     rockets read together with it adds what it knows. `series` holds the samples where there are any, a `Series`
     for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
     to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
-    with a flight and is never taken into the ledger.
+    with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
+    for one flight; their clocks then share one zero, and `fieldkit.joining` makes one reading of them.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
@@ -44,6 +45,7 @@ class Reading:
     device: str = ""
     firmware: str = ""
     serial: str = ""
+    part: str = ""
 
     @property
     def clocks(self) -> tuple[Series, ...]:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldkit import columns
+from fieldkit import columns, logtext
 from fieldkit.columns import Channel, onward, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.parsing import Note
@@ -95,10 +95,10 @@ def test_a_stray_quotation_mark_costs_one_row() -> None:
 
 
 def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(columns, "BLOCK", 64)
+    monkeypatch.setattr(logtext, "BLOCK", 64)
     table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
     assert table.values["time"].tolist() == [0, 2]
-    assert told(table) == ["row 2: found a line of more than 64 characters, expected a row"]
+    assert told(table) == ["row 2: found a line without end, or NUL, expected a row"]
 
 
 def test_many_damaged_rows_are_told_of_as_one() -> None:
@@ -109,7 +109,7 @@ def test_many_damaged_rows_are_told_of_as_one() -> None:
 
 
 def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(columns, "BLOCK", 256)
+    monkeypatch.setattr(logtext, "BLOCK", 256)
     monkeypatch.setattr(columns, "MOST_NUMBERS", 2000)
     log = b"".join(b"%d,1,%s\n" % (i, b"Main" if i == 3777 else b"-") for i in range(5000))
     table = read_columns(log, CHANNELS, after=0, words={"event": 2})
@@ -127,12 +127,19 @@ def test_nothing_to_read_is_a_damaged_log() -> None:
 
 
 def test_rows_out_of_order_are_left_out_and_told_of() -> None:
-    table = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).forward()
-    assert table.values["time"].tolist() == [0, 1, 2, 3, 4]
-    assert told(table) == [
+    parts, found = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).flights()
+    assert [part.values["time"].tolist() for part in parts] == [[0, 1, 2, 3, 4]]
+    assert [str(error) for error in found] == [
         "row 3: found time 912 out of its order, expected it to go on",
         "row 6: found time 0.5 out of its order, expected it to go on",
     ]
+
+
+def test_a_clock_that_starts_anew_starts_a_flight() -> None:
+    first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
+    parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
+    assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
+    assert found == [Note("repeats an earlier flight of this file, taken once", 17)]
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
