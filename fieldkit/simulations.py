@@ -7,7 +7,6 @@ word loses a column, and cannot change a number, because the unit must be one of
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 
@@ -100,19 +99,18 @@ def read_simulation(
     """
     channels = _channels(headers, seconds)
     if missing := {"time", "altitude"} - {channel.name for channel in channels}:
-        found = f"found no column of {sorted(missing)[0]} with its unit among {', '.join(map(shown, headers[:20]))}"
-        raise DamagedLog(found, row=after or None)
+        columns = ", ".join(map(shown, headers[:20]))
+        raise DamagedLog(f"found no column of {min(missing)} with its unit among {columns}", row=after or None)
     decimal = "." if separator == "," else _decimal(log, after, separator)
     table = read_columns(log, channels, after=after, separator=separator, comment=comment, decimal=decimal)
     values = {name: np.where(np.abs(column) < 1e12, column, np.nan) for name, column in table.values.items()}
     table = replace(table, values={**values, "time": table.values["time"]})
-    found_all: list[Found] = []
-    for part in _runs(table):
-        part = _vertical(part.forward())
-        series = part.series()
-        row = int(part.rows[0])
-        found_all.append(Reading(row=row, describes="simulation", series=series, device=device))
-    return table, [*found_all, *table.found]
+    parts, found = table.flights()
+    readings = [
+        Reading(row=int(part.rows[0]), describes="simulation", series=_vertical(part).series(), device=device)
+        for part in parts
+    ]
+    return table, [*readings, *found]
 
 
 def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
@@ -137,14 +135,6 @@ def _decimal(log: bytes, after: int, separator: str | None) -> str:
     """The decimal mark of the first rows, where commas do not stand between the cells."""
     start = log[:20_000].decode("utf-8", "replace").splitlines()[after : after + 20]
     return "," if any("," in line and "." not in line for line in start if line[:1].isdigit()) else "."
-
-
-def _runs(table: Table) -> list[Table]:
-    """The table apart where its clock starts anew: one simulation after the other, or one stage."""
-    time = table.values["time"]
-    falls = np.flatnonzero(np.diff(time) < -0.5 * np.ptp(time)) + 1
-    starts = [0, *(int(i) for i in falls[:50]), len(time)]
-    return [table.pick(slice(a, b)) for a, b in pairwise(starts) if b > a]
 
 
 def _vertical(table: Table) -> Table:

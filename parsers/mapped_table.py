@@ -24,7 +24,7 @@ from fieldkit.mapping import Choice, choice_for
 from fieldkit.parsing import HEAD, Found, Mapped, Note, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.settling import Settled, epoch_unit, rest, settle_felt, settle_pressure, settle_time_heights
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
@@ -32,6 +32,8 @@ ENOUGH = (*HEIGHTS, "pressure", "felt_x", "felt_y", "felt_z", "felt_total", "fel
 """Beside time, one of these makes a table worth reading."""
 VITAL = ("time", "altitude", "altitude_msl", "pressure")
 """Channels that are never left out for want of a unit."""
+SHORT = 10
+"""So many rows between two jumps of a clock are a flight, if there is a longer one. [1]"""
 AXES = ("felt_x", "felt_y", "felt_z")
 LIMIT = 1e12
 """No sample is this far from zero; what is, was damaged. [any unit but of time]"""
@@ -78,7 +80,7 @@ def read_mapped(log: bytes, choices: Sequence[Choice]) -> list[Found]:
     line = _line(picks, units, left_out, choice)
     kept = Choice(choice.channels if choice else {}, layout.headers if layout.named else ())
     mapped = Mapped(line, layout.above or None, kept, chosen=choice is not None and not choice.headers)
-    return [mapped, *_readings(table, whole), *table.found]
+    return [mapped, *_readings(table, whole)]
 
 
 def _guessed(layout: Layout) -> list[Pick]:
@@ -168,7 +170,7 @@ def _column(pick: Pick, table: Table) -> Float[Array, "row"]:
         words, which = table.words[f"{pick.place}"]
         return np.array([_seconds(word) for word in words])[which]
     values = table.values[f"{pick.place}"]
-    return values if pick.channel == "time" else np.where(np.abs(values) < LIMIT, values, np.nan)
+    return _running_on(values) if pick.channel == "time" else np.where(np.abs(values) < LIMIT, values, np.nan)
 
 
 def _si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
@@ -322,25 +324,19 @@ def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[F
         begin = datetime.fromtimestamp(float(time[0]), UTC)
         extra["log_started_utc"] = begin.isoformat(timespec="seconds").replace("+00:00", "Z")
         time = time - time[0]
-    found: list[Found] = []
-    seen: set[bytes] = set()
-    for rows in _flights(time):
-        part = Table({**{n: v[rows] for n, v in values.items()}, "time": time[rows]}, table.rows[rows])
-        part = part.pick(np.isfinite(part.values["time"]))
-        if not len(part):
-            continue
-        row = int(part.rows[0])
-        ordered = part.forward()
-        found += ordered.found
-        digest = np.stack([ordered.values[name] for name in sorted(ordered.values)]).tobytes()
-        if digest in seen:
-            found.append(Note("holds the flight before once more, left out", row))
-            continue
-        seen.add(digest)
-        found.append(Reading(extra=extra, row=row, series=_with_total(ordered).series()))
-    if not found:
+    table = Table({**values, "time": time}, table.rows, found=table.found)
+    table = table.pick(np.isfinite(time))
+    if not len(table):
         raise DamagedLog("found no time in any row, expected numbers")
-    return found
+    parts, found = table.flights()
+    longest = max(map(len, parts))
+    whole = [part for part in parts if len(part) >= min(SHORT, longest)]
+    if len(whole) < len(parts):
+        found.append(
+            Note(f"left out {len(parts) - len(whole)} pieces of less than {SHORT} rows, where the clock jumps")
+        )
+    readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]
+    return [*readings, *found]
 
 
 def _with_total(table: Table) -> Table:
@@ -351,18 +347,13 @@ def _with_total(table: Table) -> Table:
     return Table({**table.values, "felt_total": total}, table.rows)
 
 
-def _flights(time: Float[Array, "row"]) -> list[Int[Integers, "row"]]:
-    """The rows of each flight: the clock starts anew, and more than a few rows follow on either side."""
-    finite = np.flatnonzero(np.isfinite(time))
-    clock = time[finite]
-    falls = [int(i) + 1 for i in np.flatnonzero(np.diff(clock) < 0)] if len(clock) else []
-    starts = [0]
-    for i in falls[:10_000]:
-        begun = clock[starts[-1]]
-        anew = clock[i] <= begun + 0.1 * (clock[i - 1] - begun)
-        if anew and i - starts[-1] >= 10 and len(clock) - i >= 10 and clock[i - 1] - begun > 2.0:
-            starts.append(i)
-    return [np.asarray(piece, np.int64) for piece in np.split(finite, starts[1:])]
+def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:
+    """A counter of 16 or 32 bits that went on counting where it ran over."""
+    for span in (2.0**16, 2.0**32):
+        over = np.diff(counter, prepend=counter[:1]) < -0.9 * span
+        if over.any() and float(np.nanmax(counter)) < span:
+            return counter + np.cumsum(over) * span
+    return counter
 
 
 PARSER = Parser("Any table of samples (CSV), by its columns", recognises, read, fallback=True, mapped=read_mapped)

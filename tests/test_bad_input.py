@@ -56,7 +56,9 @@ def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.Cap
         by_format[name] += 1
     with capsys.disabled():
         took = time.monotonic() - begun
-        sys.stdout.write(f"\n{count} bad logs of {len(SEEDS)} seeds in {took:.0f} s; {dict(sorted(by_format.items()))}\n")
+        sys.stdout.write(
+            f"\n{count} bad logs of {len(SEEDS)} seeds in {took:.0f} s; {dict(sorted(by_format.items()))}\n"
+        )
     assert not faults, "\n".join(f"{fault} ({where})" for fault, where in faults.items())
 
 
