@@ -103,20 +103,28 @@ print(f"{used:.0f} MB, {time.monotonic() - begun:.1f} s, {said}")
 """
 
 
-def repeated(log: bytes, size: int) -> bytes:
+CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
+"""Starts a process that does not inherit the peak of the one that tests."""
+
+
+def write_repeated(file: Path, log: bytes, size: int) -> None:
     """A log of a size: its rows over and over, below one header."""
-    start = min(len(log) // 2, 2000)
-    start = log.find(b"\n", start) + 1
+    start = log.find(b"\n", min(len(log) // 2, 2000)) + 1
     rows = log[start:] or log
     rows = rows if rows.endswith(b"\n") else rows + b"\n"
-    return (log[:start] + rows * (size // len(rows) + 1))[:size]
+    with file.open("wb") as stream:
+        stream.write(log[:start])
+        while stream.tell() < size:
+            stream.write(rows)
+        stream.truncate(size)
 
 
-def waited(size: int) -> bytes:
+def write_waiting(file: Path, size: int) -> None:
     """A logger that waited on the pad for hours: one table that goes on."""
-    lines = [b"time_ms,alt_m,pressure_pa,temp_c\n"]
-    lines += [b"%d,%.2f,%d,21.5\n" % (i * 5, i % 7 / 10, 99500 + i % 5) for i in range(size // 26)]
-    return b"".join(lines)
+    with file.open("wb") as stream:
+        stream.write(b"time_ms,alt_m,pressure_pa,temp_c\n")
+        for i in range(size // 26):
+            stream.write(b"%d,%.2f,%d,21.5\n" % (i * 5, i % 7 / 10, 99500 + i % 5))
 
 
 @pytest.mark.slow
@@ -125,16 +133,14 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     size = 100 * 1024 * 1024
+    file = tmp_path / "big.log"
     if name in parsers():
         sample = max((s for s in SAMPLES if owner(s) == name), key=lambda s: s.stat().st_size)
-        log = repeated(sample.read_bytes(), size)
+        write_repeated(file, sample.read_bytes(), size)
     else:
-        log = waited(size)
-    file = tmp_path / "big.log"
-    file.write_bytes(log)
-    del log
+        write_waiting(file, size)
     ran = subprocess.run(
-        [sys.executable, "-c", BIG, str(file), name.split()[0]],
+        [sys.executable, "-c", CLEAN, sys.executable, "-c", BIG, str(file), name.split()[0]],
         cwd=ROOT,
         capture_output=True,
         text=True,
