@@ -33,6 +33,8 @@ MOST_NUMBERS = 3_000_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
+LARGEST = 1e30
+"""No number of a log is further from zero; what is would not survive a square. [any unit]"""
 ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
 """What stands in a cell, in any case, where the logger had no number."""
 SI = Unit(1.0)
@@ -255,7 +257,7 @@ class _Reader:
         said = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
         if [len(cells) for cells in said] != [len(lines)] * len(said):
             raise ValueError("a quotation mark spans lines")
-        bad = np.isinf(numbers).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
+        bad = (np.abs(numbers) > LARGEST).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
         if bad.any():
             self._one_by_one([rows[i] for i in np.flatnonzero(bad)], [lines[i] for i in np.flatnonzero(bad)])
             good = np.flatnonzero(~bad)
@@ -402,4 +404,4 @@ def _number(cell: str, channel: Channel) -> float | None:
         value = float(cell[: len(cell) - len(channel.suffix)])
     except ValueError:
         return None
-    return value if math.isfinite(value) else None
+    return value if abs(value) <= LARGEST else None
