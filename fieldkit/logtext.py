@@ -9,6 +9,7 @@ import codecs
 import csv
 import io
 from collections.abc import Iterator
+from itertools import chain, islice
 
 from fieldkit.errors import DamagedLog
 
@@ -71,6 +72,12 @@ def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
         number += len(lines)
     if number > after:
         yield number, [rest.strip("\r\ufeff")]
+
+
+def first_lines(log: bytes, after: int = 0, most: int = 200) -> list[str]:
+    """The first lines of a log below row `after`, as many as are wanted and there are."""
+    lines = chain.from_iterable(block for _, block in blocks(log, after))
+    return list(islice(lines, most))
 
 
 def _texts(log: bytes) -> Iterator[str]:

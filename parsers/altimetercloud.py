@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, read_columns
+from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import BadValue
+from fieldkit.flight import Series
 from fieldkit.logtext import decode
 from fieldkit.parsing import HEAD, Found, Parser, Reading
 from fieldkit.safe_text import printable
@@ -46,19 +47,27 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, _fits, "time(ms),altitude(m),...")
     channels: list[Channel] = head.channels(CHANNELS)
-    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)}).forward()
+    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
+    parts, found = table.flights()
+    labels = _labels(log, head)
+    serial = next((value for label, value in labels.items() if "serial" in label.lower()), "")
+    firmware = next((value for label, value in labels.items() if "firmware" in label.lower()), "")
+    readings = [
+        Reading(series=_series(part), device="AltimeterCloud", firmware=firmware, serial=serial) for part in parts
+    ]
+    if len(readings) == 1:
+        readings = [replace(readings[0], stated=_stated(labels), extra=labels)]
+    return [*readings, *found]
+
+
+def _series(table: Table) -> Series:
     series = table.series()
     axes = [table.values[name] for name in AXES if name in table.values]
     if len(axes) == 3:
         together: Float[Array, "axis row"] = np.array(axes)
         felt = upright(together, table.values["time"] < 0)
         series = replace(series, felt=felt, felt_total=np.sqrt((together**2).sum(axis=0)))
-    labels = _labels(log, head)
-    stated = _stated(labels)
-    serial = next((value for label, value in labels.items() if "serial" in label.lower()), "")
-    firmware = next((value for label, value in labels.items() if "firmware" in label.lower()), "")
-    reading = Reading(stated, labels, series=series, device="AltimeterCloud", firmware=firmware, serial=serial)
-    return [reading, *table.found]
+    return series
 
 
 def _labels(log: bytes, head: Heading) -> dict[str, str]:

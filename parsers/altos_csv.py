@@ -13,15 +13,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from fieldkit.altos import NONE, TICK, entered
 from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.logtext import blocks
+from fieldkit.logtext import first_lines
 from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import UNITS, Unit
 
-ABSENT = 2e9
-"""2147483647 stands for "not measured", in some columns with a decimal; nothing real comes near it. [1]"""
 CERTAIN = "main_voltage"
 """The last column of a version 5 header that is where its name says."""
 MOST_HEADER = 200
@@ -40,12 +38,8 @@ BAROMETER = {
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
-TICK = Unit(0.01)
-"""Of the clock of the radio form. [s]"""
-WRAP = 655.36
-"""After which a clock of 16 bits starts anew. [s]"""
-EVENTS = {"liftoff": (3,), "burnout": (4, 5), "drogue": (6,), "main": (7,), "landing": (8,)}
-"""The states that mark an event: 3 boost, 4 fast, 5 coast, 6 drogue, 7 main, 8 landed."""
+WRAP = 65536 * TICK
+"""After which the clock of the radio form starts anew. [s]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -75,8 +69,7 @@ def read(log: bytes) -> list[Found]:
 
 def _header(log: bytes) -> tuple[int, list[str]] | None:
     """The row and the names of the header, None if it is none of AltOS."""
-    _, lines = next(blocks(log[: 1 << 16]), (1, []))
-    for row, line in enumerate(lines[:MOST_HEADER], start=1):
+    for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         names = [name.strip().lower() for name in line.lstrip("# ").split(",")]
         if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
             return row, names
@@ -87,8 +80,8 @@ def _header(log: bytes) -> tuple[int, list[str]] | None:
 
 def _widths(log: bytes, header_row: int) -> Counter[int]:
     """How many cells the first rows have."""
-    _, lines = next(blocks(log[: 1 << 18], header_row), (1, []))
-    return Counter(line.count(",") + 1 for line in lines[:FIRST_ROWS] if line.strip() and not line.startswith("#"))
+    lines = first_lines(log, after=header_row, most=FIRST_ROWS)
+    return Counter(line.count(",") + 1 for line in lines if line.strip() and not line.startswith("#"))
 
 
 def _certain(names: Sequence[str], row: int) -> list[str]:
@@ -104,7 +97,9 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
     clock = "time" if "time" in names else "tick"
     if clock not in names or not {"height", "pressure", "altitude"} & {*names}:
         raise DamagedLog("found no time and no height, expected both", row=row)
-    channels = [Channel("time", names.index(clock), TICK if clock == "tick" else Unit(1.0), needed=True, header=clock)]
+    channels = [
+        Channel("time", names.index(clock), Unit(TICK) if clock == "tick" else Unit(1.0), needed=True, header=clock)
+    ]
     for name, channel in (BAROMETER | SATELLITES).items():
         if name in names and not (name == "baro_speed" and "speed" in names):
             channels.append(Channel(channel, names.index(name), IN_SI.get(name, Unit(1.0)), header=name))
@@ -118,7 +113,7 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
 def _present(table: Table) -> Table:
     """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
     for values in table.values.values():
-        values[np.abs(values) >= ABSENT] = np.nan
+        values[np.abs(values) >= NONE] = np.nan
     if "nsat" in table.values:
         lost = table.values["nsat"] == 0
         for name in ("latitude", "longitude", "gps_altitude_msl"):
@@ -146,8 +141,8 @@ def _unwrapped(table: Table) -> Table:
 
 def _about(log: bytes, header_row: int) -> dict[str, str]:
     """What the comment lines say, by name in lower case."""
-    _, lines = next(blocks(log[: 1 << 16]), (1, []))
-    pairs = (re.match(r"#\s*([^:]{1,40}):\s*(.*)", line) for line in lines[: header_row - 1])
+    lines = first_lines(log, most=header_row - 1)
+    pairs = (re.match(r"#\s*([^:]{1,40}):\s*(.*)", line) for line in lines)
     return {pair[1].strip().lower(): pair[2].strip() for pair in pairs if pair}
 
 
@@ -166,7 +161,7 @@ def _reading(part: Table, about: dict[str, str]) -> Reading:
 def _number(part: Table, name: str) -> str:
     """A whole number that every row of a flight repeats, as text."""
     values = part.get(name)
-    return "" if values is None or not abs(values[0]) < ABSENT else f"{values[0]:.0f}"
+    return "" if values is None or not abs(values[0]) < NONE else f"{values[0]:.0f}"
 
 
 def _events(part: Table) -> dict[str, float]:
@@ -175,14 +170,8 @@ def _events(part: Table) -> dict[str, float]:
     if states is None:
         return {}
     time = part.values["time"]
-    entered = {name: _first(states, time, which) for name, which in EVENTS.items()}
-    events = {name: when for name, when in entered.items() if when is not None and when > time[0]}
+    events = {name: when for name, when in entered(states, time).items() if when > time[0]}
     return {"liftoff": 0.0, **events} if "liftoff" not in events and time[0] < 0 < time[-1] else events
-
-
-def _first(states: Float[Array, "row"], time: Float[Array, "row"], which: Sequence[int]) -> float | None:
-    found: Int[Integers, "match"] = np.flatnonzero(np.isin(states, which))
-    return float(time[found[0]]) if len(found) else None
 
 
 PARSER = Parser("AltOS CSV", recognises, read)

@@ -11,8 +11,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, read_columns
+from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
 from fieldkit.logtext import decode
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.tables import heading
@@ -44,9 +45,9 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     head = _interpreted(log)
     if head is None:
-        if found := heading(log, _raw):
+        if raw := heading(log, _raw):
             hint = "found raw counts of an ARTS2, expected the interpreted export (MET Acc Vel iAlt pAlt)"
-            raise DamagedLog(hint, row=found.row)
+            raise DamagedLog(hint, row=raw.row)
         raise DamagedLog("found no header, expected # MET Acc Vel iAlt pAlt")
     units = (Unit(1.0), Unit(STANDARD_GRAVITY), Unit(FOOT), Unit(FOOT), Unit(FOOT))
     fields = ("time", "acc", "inertial_speed", "inertial_altitude", "altitude")
@@ -54,16 +55,20 @@ def read(log: bytes) -> list[Found]:
         Channel(field, place, unit, field == "time", NAMES[place])
         for place, (field, unit) in enumerate(zip(fields, units, strict=True))
     ]
-    table = read_columns(log, channels, after=head[0], separator=head[1], widths={len(NAMES)}, comment="#").forward()
-    series, notes = table.series(), list[Found]()
+    table = read_columns(log, channels, after=head[0], separator=head[1], widths={len(NAMES)}, comment="#")
+    parts, found = table.flights()
+    return [*(Reading(series=_series(part, found), device="ARTS2") for part in parts), *found]
+
+
+def _series(table: Table, notes: list[Found]) -> Series:
+    series = table.series()
     level = float(np.median(table.values["acc"][:RESTING])) / STANDARD_GRAVITY
     if abs(level - 1) < 0.2:
-        series = replace(series, felt=table.values["acc"])
-    elif abs(level) < 0.2:
-        series = replace(series, acceleration=table.values["acc"])
-    else:
-        notes.append(Note(f"begins at {level:.3g} g, neither at rest nor weightless: acceleration is left out"))
-    return [Reading(series=series, device="ARTS2"), *notes, *table.found]
+        return replace(series, felt=table.values["acc"])
+    if abs(level) < 0.2:
+        return replace(series, acceleration=table.values["acc"])
+    notes.append(Note(f"begins at {level:.3g} g, neither at rest nor weightless: acceleration is left out"))
+    return series
 
 
 PARSER = Parser("ARTS2", recognises, read)

@@ -10,7 +10,6 @@ speak of acceleration are used if they show one g before launch.
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from datetime import datetime, timedelta
-from itertools import pairwise
 
 import numpy as np
 
@@ -46,8 +45,6 @@ FLAGS = {
 AXES = ("axis 0", "axis 1", "axis 2")
 SCALES = (STANDARD_GRAVITY, 1.0, STANDARD_GRAVITY / 1000)
 """An acceleration may be in g, m/s^2 or thousandths of a g: on the pad only one of them is one g."""
-AGAIN = 5.0
-"""A clock that had passed this and is back before launch belongs to another flight, or to the same again. [s]"""
 
 
 def _is_low(names: Sequence[str]) -> bool:
@@ -76,31 +73,8 @@ def read(log: bytes) -> list[Found]:
         places = [i for i, name in enumerate(head.names) if "acc" in name][:3]
         channels += [Channel(name, place) for name, place in zip(AXES, places, strict=True)]
     table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
-    found: list[Found] = list(table.found)
-    firsts: list[Table] = []
-    for part in _flights(table):
-        if any(_same(part, other) for other in firsts):
-            found.append(Note("holds the same flight twice, taken once", row=int(part.rows[0])))
-            continue
-        firsts.append(part)
-        tidy = replace(part, found=()).forward()
-        found += [_low(tidy, head, log) if low else _high(tidy, head, log, found), *tidy.found]
-    return found
-
-
-def _flights(table: Table) -> list[Table]:
-    """The rows of each flight: the clock starts again before launch, and goes on from there."""
-    time = table.values["time"]
-    ahead = np.append(time[1:], time[-1:])
-    start = time[0] + 1.0
-    behind = np.maximum.accumulate(time)
-    fresh = np.flatnonzero((time[1:] <= start) & (ahead[1:] <= start) & (time[:-1] > AGAIN) & (behind[:-1] > AGAIN)) + 1
-    edges = [0, *fresh.tolist(), len(time)]
-    return [table.pick(slice(a, b)) for a, b in pairwise(edges)]
-
-
-def _same(one: Table, other: Table) -> bool:
-    return all(np.array_equal(v, other.values[name], equal_nan=True) for name, v in one.values.items())
+    parts, found = table.flights()
+    return [*(_low(part, head, log) if low else _high(part, head, log, found) for part in parts), *found]
 
 
 def _low(table: Table, head: Heading, log: bytes) -> Reading:

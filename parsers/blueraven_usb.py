@@ -140,7 +140,7 @@ def _readings(
 
 def _ordered(part: Float[Array, "frame number"], zero: float) -> Float[Array, "frame number"]:
     ordered = part[np.argsort(part[:, 0], kind="stable")]
-    ordered[:, 0] -= zero
+    ordered[:, 0] = np.round(ordered[:, 0] - zero, 3)
     return ordered
 
 

@@ -58,12 +58,11 @@ def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts", (",",))
     axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
     wanted = head.channels(CHANNELS) + axes
-    table = read_columns(log, wanted, after=head.row, widths={len(head.names)}).forward()
-    notes: list[Found] = []
-    series = tuple(one for part in _sensors(table) for one in _series(part, notes))
-    if not series:
+    parts, found = read_columns(log, wanted, after=head.row, widths={len(head.names)}).flights()
+    clocks = [tuple(one for sensor in _sensors(part) for one in _series(sensor, found)) for part in parts]
+    if not any(clocks):
         raise DamagedLog("found no channel whose unit is certain, expected pressure in Pa or acceleration")
-    return [Reading(series=series, device="CATS", part=kind_of(head.names)), *notes, *table.found]
+    return [*(Reading(series=series, device="CATS", part=kind_of(head.names)) for series in clocks if series), *found]
 
 
 def _sensors(table: Table) -> list[Table]:

@@ -9,6 +9,7 @@ steps of a tenth or a twentieth of a second show. A column of events holds the a
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import islice
 
 import numpy as np
 
@@ -34,7 +35,7 @@ OFF = 0.4
 """How far from the top the curve may have its own: a parachute that opens early cuts a flight short. [s]"""
 SLOW_STEP = 2.0
 """A step of the clock above this is in ms: no Eggtimer takes so long in s. [1]"""
-MOST_LABELS = 60
+MOST_LABELS, MOST_FLIGHTS = 60, 64
 _LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]{0,60}?)\s*$")
 
 
@@ -50,24 +51,25 @@ def recognises(head: bytes) -> bool:
 
 @dataclass(frozen=True, slots=True)
 class _Part:
-    """One flight of a text: its header, the row of its first line, and its lines, those of the summary apart."""
+    """One table of a text: its header, the labels above it, and where its rows begin and end. [bytes]"""
 
     head: Heading
     summary: Mapping[str, str]
-    body: bytes
+    start: int
+    stop: int
 
 
 def read(log: bytes) -> list[Found]:
     if b"\0" in log[:200]:
         log = decode(log).encode()
     found: list[Found] = []
-    parts = list(_parts(log))
+    parts = list(islice(_parts(log), MOST_FLIGHTS))
     if not parts:
         raise DamagedLog("found no header, expected T,Alt,...")
     troubles: list[DamagedLog] = []
     for part in parts:
         try:
-            found += _flight(part)
+            found += _flights(log, part)
         except DamagedLog as error:
             troubles.append(error)
     if not found:
@@ -76,76 +78,85 @@ def read(log: bytes) -> list[Found]:
 
 
 def _parts(log: bytes) -> Iterator[_Part]:
-    """The flights of a text: each header begins one, and the labels between two tables belong to the lower."""
-    head: Heading | None = None
+    """The tables of a text: each ends where the labels of the next begin, or its header."""
+    part: _Part | None = None
     labels: dict[str, str] = {}
-    summary: Mapping[str, str] = {}
-    body = bytearray()
+    place = 0
     for row, line in enumerate(lines(log), start=1):
+        begin, place = place, place + len(line) + 1
+        if line[:1].isdigit() or not line.strip():
+            continue
         text = line[:400].decode("cp1252", "replace")
-        if found := heading_of(text, row, _fits):
-            if head:
-                yield _Part(head, summary, bytes(body))
-            head, summary, labels, body = found, labels, {}, bytearray()
+        if head := heading_of(text, row, _fits):
+            if part:
+                yield replace(part, stop=min(part.stop, begin))
+            part, labels = _Part(head, labels, place, len(log)), {}
         elif (label := _LABEL.match(text)) and len(labels) < MOST_LABELS:
             labels[printable(label[1])] = printable(label[2])
-        elif head and text.strip():
-            body += b"\n" * (row - head.row - 1 - body.count(b"\n")) + line.rstrip(b"\r") + b"\n"
-    if head:
-        yield _Part(head, summary or labels, bytes(body) if log.endswith(b"\n") else bytes(body[:-1]))
+            part = replace(part, stop=min(part.stop, begin)) if part else None
+    if part:
+        yield replace(part, summary=part.summary or labels)
 
 
-def _flight(part: _Part) -> list[Found]:
-    head = part.head
+def _flights(log: bytes, part: _Part) -> list[Found]:
+    """The flight of one table, or several where its clock starts anew."""
+    head, body = part.head, log[part.start : part.stop]
     flags = [Channel(event, head.names.index(name)) for name, event in EVENTS.items() if name in head.names]
     speed = head.place(*SPEEDS)
     channels = [Channel("time", 0, needed=True, header="T"), Channel("altitude", 1, needed=True, header="Alt"), *flags]
     if speed is not None:
         channels.append(Channel("speed", speed))
-    table = read_columns(
-        part.body,
-        channels,
-        after=0,
-        separator=head.separator,
-        decimal="," if head.separator != "," and b"," in part.body[:2000] else ".",
-        widths={len(head.names), len(head.names) + 1},
-    ).forward()
-    table = _lower(table, head.row)
-    time = table.values["time"]
-    steps = np.diff(time)
-    time = time * (1e-3 if len(steps) and np.median(steps[:40]) > SLOW_STEP else 1.0)
-    unit = (
-        "ft"
-        if tuple(head.names[:4]) == CLASSIC
-        else ALTITUDES[head.names[1]] or unit_of_fall(time, table.values["altitude"])
-    )
-    if not unit:
-        found = (
-            "found altitudes without a unit that the fall does not settle, expected a header such as Alt_ft or Alt_m"
-        )
+    decimal = "," if head.separator != "," and b"," in body[:2000] else "."
+    widths = {len(head.names), len(head.names) + 1}
+    table = read_columns(body, channels, after=0, separator=head.separator, decimal=decimal, widths=widths)
+    parts, remarks = table.flights()
+    found: list[Found] = []
+    for one in parts:
+        reading = _reading(one, part)
+        found += [reading] if ALTITUDES[head.names[1]] else [reading, Note(_why(one, head), row=head.row)]
+    return [*found, *(_below(remark, head.row) for remark in remarks)]
+
+
+def _unit(table: Table, head: Heading) -> str:
+    """The unit of the heights of a table. Raises DamagedLog where nothing settles it."""
+    settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
+    settled = settled or unit_of_fall(_seconds(table), table.values["altitude"])
+    if not settled:
+        found = "found altitudes whose unit no fall settles, expected a header such as Alt_ft or Alt_m"
         raise DamagedLog(found, row=head.row, column="Alt")
-    length = UNITS["length"][unit]
-    altitude, velocity = table.values["altitude"] * length.factor, table.get("speed")
-    series = Series(time=time, altitude=altitude, speed=None if velocity is None else velocity * length.factor)
-    events = marks(time, {flag.name: np.abs(table.values[flag.name]) for flag in flags})
-    reading = Reading(_stated(part.summary, length), part.summary, series=series, events=events, device="Eggtimer")
-    said = "" if ALTITUDES[head.names[1]] else f"bears no units; altitude is taken in {unit}, {_why(head)}"
-    return [reading, *([Note(said, row=head.row)] if said else []), *table.found]
+    return settled
 
 
-def _why(head: Heading) -> str:
-    return "as the Classic prints it" if tuple(head.names[:4]) == CLASSIC else "as its fall near the top shows"
+def _seconds(table: Table) -> Float[Array, "row"]:
+    time = table.values["time"]
+    steps = np.diff(time[:40])
+    return time * (1e-3 if len(steps) and np.median(steps) > SLOW_STEP else 1.0)
 
 
-def _lower(table: Table, rows: int) -> Table:
-    """A table whose rows are counted from the start of the file."""
-    for item in table.found:
-        if isinstance(item, DamagedLog) and item.row is not None:
-            item.row += rows
-    moved = tuple(
-        replace(item, row=item.row + rows) if isinstance(item, Note) and item.row else item for item in table.found
+def _reading(table: Table, part: _Part) -> Reading:
+    time, length, velocity = _seconds(table), UNITS["length"][_unit(table, part.head)], table.get("speed")
+    series = Series(
+        time=time,
+        altitude=table.values["altitude"] * length.factor,
+        speed=None if velocity is None else velocity * length.factor,
     )
-    return replace(table, rows=table.rows + rows, found=moved)
+    events = marks(time, {event: np.abs(table.values[event]) for event in EVENTS.values() if event in table.values})
+    stated = _stated(part.summary, length)
+    return Reading(stated, part.summary, series=series, events=events, device="Eggtimer")
+
+
+def _why(table: Table, head: Heading) -> str:
+    why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as its fall near the top shows"
+    return f"bears no units; altitude is taken in {_unit(table, head)}, {why}"
+
+
+def _below(item: Found, rows: int) -> Found:
+    """A remark whose row is counted from the start of the file."""
+    if isinstance(item, Note) and item.row is not None:
+        return replace(item, row=item.row + rows)
+    if isinstance(item, DamagedLog) and item.row is not None:
+        return DamagedLog(item.found, row=item.row + rows, column=item.column)
+    return item
 
 
 def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:

@@ -16,7 +16,7 @@ from fieldkit import units
 from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
-from fieldkit.logtext import blocks, shown
+from fieldkit.logtext import first_lines, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import check
 
@@ -32,10 +32,8 @@ OUTPUTS = {"drogue at": "drogue", "main at": "main"}
 
 
 def recognises(head: bytes) -> bool:
-    for _, lines in blocks(head[:4096]):
-        first = next((line for line in lines if line.strip()), "")
-        return first.startswith("PerfectFlite ")
-    return False
+    first = next((line for line in first_lines(head, most=5) if line.strip()), "")
+    return first.startswith("PerfectFlite ")
 
 
 def read(log: bytes) -> list[Found]:
@@ -66,8 +64,7 @@ def read(log: bytes) -> list[Found]:
 def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     """The lines above the samples by name, and the row and the text of that of the columns."""
     header: dict[str, str] = {}
-    row, lines = next(blocks(log[: 1 << 16]), (1, []))
-    for row, line in enumerate(lines[:MOST_HEADER], start=1):
+    for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         if DATA.match(line):
             return header, row, line
         if line.startswith("PerfectFlite "):
@@ -77,7 +74,7 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
         elif ":" in line:
             name, _, value = line.partition(":")
             header[name.strip()] = value.strip()
-    raise DamagedLog("found no line that begins with Data: (Time, Altitude", row=row)
+    raise DamagedLog("found no line of columns, expected one such as Data: (Time, Altitude, Velocity", row=1)
 
 
 def _table(log: bytes, data_row: int, data: str) -> Table:

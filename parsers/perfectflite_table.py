@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from fieldkit import units
 from fieldkit.columns import Channel, read_columns
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.logtext import blocks, shown
+from fieldkit.logtext import first_lines, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 
 WARMTH = re.compile(r"-?\d{1,3}(?:\.\d*)?\s*([CF])$")
@@ -59,8 +59,7 @@ def read(log: bytes) -> list[Found]:
 
 def _layout(log: bytes) -> Layout | None:
     """How a log is laid out, None if it is no such export."""
-    _, lines = next(blocks(log[: 1 << 16]), (1, []))
-    rows = [(row, line) for row, line in enumerate(lines, start=1) if line.strip()][:FIRST_ROWS]
+    rows = [(row, line) for row, line in enumerate(first_lines(log, most=FIRST_ROWS), start=1) if line.strip()]
     if not rows:
         return None
     row, first = rows[0]

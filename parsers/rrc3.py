@@ -18,6 +18,7 @@ from fieldkit.flight import Series
 from fieldkit.logtext import decode
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
+from fieldkit.standard_air import pressure_height
 from fieldkit.tables import Heading, heading, heading_or_damage
 from fieldkit.units import UNITS, Unit
 
@@ -46,8 +47,6 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
-    if b"\0" in log[:200]:
-        log = decode(log).encode()
     channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name not in WORDS]
     table = read_columns(
         log,
@@ -56,13 +55,24 @@ def read(log: bytes) -> list[Found]:
         separator=head.separator,
         decimal=_decimal(log, head),
         words={name: NAMES.index(name) for name in WORDS},
-    ).forward()
+    )
+    parts, found = table.flights()
+    readings = [_reading(part, found) for part in parts]
+    if not any(readings):
+        raise DamagedLog("found pressures that are not in mbar, expected 1 to 1150", row=head.row, column="pressure")
+    return [*(reading for reading in readings if reading), *found]
+
+
+def _reading(table: Table, found: list[Found]) -> Reading | None:
+    """The flight of a table, or None if its pressures are of no air."""
     events = _events(table)
     table, garbage = _without_garbage(table)
-    if not len(table) or not AIR[0] <= np.nanmedian(table.values["pressure"]) <= AIR[1]:
-        raise DamagedLog("found pressures that are not in mbar, expected 1 to 1150", row=head.row, column="pressure")
+    pressure = table.get("pressure")
+    if pressure is None or not AIR[0] <= np.nanmedian(pressure) <= AIR[1]:
+        return None
     series, note = _settled(table)
-    return [Reading(series=series, events=events, device="RRC3"), note, *table.found, *garbage]
+    found += [note, *garbage]
+    return Reading(series=series, events=events, device="RRC3")
 
 
 def _events(table: Table) -> dict[str, float]:
@@ -108,19 +118,11 @@ def _without_garbage(table: Table) -> tuple[Table, list[Found]]:
     return table.pick(slice(0, bad[0])), list(damaged)
 
 
-def standard_height(pressure: Float[Array, "row"]) -> Float[Array, "row"]:
-    """Height above 1013.25 hPa in the standard atmosphere, within the troposphere. [m]
-
-    Source: U.S. Standard Atmosphere 1976.
-    """
-    return 44_330.77 * (1 - (pressure / 101_325.0) ** 0.1902632)
-
-
 def _settled(table: Table) -> tuple[Series, Note]:
     """The samples in SI, and by what the units were settled."""
     time, pressure, printed = (table.values[name] for name in ("time", "pressure", "altitude"))
     series = Series(time=time, pressure=pressure, voltage=table.get("voltages"))
-    height = standard_height(np.clip(pressure, *AIR))
+    height = pressure_height(np.clip(pressure, *AIR))
     start = slice(0, 40)
     if np.isnan(printed[start]).all() or np.isnan(height[start]).all():
         return series, Note("begins without a pressure or an altitude: units cannot be settled, altitude left out")

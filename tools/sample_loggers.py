@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 FOLDER = Path(__file__).parent.parent / "sample_logs"
-FOOT, GRAVITY, ATM, MPH = 0.3048, 9.80665, 101_325.0, 0.44704
+FOOT, GRAVITY, ATM = 0.3048, 9.80665, 101_325.0
 
 
 @dataclass(frozen=True)
@@ -81,6 +81,10 @@ def table(header: str, columns: Sequence[Sequence[str]], separator: str = ",", e
 
 def cells(values: np.ndarray, form: str) -> list[str]:
     return [format(value, form) for value in values]
+
+
+def clock(now: datetime) -> str:
+    return f"{now:%H:%M:%S}.{now.microsecond // 1000:03d}"
 
 
 def noise(seed: int, size: int, scale: float) -> np.ndarray:
@@ -308,7 +312,8 @@ def featherweight_gps() -> dict[str, bytes]:
         now = start + timedelta(seconds=round(float(t), 1))
         stamp = f"{now:%b %d %Y %H:%M:%S}.{now.microsecond // 1000:03d} UTC"
         rows.append(
-            f"{stamp},{(now - datetime(1970, 1, 1)).total_seconds():.3f},{h:.0f},{47.1 + t * 1e-6:.8f},{8.4 - t * 2e-6:.8f},14,3,2,{v:.0f},90,0x03,3,8,14,180,4.021"
+            f"{stamp},{(now - datetime(1970, 1, 1)).total_seconds():.3f},{h:.0f},{47.1 + t * 1e-6:.8f},"
+            f"{8.4 - t * 2e-6:.8f},14,3,2,{v:.0f},90,0x03,3,8,14,180,4.021"
         )
     late = rows.pop(30)
     tracker = (
@@ -319,7 +324,7 @@ def featherweight_gps() -> dict[str, bytes]:
     ground = "TRACKER,DATE,TIME,ALT,LAT,LON,VERTV,FIX\n"
     for t, h, v in zip(time[::10], feet[::10], speed[::10], strict=True):
         now = start + timedelta(seconds=round(float(t), 1))
-        ground += f"FWGPS_1,2026-05-02,{now:%H:%M:%S}.{now.microsecond // 1000:03d},{h:.0f},{47.1 + t * 1e-6:.7f},{8.4:.7f},{v:.0f},3\n"
+        ground += f"FWGPS_1,2026-05-02,{clock(now)},{h:.0f},{47.1 + t * 1e-6:.7f},{8.4:.7f},{v:.0f},3\n"
     return {
         "featherweight_gps__rows_out_of_order.csv": tracker.encode(),
         "featherweight_gps__ground_station.csv": ground.encode(),
@@ -340,7 +345,8 @@ def altimetercloud() -> dict[str, bytes]:
         cells(sides[::-1], ".0f"),
         ["2154"] * len(time),
     ]
-    header = "time(ms),altitude(m),velocity_pressure(m/s),acceleration_x(mG),acceleration_y(mG),acceleration_z(mG),bmp_temp(x100)"
+    header = "time(ms),altitude(m),velocity_pressure(m/s),"
+    header += "acceleration_x(mG),acceleration_y(mG),acceleration_z(mG),bmp_temp(x100)"
     labels = [f"Apogee (m),{made.apogee:.1f},Sample rate (Hz),20", "Serial number,N-0042,Firmware,4.2"]
     labels += [f"Setting {i},{i},Condition {i},{i}" for i in range(12)]
     newer = "\n".join(labels) + "\n\n"
@@ -371,9 +377,9 @@ def bdureau() -> dict[str, bytes]:
             f"data,1,{t * 1000:.0f},{height[::2][i] // 2:.0f},20,{made.pressure(height[::2] // 2)[i]:.0f},731,"
         )
     eight = "$start;\n"
-    clock = np.arange(0.0, 80.0, 0.4)
-    descent = np.interp(clock, [0, 2, 6, 75, 80], [0, 100, 240, 0, 0])
-    for t, h in zip(clock, descent, strict=True):
+    times = np.arange(0.0, 80.0, 0.4)
+    descent = np.interp(times, [0, 2, 6, 75, 80], [0, 100, 240, 0, 0])
+    for t, h in zip(times, descent, strict=True):
         wrapped = int(made.pressure(np.array(h))) % 65536
         eight += sentence(f"data,0,{int(t * 1000) % 65536},{h:.0f},19,{wrapped},")
     return {
@@ -383,9 +389,9 @@ def bdureau() -> dict[str, bytes]:
 
 
 BLUERAVEN = (
-    "Year,Month,Day,Time,Flight_Time_(s),Sync,Temperature_(F),Baro_Press_(atm),Baro_Altitude_ASL_(feet),Baro_Altitude_AGL_(feet),"
-    "Batt_Volts,Velocity_Up,Velocity_DR,Velocity_CR,Inertial_Altitude,Tilt_Angle_(deg),Apo_FER_H  ex,Liftoff,Apogee,Burnout_Coast,"
-    "Apo_fired,Main_fired,LT_AGL1,GT_AGL2,Reserved,LT_AGL1,GT_AGL2,Reserved"
+    "Year,Month,Day,Time,Flight_Time_(s),Sync,Temperature_(F),Baro_Press_(atm),Baro_Altitude_ASL_(feet),"
+    "Baro_Altitude_AGL_(feet),Batt_Volts,Velocity_Up,Velocity_DR,Velocity_CR,Inertial_Altitude,Tilt_Angle_(deg),"
+    "Apo_FER_H  ex,Liftoff,Apogee,Burnout_Coast,Apo_fired,Main_fired,LT_AGL1,GT_AGL2,Reserved,LT_AGL1,GT_AGL2,Reserved"
 )
 LAUNCH = datetime(2026, 5, 2, 11, 4, 5, 250_000)
 
@@ -400,16 +406,19 @@ def blueraven_app() -> dict[str, bytes]:
         now = LAUNCH + timedelta(seconds=round(float(t), 2))
         flags = [int(t >= when) for when in (0, made.time_to_apogee + 0.3, 1.5, made.time_to_apogee + 1.8, 999)]
         low += (
-            f"2026,5,2,{now:%H:%M:%S}.{now.microsecond // 1000:03d},{t:.2f},{int(t * 1000) % 250},68.4,{made.pressure(baro[i]) / ATM:.4f},"
-            f"{(baro[i] + made.pad) / FOOT:.1f},{baro[i] / FOOT:.1f},4.11,{made.at(t, made.speed) / FOOT:.2f},0.00,0.00,{height[i] * 1.03 / FOOT:.2f},"
+            f"2026,5,2,{clock(now)},{t:.2f},{int(t * 1000) % 250},68.4,{made.pressure(baro[i]) / ATM:.4f},"
+            f"{(baro[i] + made.pad) / FOOT:.1f},{baro[i] / FOOT:.1f},4.11,"
+            f"{made.at(t, made.speed) / FOOT:.2f},0.00,0.00,{height[i] * 1.03 / FOOT:.2f},"
             f"{min(max(t, 0) * 1.5, 90):.1f},8cd,{','.join(map(str, flags))},1,0,0,1,0,0\n"
         )
     fast = np.arange(-0.5, 7.5, 0.02)
     felt = made.at(fast, made.felt) / GRAVITY
-    high = "Year,Month,Day,Time,Flight_Time_(s),Sync,Gyro_X,Gyro_Y,Gyro_Z,Accel_X,Accel_Y,Accel_Z,Quat_1,Quat_2,Quat_3,Quat_4\n"
+    high = "Year,Month,Day,Time,Flight_Time_(s),Sync,Gyro_X,Gyro_Y,Gyro_Z,"
+    high += "Accel_X,Accel_Y,Accel_Z,Quat_1,Quat_2,Quat_3,Quat_4\n"
     for t, a, side in zip(fast, felt, noise(15, len(fast), 0.02), strict=True):
         now = LAUNCH + timedelta(seconds=round(float(t), 3))
-        high += f"2026,5,2,{now:%H:%M:%S}.{now.microsecond // 1000:03d},{t:.3f},{int(t * 1000) % 250},0.1,0.2,-0.1,{-a:.3f},{side:.3f},{-side:.3f},1,0,0,0\n"
+        turns = f"2026,5,2,{clock(now)},{t:.3f},{int(t * 1000) % 250},0.1,0.2,-0.1"
+        high += f"{turns},{-a:.3f},{side:.3f},{-side:.3f},1,0,0,0\n"
     return {"blueraven_app__low_rate.csv": low.encode(), "blueraven_app__high_rate.csv": high.encode()}
 
 
@@ -453,7 +462,7 @@ def blueraven_usb() -> dict[str, bytes]:
     text = b""
 
     def frame(kind: str, now: datetime, rest: str) -> bytes:
-        stamp = f"{now.year} {now.month} {now.day} {now:%H:%M:%S}.{now.microsecond // 1000:03d} {now.microsecond // 1000 % 250}"
+        stamp = f"{now.year} {now.month} {now.day} {clock(now)} {now.microsecond // 1000 % 250}"
         size = len(f"@ {kind} 000 {stamp} {rest} CRC: 0000\r\n")
         body = f"@ {kind} {size} {stamp} {rest}".encode()
         return body + f" CRC: {crc_buypass(body):04X}\r\n".encode()
@@ -462,7 +471,9 @@ def blueraven_usb() -> dict[str, bytes]:
         now = LAUNCH + timedelta(seconds=round(float(t), 2))
         atm = float(made.pressure(made.at(t, made.height))) / ATM
         up = float(made.at(t, made.speed)) / FOOT
-        rest = f"Bo: 6840 {atm * 50_000:.0f} V: 4110 4100 4100 Vel: {up:.0f} 0 0 Pos: {float(made.at(t, made.height)) / FOOT:.0f} 0 0 ang: {min(max(t, 0) * 10, 900):.0f} 0 0 FER: 08cd 08c9"
+        rest = f"Bo: 6840 {atm * 50_000:.0f} V: 4110 4100 4100 Vel: {up:.0f} 0 0 "
+        rest += f"Pos: {float(made.at(t, made.height)) / FOOT:.0f} 0 0 "
+        rest += f"ang: {min(max(t, 0) * 10, 900):.0f} 0 0 FER: 08cd 08c9"
         line = frame("LOG_LOW", now, rest)
         text += line[:-40] + b"@ LOG_LOW   " + line if i == 30 else line
     for t in np.arange(-1.0, 4.0, 0.1):
