@@ -34,11 +34,11 @@ BOOST = 3
 def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:
     """Times of records from their ticks of 16 bits, which wrap every 655.36 s; the first is at its own tick. [s]
 
-    A tick that is a little before the one ahead of it counts as that one: clocks of AltOS do that.
+    A tick may be a little before the one ahead of it, as the clocks of AltOS have it: then so is the time.
     """
     ahead = np.diff(ticks, prepend=ticks[:1]) % 65536
     ahead[ahead >= 65536 - STEP_BACK] -= 65536
-    times: Array = np.maximum.accumulate(ticks[:1] + np.cumsum(ahead)) * TICK
+    times: Array = (ticks[:1] + np.cumsum(ahead)) * TICK
     return times
 
 

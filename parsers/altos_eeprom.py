@@ -228,9 +228,9 @@ def _reading(records: Int[Integers, "record byte"], settings: str, layout: Layou
     events = entered(_number(records[states], 0, 2), time[states], STATES)
     start = events.get("liftoff", float(time[samples][0]))
     head = records[records[:, 0] == FLIGHT][:1]
-    series = [_samples(records[samples], time[samples] - start, head, settings, layout)]
+    series = [_samples(records[samples], _onward(time[samples] - start), head, settings, layout)]
     if layout.positions and (fixes := records[:, 0] == POSITION).any():
-        series.append(_positions(records[fixes], time[fixes] - start))
+        series.append(_positions(records[fixes], _onward(time[fixes] - start)))
     flight = str(_number(head, 2 if layout.size == 8 else 0, 2)[0]) if len(head) else _text(settings, "flight")
     return Reading(
         extra={"flight": flight} if flight else {},
@@ -240,6 +240,11 @@ def _reading(records: Int[Integers, "record byte"], settings: str, layout: Layou
         firmware=_word(settings, "software.version|firmware.version|version"),
         serial=_text(settings, "serial") or _text(settings, "serial.number"),
     )
+
+
+def _onward(time: Float[Array, "record"]) -> Float[Array, "record"]:
+    """Times of which one that is a tick before the one ahead of it counts as that one. [s]"""
+    return np.maximum.accumulate(time)
 
 
 def _text(settings: str, name: str) -> str:

@@ -172,7 +172,9 @@ def _reading(serial: int, packets: Int[Integers, "packet byte"]) -> Reading:
     events = {name: when for name, when in events.items() if when > time[states][0]}
     start = events.get("liftoff", float(time[0]))
     order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
-    series = [_series(kind, packets[kinds == kind], time[kinds == kind] - start) for kind in order]
+    series = [
+        _series(kind, packets[kinds == kind], np.maximum.accumulate(time[kinds == kind] - start)) for kind in order
+    ]
     device = next((PACKETS[kind][0] for kind in order if PACKETS[kind][0]), "")
     return Reading(
         series=tuple(one for one in series if one is not None),
