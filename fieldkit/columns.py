@@ -31,6 +31,8 @@ MOST_TOLD = 20
 """So many damaged rows are told of one by one. [1]"""
 MOST_NUMBERS = 3_000_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
+TWO_DAYS = 172_800.0
+"""Rows further apart than this cannot be of one flight. [s]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
 ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
@@ -107,13 +109,19 @@ class Table:
             if content in parts:
                 repeated.append(int(part.rows[0]))
                 continue
-            kept = onward(part.values[clock])
+            kept = _near(part.values[clock])
+            kept[kept] = onward(part.values[clock][kept])
             found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
             parts[content] = part.pick(kept)
         if repeated:
             times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
             found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
         return list(parts.values()), found
+
+
+def _near(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
+    """Which rows are within two days of the middle one: no logger runs for longer."""
+    return np.asarray(np.abs(clock - np.median(clock)) < TWO_DAYS)
 
 
 def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:

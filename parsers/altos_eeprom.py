@@ -7,6 +7,7 @@ Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from r
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
 
@@ -31,6 +32,8 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 LARGEST = 32 << 20
 """No flash of these devices fills a longer file. [bytes]"""
+LARGEST_SETTINGS = 1 << 18
+"""The first record is looked for in so much of a file. [bytes]"""
 MOST_TOLD = 20
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
@@ -111,13 +114,11 @@ def read(log: bytes) -> list[Found]:
 def _settings(log: bytes) -> tuple[str, int]:
     """The text above the first record, and the row of that."""
     above: list[str] = []
-    for first, lines in blocks(log):
+    for first, lines in blocks(log[:LARGEST_SETTINGS]):
         for row, line in enumerate(lines, start=first):
             if HEX.match(line) or OLD_RECORD.match(line):
                 return "\n".join(above), row
-            above.append(line[:1000])
-        if len(above) > 10_000:
-            break
+            above.append(line)
     raise DamagedLog("found no records, expected lines of hex bytes below the settings", row=len(above) or 1)
 
 
@@ -135,7 +136,8 @@ def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
     damaged: list[DamagedLog] = []
     flash, missing = bytearray(), 0
-    width = len(bytes.fromhex(_line(log, row)))
+    widths = Counter(len(_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
+    width = widths.most_common(1)[0][0]
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
             if not line.strip():
@@ -278,8 +280,11 @@ def _samples(
 
 
 def _real(pressure: Float[Array, "record"]) -> Float[Array, "record"]:
-    """Pressures with nan for what is none: a sensor that was not read gives less than nothing. [Pa]"""
-    return np.where((pressure > 0) & (pressure < 130_000), pressure, np.nan)
+    """Pressures with nan for what is none. Raises DamagedLog if that is all of them. [Pa]"""
+    real = (pressure > 0) & (pressure < 130_000)
+    if not real.any():
+        raise DamagedLog("found no pressure that air can have, expected other settings or another log format")
+    return np.where(real, pressure, np.nan)
 
 
 def _gravities(settings: str) -> tuple[int | None, int | None]:

@@ -135,6 +135,12 @@ def test_rows_out_of_order_are_left_out_and_told_of() -> None:
     ]
 
 
+def test_a_time_days_away_is_no_time_of_this_flight() -> None:
+    parts, found = read_columns(b"0,1\n1,1\n2,1\n3,1\n9999999999,1\n", CHANNELS, after=0).flights()
+    assert parts[0].values["time"].tolist() == [0, 1, 2, 3]
+    assert len(found) == 1
+
+
 def test_a_clock_that_starts_anew_starts_a_flight() -> None:
     first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
     parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
