@@ -6,6 +6,7 @@ calculation" and "Second order temperature compensation"; MP3H6115A data sheet, 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -42,7 +43,7 @@ def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:
     return times
 
 
-def sound(records: Int[Integers, "record byte"]) -> Bool[Flags, "record"]:
+def sound(records: Int[Any, "record byte"]) -> Bool[Flags, "record"]:
     """Which records have the checksum that makes their bytes and the seed add up to 0 modulo 256."""
     return np.asarray((records.sum(axis=1) + SEED) % 256 == 0)
 
@@ -100,7 +101,7 @@ def net_acceleration(
 
 
 def entered(
-    states: Float[Array, "row"] | Int[Integers, "row"],
+    states: Float[Array, "row"] | Int[Any, "row"],
     time: Float[Array, "row"],
     which: Mapping[str, Sequence[int]] = STATES,
 ) -> dict[str, float]:
