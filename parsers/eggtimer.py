@@ -110,8 +110,9 @@ def _flights(log: bytes, part: _Part) -> list[Found]:
     decimal = "," if head.separator != "," and b"," in log[part.start : part.start + 2000] else "."
     widths = {len(head.names), len(head.names) + 1}
     after = head.row - above
-    table = read_columns(body, channels, after=after, separator=head.separator, decimal=decimal, widths=widths)
-    parts, remarks = table.flights()
+    parts, remarks = read_columns(
+        body, channels, after=after, separator=head.separator, decimal=decimal, widths=widths
+    ).flights()
     found: list[Found] = []
     for one in parts:
         reading = _reading(one, part)
