@@ -72,8 +72,9 @@ def read(log: bytes) -> list[Found]:
     else:
         places = [i for i, name in enumerate(head.names) if "acc" in name][:3]
         channels += [Channel(name, place) for name, place in zip(AXES, places, strict=True)]
-    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
-    parts, found = table.flights()
+    parts, found = read_columns(
+        log, channels, after=head.row, separator=head.separator, widths={len(head.names)}
+    ).flights()
     return [*(_low(part, head, log) if low else _high(part, head, log, found) for part in parts), *found]
 
 
