@@ -52,6 +52,8 @@ def crcs(frames: Sequence[bytes]) -> list[int]:
     Zeros before a frame change nothing, so all are worked through together.
     """
     longest = max(map(len, frames), default=0)
+    if not longest:
+        return [0] * len(frames)
     columns = np.frombuffer(b"".join(frame.rjust(longest, b"\0") for frame in frames), np.uint8).reshape(-1, longest).T
     values = np.zeros(len(frames), np.uint16)
     for column in columns:
