@@ -21,7 +21,7 @@ RECORDED = Path(__file__).parent.parent.parent / "shared" / "logs"
 SEED_SIZE = 9_000
 """A longer log is a seed by its beginning and its end, so that many can be tried. [bytes]"""
 PATIENCE = 20.0
-"""An input that takes longer hangs; a busy machine is given its time. [s]"""
+"""An input that takes longer of a processor hangs, however busy the machine is. [s]"""
 
 Change = Callable[[bytes, random.Random], bytes]
 
@@ -252,13 +252,13 @@ def patience(seconds: float = PATIENCE) -> Iterator[None]:
     def tell(signal_number: int, frame: object) -> None:
         raise TimeoutError(f"took more than {seconds} s")
 
-    before = signal.signal(signal.SIGALRM, tell)
-    signal.setitimer(signal.ITIMER_REAL, seconds)
+    before = signal.signal(signal.SIGPROF, tell)
+    signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield
     finally:
-        signal.setitimer(signal.ITIMER_REAL, 0)
-        signal.signal(signal.SIGALRM, before)
+        signal.setitimer(signal.ITIMER_PROF, 0)
+        signal.signal(signal.SIGPROF, before)
 
 
 def lines_for(log: bytes, format: str | None) -> list[str]:
