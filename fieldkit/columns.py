@@ -34,6 +34,8 @@ MOST_NUMBERS = 1_500_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
+MOST_FLIGHTS = 100
+"""No logger holds as many flights in one log. [1]"""
 LARGEST = 1e30
 """No number of a log is further from zero; what is would not survive a square. [any unit]"""
 ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
@@ -98,12 +100,17 @@ class Table:
     def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
         """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
 
-        A part that says the same as an earlier one is a repetition and left out.
+        A part that says the same as an earlier one is a repetition and left out. Raises DamagedLog for a clock that
+        starts anew again and again: rows that were shuffled are no flights.
         """
         found = list(self.found)
         parts: dict[bytes, Table] = {}
         repeated: list[int] = []
-        starts = [0, *restarts(self.values[clock]).tolist(), len(self)]
+        anew = restarts(self.values[clock]).tolist()
+        if len(anew) >= MOST_FLIGHTS:
+            expected = f"expected at most {MOST_FLIGHTS} flights in a log"
+            raise DamagedLog(f"found {clock} starting anew {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
+        starts = [0, *anew, len(self)]
         for start, stop in pairwise(starts):
             part = self.pick(slice(start, stop))
             content = _digest(part)
