@@ -65,6 +65,9 @@ def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
     """
     number, rest, end = 1, "", "\n" if b"\n" in log[: 4 * BLOCK] else "\r"
     for text in _texts(log):
+        if not rest and text.isspace():
+            number += text.count(end)
+            continue
         *lines, rest = (rest + text).split(end)
         rest = ENDLESS if len(rest) > BLOCK else rest
         skipped = min(max(after + 1 - number, 0), len(lines))

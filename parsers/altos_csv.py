@@ -112,8 +112,9 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
 
 def _present(table: Table) -> Table:
     """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
-    for values in table.values.values():
-        values[np.abs(values) >= NONE] = np.nan
+    for name, values in table.values.items():
+        if name != "time":
+            values[np.abs(values) >= NONE] = np.nan
     if "nsat" in table.values:
         lost = table.values["nsat"] == 0
         for name in ("latitude", "longitude", "gps_altitude_msl"):
