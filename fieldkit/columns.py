@@ -30,7 +30,7 @@ MOST_TOLD = 20
 """So many damaged rows are told of one by one. [1]"""
 MOST_DAMAGED = 200_000
 """After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
-MOST_NUMBERS = 3_000_000
+MOST_NUMBERS = 1_500_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""

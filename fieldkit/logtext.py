@@ -19,6 +19,18 @@ ENDLESS = "\0"
 """Begins what stands for a line that is longer than a block."""
 
 
+MOST = 4 << 20
+"""A table with a row for every flight, or what is read in one piece, is no longer than this. [bytes]"""
+
+
+def decode_whole(log: bytes) -> str:
+    """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are no text."""
+    if len(log) > MOST:
+        found = f"found {len(log) >> 20} MB, expected at most {MOST >> 20} in a table of flights; part it"
+        raise DamagedLog(found)
+    return decode(log)
+
+
 def decode(log: bytes) -> str:
     """The text of a log: UTF-8, UTF-16, or cp1252 when it is neither.
 

@@ -16,6 +16,7 @@ from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
 from fieldkit.logtext import shown
 from fieldkit.mapping import Choice, choice_for
+from fieldkit.safe_text import printable
 from fieldkit.sanity import check, doubts
 from fieldkit.shelf import plugins
 
@@ -304,12 +305,12 @@ def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str |
     plans = []
     for item in found:
         if isinstance(item, DamagedLog):
-            raise DamagedLog(item.found, row=item.row, column=item.column, source=source)
+            raise _told(item, source)
         if isinstance(item, Reading) and item.describes == "flight":
             try:
                 plans.append(_plan(item, check_motor))
             except DamagedLog as error:
-                raise DamagedLog(error.found, row=item.row, column=error.column, source=source) from error
+                raise _told(error, source, item.row) from error
     return plans
 
 
@@ -339,7 +340,17 @@ def _open(log: bytes, source: str, format: str | None, choices: Sequence[Choice]
     try:
         return name, parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
     except DamagedLog as error:
-        raise DamagedLog(error.found, row=error.row, column=error.column, source=source) from error
+        raise _told(error, source) from error
+
+
+MOST_TOLD = 1500
+"""A message is no longer than this, whatever a log holds. [characters]"""
+
+
+def _told(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
+    """What is wrong with a log as it is shown: with its name, on one line, and harmless for a terminal."""
+    column = printable(error.column)[:MOST_TOLD] if error.column else None
+    return DamagedLog(printable(error.found)[:MOST_TOLD], row=row or error.row, column=column, source=source)
 
 
 def _intake(
@@ -360,13 +371,14 @@ def _intake(
                 flight = _measured(_named(item, rockets), check_motor)
                 notes += _keep(flight, item.row, kept)
         except DamagedLog as error:
-            rejected.append(Rejected(source, error.row, error.column, error.found))
+            told = _told(error, source)
+            rejected.append(Rejected(source, told.row, told.column, told.found))
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
         notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
-    lines = (str(DamagedLog(note.text, row=note.row, source=source)) for note in notes)
+    lines = (str(_told(DamagedLog(note.text, row=note.row), source)) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
     return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped)

@@ -113,6 +113,12 @@ def _pressure_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, 
     return _ratio_is_one(height_of_ratio(raw["pressure"]), altitude - _median(altitude[:5]))
 
 
+def height_unit_by_pressure(raw: Mapping[str, Float[Array, "time"]]) -> str:
+    """The unit in which heights are those of the pressure beside them, or "" if none is or both might be."""
+    fits = [unit for unit in CANDIDATES["altitude"] if _pressure_agrees(raw, {"altitude": unit})]
+    return fits[0] if len(fits) == 1 else ""
+
+
 def height_of_ratio(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
     """Height above where a log begins, of pressures in any one unit. [m]
 

@@ -120,6 +120,10 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 _TYPED = re.compile(r"\s*([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
 
 
+LARGEST = 1e30
+"""What is typed is less than this, in any unit."""
+
+
 def unit(quantity: str, suffix: str) -> Unit:
     """The unit of a quantity that a suffix names, whatever its case.
 
@@ -141,7 +145,10 @@ def parse(text: str, quantity: str, default: str) -> float:
     if not match:
         raise BadValue(f"found {text.strip()!r}, expected a number")
     number, suffix = match.groups()
-    return unit(quantity, suffix or default).to_si(float(number.replace(",", ".")))
+    value = unit(quantity, suffix or default).to_si(float(number.replace(",", ".")))
+    if not abs(value) < LARGEST:
+        raise BadValue(f"found {text.strip()[:20]!r}, expected a number that something can have")
+    return value
 
 
 def render(value: float, quantity: str, suffix: str) -> str:

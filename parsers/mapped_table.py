@@ -23,7 +23,15 @@ from fieldkit.logtext import shown
 from fieldkit.mapping import Choice, choice_for
 from fieldkit.parsing import HEAD, Found, Mapped, Note, Parser, Reading
 from fieldkit.safe_text import printable
-from fieldkit.settling import Settled, epoch_unit, rest, settle_felt, settle_pressure, settle_time_heights
+from fieldkit.settling import (
+    Settled,
+    epoch_unit,
+    height_unit_by_pressure,
+    rest,
+    settle_felt,
+    settle_pressure,
+    settle_time_heights,
+)
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit
 
@@ -235,6 +243,8 @@ def _units(
             units[name] = Unit(1.0), "clock", ""
         elif pick.unit and (unit := unit_named(QUANTITIES[name.rstrip("?")], pick.unit)):
             units[name] = unit, pick.unit, ""
+    if "altitude" in units and not by_channel["altitude"].chosen:
+        _refuse_contradiction(by_channel["altitude"], units["altitude"][0], values)
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
     for name, one in settled.items():
         units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
@@ -252,6 +262,17 @@ def _units(
             left_out.append(pick.name)
     _settle_kind(values, units)
     return units, left_out
+
+
+def _refuse_contradiction(pick: Pick, unit: Unit, values: Mapping[str, Float[Array, "row"]]) -> None:
+    """Raise DamagedLog for a height whose stated unit is not the one that the pressure shows."""
+    shows = height_unit_by_pressure(values)
+    if shows and not 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
+        raise DamagedLog(
+            f"found heights in {shown(pick.unit)} that the pressure beside them shows to be in {shows}; "
+            f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
+            column=pick.name,
+        )
 
 
 def _usual(name: str) -> str:

@@ -177,6 +177,14 @@ def test_a_pressure_that_may_be_of_two_units_is_asked_for() -> None:
         found(log)
 
 
+def test_a_stated_unit_that_the_pressure_contradicts_is_refused_and_may_be_insisted_on() -> None:
+    log = table("t (s),alt (ft),press (hPa)", "{t:.2f},{h:.1f},{p:.1f}").replace(b"hPa", b"Pa")
+    with pytest.raises(DamagedLog, match=r"shows to be in m; write --map 'altitude=#2 \[m\]'"):
+        found(log)
+    assert top(found(log, read_choice(["altitude=#2 [m]"]))[0][0]) == pytest.approx(285, abs=0.2)
+    assert top(found(log, read_choice(["altitude=#2 [ft]"]))[0][0]) == pytest.approx(285 * FOOT, abs=0.2)
+
+
 def test_an_unknown_unit_is_never_taken_for_another() -> None:
     with pytest.raises(DamagedLog, match="found the unit 'furlong', expected one of m"):
         found(table("t (s),alt (furlong)", "{t:.2f},{h:.4f}")[:400])
