@@ -20,7 +20,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import lines, scale_at_rest, upright
+from fieldkit.tables import line_end, lines, scale_at_rest, upright
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 
 KINDS = (b"@ LOG_LOW", b"@ LOG_HIR")
@@ -52,9 +52,11 @@ def crcs(frames: Sequence[bytes]) -> list[int]:
     Zeros before a frame change nothing, so all are worked through together.
     """
     longest = max(map(len, frames), default=0)
-    if not longest:
-        return [0] * len(frames)
-    columns = np.frombuffer(b"".join(frame.rjust(longest, b"\0") for frame in frames), np.uint8).reshape(-1, longest).T
+    columns = (
+        np.frombuffer(b"".join(frame.rjust(longest, b"\0") for frame in frames), np.uint8)
+        .reshape(len(frames), longest)
+        .T
+    )
     values = np.zeros(len(frames), np.uint16)
     for column in columns:
         values = (values << 8) ^ _TABLE[(values >> 8) ^ column]
@@ -124,7 +126,7 @@ def _frame(text: bytes) -> Frame | None:
 def read(log: bytes) -> list[Found]:
     samples = {"LOW": array("d"), "HIR": array("d")}
     lost, first_lost, cut = 0, 0, False
-    last = log.count(b"\n") + 1
+    last = log.count(line_end(log)) + 1
     rows, row = lines(log, LINE), 0
     while block := list(islice(rows, TOGETHER)):
         for line, frame in zip(block, frames_of(block), strict=True):
