@@ -181,6 +181,19 @@ def test_a_frame_with_one_flipped_bit_is_lost_and_no_other() -> None:
     assert isinstance(note, Note)
 
 
+def test_frames_read_whatever_ends_their_lines() -> None:
+    log = frame("05.250") + frame("05.270")
+    for end in (b"\n", b"\r"):
+        (flight,) = usb(log.replace(b"\r\n", end))
+        assert isinstance(flight, Reading)
+        assert len(flight.clocks[0].time) == 2
+
+
+def test_a_line_that_is_no_frame_says_nothing() -> None:
+    with pytest.raises(DamagedLog, match="no frame"):
+        usb(b"@ LOG_LOW")
+
+
 def test_a_long_gap_in_the_frames_parts_two_flights() -> None:
     body = b"@ LOG_LOW 99 2026 5 2 11:44:05.250 10 Bo: 6800 48000"
     second = body + f" CRC: {crc(body):04X}\r\n".encode()
