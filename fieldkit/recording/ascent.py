@@ -1,0 +1,206 @@
+"""From the pad to just past apogee: height, speed and acceleration, with draws of them for the uncertainties.
+
+A first guess of the acceleration, the accelerometer's or a coast against drag, is integrated twice; what the
+barometer says beyond that is a curve whose acceleration wanders (`smooth`). How much it wanders under thrust and in
+the coast, and how noisy the samples are, is what makes the samples most probable (type-II maximum likelihood).
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.recording.ballistic import coast_guess
+from fieldkit.recording.channels import Heights, Push
+from fieldkit.recording.numbers import lag_one, mad_sd, median_step
+from fieldkit.recording.outline import Outline
+from fieldkit.recording.smooth import Fit, Grid, Rows, apply, basis, fit
+from fieldkit.shapes import Array, Flags, Float
+from fieldkit.standard_air import GRAVITY
+
+DRAWS = 200
+_STUDENT = 4.0
+"""Degrees of freedom of the errors of a sample. [1]"""
+_KNOTS = 1200
+_AFTER = 2.0
+"""How far past apogee the curve goes. [s]"""
+_FREE = 2000.0
+"""How much acceleration wanders once a parachute may be out. [m^2/s^5]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ascent:
+    """The ascent on even knots, and draws of it from the posterior; heights above the pad, vertical, SI."""
+
+    time: Float[Array, "knot"]
+    height: Float[Array, "knot"]
+    speed: Float[Array, "knot"]
+    acceleration: Float[Array, "knot"]
+    heights: Float[Array, "draw knot"]
+    speeds: Float[Array, "draw knot"]
+    accelerations: Float[Array, "draw knot"]
+    noise: float
+    """Of a sample, as the fit has it. [m]"""
+    fused: bool
+    """Whether an accelerometer shaped the curve."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Guess:
+    """An acceleration on the knots and its integrals. [m/s^2], [m/s], [m]"""
+
+    acceleration: Float[Array, "knot"]
+    speed: Float[Array, "knot"]
+    height: Float[Array, "knot"]
+
+
+def ascend(track: Heights, push: Push | None, seen: Outline, lift: float | None, free: float | None) -> Ascent | None:
+    """The ascent, or None where it has too few samples. `free` is when something was ejected, where known. [s]"""
+    step = median_step(track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:4000])
+    begin = max(float(track.time[0]), (lift if lift is not None else float(track.time[0])) - 1.5)
+    end = min(float(track.time[-1]), seen.top + max(_AFTER, 4 * step))
+    near = (track.time >= begin) & (track.time <= end) & ~_dip(track, seen, lift)
+    if near.sum() < 10:
+        return None
+    time, height = track.time[near], track.height[near] - seen.pad
+    pace = float(np.clip(step, max(0.02, (end - begin) / _KNOTS), 0.1))
+    grid = Grid(begin, pace, int(np.ceil((end - begin) / pace)))
+    released = min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
+    burnout = seen.fastest
+    rows, ascent = basis(grid, time), None
+    for _ in range(2):
+        guess, fused = _guess(grid, time, height, push, lift, burnout, released)
+        phases = _phases(grid, lift, burnout, released)
+        rest = height - np.interp(time, grid.time, guess.height)
+        found, noise = _fitted(grid, rows, rest, phases, track.noise, fused)
+        ascent = _drawn(grid, guess, found, noise, fused)
+        burnout = _burnout(ascent, lift, seen)
+    return ascent
+
+
+def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
+    """Samples of a climb in which the rocket seems to fall: shocks of the air near the speed of sound."""
+    inside = np.flatnonzero((track.time > (lift if lift is not None else -np.inf)) & (track.time < seen.fastest + 3))
+    low = np.zeros(track.time.size, bool)
+    if inside.size:
+        climb = track.height[inside]
+        fallen = np.maximum.accumulate(climb) - climb > max(12 * track.noise, 5.0)
+        for index in inside[fallen]:
+            low |= np.abs(track.time - track.time[index]) < 0.15 if not low[index] else False
+    return low
+
+
+def _guess(
+    grid: Grid,
+    time: Float[Array, "time"],
+    height: Float[Array, "time"],
+    push: Push | None,
+    lift: float | None,
+    burnout: float,
+    released: float,
+) -> tuple[_Guess, bool]:
+    """A first acceleration, zero on the pad, and whether an accelerometer gave it."""
+    knots = grid.time
+    guess, top_speed = coast_guess(knots, time, height, burnout, released)
+    start = lift if lift is not None else knots[0]
+    boost = (knots >= start) & (knots < burnout)
+    guess[boost] = top_speed / max(burnout - start, 0.1) if lift is not None else 0.0
+    fused = False
+    if push is not None:
+        level = _levelled(push, lift)
+        inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
+        if level is not None and (inside & (knots > start) & (knots < burnout)).sum() > 2:
+            total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
+            gained = np.gradient(np.interp(knots, push.time, total), grid.step)
+            guess[inside] = gained[inside]
+            fused = True
+    if lift is not None:
+        guess[knots < lift] = 0.0
+    speed = np.concatenate(([0.0], np.cumsum((guess[1:] + guess[:-1]) / 2))) * grid.step
+    rise = speed[:-1] * grid.step + (2 * guess[:-1] + guess[1:]) * grid.step**2 / 6
+    return _Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
+
+
+def _levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
+    """Net acceleration with the accelerometer's zero as the pad shows it; None where it is not believed."""
+    if lift is None:
+        return push.felt - GRAVITY
+    rest = push.felt[(push.time < lift - 0.1) & (push.time > lift - 10)]
+    if rest.size < 3:
+        return push.felt - GRAVITY
+    level = float(np.median(rest))
+    return None if abs(level - GRAVITY) > 3.0 else push.felt - level
+
+
+def _phases(grid: Grid, lift: float | None, burnout: float, released: float) -> Array:
+    """0 on the pad, 1 under thrust, 2 in the coast, 3 once a parachute may be out."""
+    middle = grid.middles
+    thrust = middle < burnout + max(0.15, 2 * grid.step)
+    pad = middle < (lift - max(0.05, grid.step) if lift is not None else -np.inf)
+    return np.where(pad, 0, np.where(thrust, 1, np.where(middle < released, 2, 3)))
+
+
+def _fitted(
+    grid: Grid, rows: Rows, rest: Float[Array, "time"], phases: Array, noise: float, fused: bool
+) -> tuple[Fit, float]:
+    """The most probable curve through what the guess leaves, robustly, and the noise of a sample."""
+    from scipy.optimize import minimize
+
+    start = np.array([np.log(300.0 if fused else 5000.0), np.log(2.0 if fused else 10.0), np.log(noise)])
+    centre, weight = start.copy(), np.ones(rest.size)
+    spread = np.array([3.0, 3.0, 1.0])
+
+    def curve(settings: Float[Array, "three"], share: float = 1.0) -> Fit:
+        thrust, coast, sigma = np.exp(settings)
+        wander = np.choose(phases, [0.01, thrust, coast, _FREE])
+        return fit(grid, rows, rest, share * weight / sigma**2, wander)
+
+    def cost(settings: Float[Array, "three"]) -> float:
+        if np.any(np.abs(settings - centre) > 5 * spread):
+            return 1e12
+        return float(-curve(settings).evidence + 0.5 * (((settings - centre) / spread) ** 2).sum())
+
+    settings = start
+    for tries in (60, 60, 40):
+        for _ in range(4):
+            left = (rest - apply(rows, curve(settings).mean)) / np.exp(settings[2])
+            weight = (_STUDENT + 1) / (_STUDENT + left**2)
+        settings = _searched(minimize, cost, settings, tries)
+    left = rest - apply(rows, curve(settings).mean)
+    sigma = float(np.exp(settings[2]))
+    alike = lag_one(left[weight > 0.5])
+    return curve(settings, (1 - alike) / (1 + alike)), max(sigma, mad_sd(left))
+
+
+def _searched(
+    minimize: Callable[..., object], cost: Callable[[Float[Array, "three"]], float], start: Array, tries: int
+) -> Array:
+    """The least of a cost from a start, by Nelder and Mead's simplex."""
+    options = {"maxfev": tries, "initial_simplex": start + np.vstack([np.zeros(3), np.diag([1.0, 1.0, 0.3])])}
+    return np.asarray(minimize(cost, start, method="Nelder-Mead", options=options).x)  # type: ignore[attr-defined]
+
+
+def _drawn(grid: Grid, guess: _Guess, found: Fit, noise: float, fused: bool) -> Ascent:
+    """The curve, guess and rest together, and draws of it."""
+    knots = grid.time
+    coefficients = found.draws(DRAWS, np.random.default_rng(0))
+    shapes = [basis(grid, knots, order) for order in range(3)]
+    mean = [apply(rows, found.mean) for rows in shapes]
+    drawn = [apply(rows, coefficients) for rows in shapes]
+    return Ascent(
+        knots,
+        guess.height + mean[0],
+        guess.speed + mean[1],
+        guess.acceleration + mean[2],
+        guess.height + drawn[0],
+        guess.speed + drawn[1],
+        guess.acceleration + drawn[2],
+        noise,
+        fused,
+    )
+
+
+def _burnout(ascent: Ascent, lift: float | None, seen: Outline) -> float:
+    """When the curve is fastest. [s]"""
+    inside = (ascent.time >= (lift if lift is not None else ascent.time[0])) & (ascent.time <= seen.top)
+    return float(ascent.time[inside][np.argmax(ascent.speed[inside])])
