@@ -24,7 +24,7 @@ _STUDENT = 4.0
 _KNOTS = 1200
 _AFTER = 2.0
 """How far past apogee the curve goes. [s]"""
-_FREE = 2000.0
+_FREE = 300.0
 """How much acceleration wanders once a parachute may be out. [m^2/s^5]"""
 
 
@@ -146,37 +146,40 @@ def _fitted(
     """The most probable curve through what the guess leaves, robustly, and the noise of a sample."""
     from scipy.optimize import minimize
 
-    start = np.array([np.log(300.0 if fused else 5000.0), np.log(2.0 if fused else 10.0), np.log(noise)])
-    centre, weight = start.copy(), np.ones(rest.size)
-    spread = np.array([3.0, 3.0, 1.0])
+    centre = np.log([10.0 if fused else 2000.0, 1.0 if fused else 5.0, noise, 1.5])
+    spread = np.array([1.0, 2.0, 0.7, 1.0])
+    weight = np.ones(rest.size)
+    early = phases[np.minimum(rows.first, phases.size - 1)] == 1
 
-    def curve(settings: Float[Array, "three"], share: float = 1.0) -> Fit:
-        thrust, coast, sigma = np.exp(settings)
+    def curve(settings: Float[Array, "four"], share: float = 1.0) -> Fit:
+        thrust, coast, sigma, rougher = np.exp(settings)
         wander = np.choose(phases, [0.01, thrust, coast, _FREE])
-        return fit(grid, rows, rest, share * weight / sigma**2, wander)
+        sd = sigma * np.where(early, max(rougher, 1.0), 1.0)
+        return fit(grid, rows, rest, share * weight / sd**2, wander)
 
-    def cost(settings: Float[Array, "three"]) -> float:
-        if np.any(np.abs(settings - centre) > 5 * spread):
+    def cost(settings: Float[Array, "four"]) -> float:
+        far = (settings - centre) / spread
+        if np.any(np.abs(far) > 6):
             return 1e12
-        return float(-curve(settings).evidence + 0.5 * (((settings - centre) / spread) ** 2).sum())
+        return float(-curve(settings).evidence + 0.5 * (far**2).sum())
 
-    settings = start
+    settings = centre
     for tries in (60, 60, 40):
         for _ in range(4):
-            left = (rest - apply(rows, curve(settings).mean)) / np.exp(settings[2])
+            sd = np.exp(settings[2]) * np.where(early, max(np.exp(settings[3]), 1.0), 1.0)
+            left = (rest - apply(rows, curve(settings).mean)) / sd
             weight = (_STUDENT + 1) / (_STUDENT + left**2)
         settings = _searched(minimize, cost, settings, tries)
     left = rest - apply(rows, curve(settings).mean)
-    sigma = float(np.exp(settings[2]))
-    alike = lag_one(left[weight > 0.5])
-    return curve(settings, (1 - alike) / (1 + alike)), max(sigma, mad_sd(left))
+    alike = lag_one(left[(weight > 0.5) & ~early])
+    return curve(settings, (1 - alike) / (1 + alike)), max(float(np.exp(settings[2])), mad_sd(left[~early]))
 
 
 def _searched(
-    minimize: Callable[..., object], cost: Callable[[Float[Array, "three"]], float], start: Array, tries: int
+    minimize: Callable[..., object], cost: Callable[[Float[Array, "four"]], float], start: Array, tries: int
 ) -> Array:
     """The least of a cost from a start, by Nelder and Mead's simplex."""
-    options = {"maxfev": tries, "initial_simplex": start + np.vstack([np.zeros(3), np.diag([1.0, 1.0, 0.3])])}
+    options = {"maxfev": tries, "initial_simplex": start + np.vstack([np.zeros(4), np.diag([0.7, 1.0, 0.3, 0.5])])}
     return np.asarray(minimize(cost, start, method="Nelder-Mead", options=options).x)  # type: ignore[attr-defined]
 
 

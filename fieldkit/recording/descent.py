@@ -86,7 +86,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     speed = (smooth[:-reach] - smooth[reach:]) / (reach * (even[1] - even[0]))
     typical = float(np.median(speed[speed > max(0.5, 0.1 * np.quantile(speed, 0.9))])) if (speed > 0.5).any() else 0.0
-    going = np.flatnonzero(speed > max(0.35 * typical, 0.7, 3 * track.noise / 8))
+    going = np.flatnonzero(speed > max(0.12 * typical, 1.0, 1.5 * track.noise))
     if typical < 0.5 or going.size == 0:
         return None, None
     about = float(even[min(going[-1] + reach, even.size - 1)])
