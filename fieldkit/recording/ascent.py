@@ -24,6 +24,8 @@ _STUDENT = 4.0
 _KNOTS = 1200
 _AFTER = 2.0
 """How far past apogee the curve goes. [s]"""
+_MARGIN = 0.4
+"""How long before and after a seeming fall its samples are not believed. [s]"""
 _FREE = 300.0
 """How much acceleration wanders once a parachute may be out. [m^2/s^5]"""
 
@@ -80,13 +82,17 @@ def ascend(track: Heights, push: Push | None, seen: Outline, lift: float | None,
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
     """Samples of a climb in which the rocket seems to fall: shocks of the air near the speed of sound."""
-    inside = np.flatnonzero((track.time > (lift if lift is not None else -np.inf)) & (track.time < seen.fastest + 3))
+    climb = np.flatnonzero((track.time > (lift if lift is not None else -np.inf)) & (track.time < seen.top - 1))
     low = np.zeros(track.time.size, bool)
-    if inside.size:
-        climb = track.height[inside]
-        fallen = np.maximum.accumulate(climb) - climb > max(12 * track.noise, 5.0)
-        for index in inside[fallen]:
-            low |= np.abs(track.time - track.time[index]) < 0.15 if not low[index] else False
+    if climb.size:
+        height = track.height[climb]
+        fallen = np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0)
+        first = np.searchsorted(track.time, track.time[climb[fallen]] - _MARGIN)
+        last = np.searchsorted(track.time, track.time[climb[fallen]] + _MARGIN)
+        edges = np.zeros(track.time.size + 1)
+        np.add.at(edges, first, 1)
+        np.add.at(edges, last, -1)
+        low = np.cumsum(edges[:-1]) > 0
     return low
 
 
@@ -147,7 +153,7 @@ def _fitted(
     from scipy.optimize import minimize
 
     centre = np.log([10.0 if fused else 2000.0, 1.0 if fused else 5.0, noise, 1.5])
-    spread = np.array([1.0, 2.0, 0.7, 1.0])
+    spread = np.array([0.7, 0.8, 0.35, 0.7])
     weight = np.ones(rest.size)
     early = phases[np.minimum(rows.first, phases.size - 1)] == 1
 

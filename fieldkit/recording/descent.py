@@ -65,7 +65,7 @@ def _braked(track: Heights, seen: Outline, apogee: Event) -> Event | None:
     late = when[fastest] - apogee.time
     if fall[fastest] < 1.5 * steady + max(2.0, blur) or fall[fastest] < 0.55 * GRAVITY * late or fastest > 0.8 * fall.size:
         return None
-    return Event(float(when[fastest]), 0.3, track.source)
+    return Event(float(when[fastest]), 0.4, track.source)
 
 
 def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None, float | None]:
@@ -132,14 +132,21 @@ def descent_speed(
 
 
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
-    """Height above the pad at an event, smoothed. [m]"""
+    """Height above the pad at an event, by the line through what came in the second before it. [m]"""
+    from scipy.stats import theilslopes
+
     if ascent.time[0] <= moment.time <= ascent.time[-1]:
         value = float(np.interp(moment.time, ascent.time, ascent.height))
         slope = float(np.interp(moment.time, ascent.time, ascent.speed))
         spread = float(np.interp(moment.time, ascent.time, ascent.heights.std(axis=0)))
     else:
-        value = float(np.interp(moment.time, track.time, seen.calm)) - seen.pad
-        later = float(np.interp(moment.time + 1, track.time, seen.calm)) - seen.pad
-        slope, spread = later - value, track.noise
+        before = (track.time > moment.time - 1) & (track.time < moment.time - 0.02)
+        if before.sum() < 5:
+            before = np.zeros(track.time.size, bool)
+            last = int(np.searchsorted(track.time, moment.time))
+            before[max(0, last - 5) : last] = True
+        slope, middle, *_ = theilslopes(track.height[before], track.time[before])
+        value = float(middle + slope * moment.time) - seen.pad
+        spread = 3 * track.noise / np.sqrt(before.sum()) + GRAVITY / 12
     sd = np.sqrt(spread**2 + seen.pad_sd**2 + (slope * moment.sd) ** 2)
     return Figure(value, float(sd), track.source)

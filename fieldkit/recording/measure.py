@@ -1,6 +1,7 @@
 """From the samples of a flight to its readouts: `measure`, the one way in."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -142,7 +143,7 @@ def _down(
             figures["duration"] = _between(lift, landed, track.source)
     else:
         notes.append(NO_LANDING)
-    speed = descent_speed(track, seen, ejected or apogee, landed, level, apogee.time)
+    speed = descent_speed(track, seen, ejected or replace(apogee, sd=1.0), landed, level, apogee.time)
     if speed:
         figures["descent_speed"] = speed
     return min(apogee.time, ejected.time if ejected else np.inf)

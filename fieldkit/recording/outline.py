@@ -45,9 +45,10 @@ def outline(track: Heights) -> Outline | None:
     if top - from_ < 3:
         return None
     reach = max(1, round(0.25 / step))
-    speed = _slope(time[from_ : top + 1], running_median(height, max(3, reach | 1))[from_ : top + 1], reach)
+    climb = np.maximum.accumulate(running_median(height, max(3, reach | 1))[from_ : top + 1])
+    speed = _slope(time[from_ : top + 1], climb, reach)
     fastest = int(np.argmax(speed))
-    lift = _lift(speed, height[from_ : top + 1], fastest, track.noise, reach, step)
+    lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
     start = from_ + lift if lift is not None else from_
     pad, pad_sd = _pad(track, time[start] if lift is not None else None)
     gain = calm[top] - (pad if lift is not None or track.zeroed else height[from_])
@@ -75,26 +76,17 @@ def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Fl
 
 
 def _lift(
-    speed: Float[Array, "_"], height: Float[Array, "_"], fastest: int, noise: float, reach: int, step: float
+    time: Float[Array, "_"], climb: Float[Array, "_"], speed: Float[Array, "_"], fastest: int, least: float
 ) -> int | None:
     """The last sample before the climb that is not part of it; None where the log begins in the climb.
 
-    Where the air around a rocket near the speed of sound makes it seem to fall, the heights before were above
-    those after: then the search goes on before the dip.
+    Near the speed of sound the air around a rocket can make it seem to stand still or to fall for a while; so a
+    sample counts as quiet only where nothing rose in the ten seconds before.
     """
-    slow = max(0.06 * speed[fastest], 1.0, 5 * noise / (np.sqrt(2) * reach * step))
-    quiet = speed < slow
-    place = fastest
-    for _ in range(8):
-        before = np.flatnonzero(quiet[:place])
-        if before.size == 0:
-            return None
-        place = int(before[-1])
-        higher = np.flatnonzero(height[:place] > height[place] + max(10 * noise, 15.0))
-        if higher.size == 0 or place - higher[-1] > 10 / step:
-            break
-        place = int(higher[-1])
-    return place if place >= 1 else None
+    earlier = climb[np.searchsorted(time, time - 10)]
+    quiet = (speed < max(0.06 * speed[fastest], 1.0)) & (climb - earlier < least)
+    before = np.flatnonzero(quiet[:fastest])
+    return int(before[-1]) if before.size and before[-1] >= 1 else None
 
 
 def _pad(track: Heights, lift: float | None) -> tuple[float, float]:
