@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.recording.ballistic import coast_guess
+from fieldkit.recording.ballistic import Coast, fitted_coast
 from fieldkit.recording.channels import Heights, Push
 from fieldkit.recording.numbers import lag_one, mad_sd, median_step
 from fieldkit.recording.outline import Outline
@@ -24,6 +24,8 @@ _STUDENT = 4.0
 _KNOTS = 1200
 _AFTER = 2.0
 """How far past apogee the curve goes. [s]"""
+_RAM = 0.01
+"""Error of the pressure in a fast airframe, as a part of the dynamic pressure. [1]"""
 _MARGIN = 0.4
 """How long before and after a seeming fall its samples are not believed. [s]"""
 _FREE = 300.0
@@ -43,6 +45,8 @@ class Ascent:
     accelerations: Float[Array, "draw knot"]
     noise: float
     """Of a sample, as the fit has it. [m]"""
+    burnout_sd: float
+    """Of the time of burnout as heights alone have it; 0 where an accelerometer saw it. [s]"""
     fused: bool
     """Whether an accelerometer shaped the curve."""
 
@@ -69,15 +73,49 @@ def ascend(track: Heights, push: Push | None, seen: Outline, lift: float | None,
     grid = Grid(begin, pace, int(np.ceil((end - begin) / pace)))
     released = min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
     burnout = seen.fastest
-    rows, ascent = basis(grid, time), None
-    for _ in range(2):
-        guess, fused = _guess(grid, time, height, push, lift, burnout, released)
+    rows = basis(grid, time)
+    coast = fitted_coast(time, height, begin, burnout, released)
+    guess, fused = _guess(grid, coast, push, lift, burnout, released)
+    if fused:
+        burnout = _fastest(grid, guess, lift, released)
+    found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused)
+    if not fused and lift is not None:
+        burnout, spread = _likeliest(grid, rows, time, height, coast, found, lift, burnout, released)
+        guess, _ = _guess(grid, coast, None, lift, burnout, released)
+        found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused)
+        return _drawn(grid, guess, found, fused, spread)
+    return _drawn(grid, guess, found, fused, 0.0)
+
+
+def _fastest(grid: Grid, guess: _Guess, lift: float | None, released: float) -> float:
+    """When a guess is fastest between lift-off and release. [s]"""
+    inside = (grid.time >= (lift if lift is not None else grid.start)) & (grid.time <= released)
+    return float(grid.time[inside][np.argmax(guess.speed[inside])]) if inside.any() else released
+
+
+def _likeliest(
+    grid: Grid,
+    rows: Rows,
+    time: Float[Array, "time"],
+    height: Float[Array, "time"],
+    coast: Coast | None,
+    settled: "_Settled",
+    lift: float,
+    about: float,
+    released: float,
+) -> tuple[float, float]:
+    """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
+    reach = max(0.4, 0.25 * (about - lift))
+    every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, released - 0.1), 25)
+    evidence = []
+    for burnout in every:
+        guess, _ = _guess(grid, coast, None, lift, burnout, released)
         phases = _phases(grid, lift, burnout, released)
-        rest = height - np.interp(time, grid.time, guess.height)
-        found, noise = _fitted(grid, rows, rest, phases, track.noise, fused)
-        ascent = _drawn(grid, guess, found, noise, fused)
-        burnout = _burnout(ascent, lift, seen)
-    return ascent
+        evidence.append(settled.again(grid, rows, height - np.interp(time, grid.time, guess.height), phases).evidence)
+    share = np.exp(np.array(evidence) - np.max(evidence))
+    share /= share.sum()
+    mean = float(share @ every)
+    return mean, float(np.sqrt(share @ (every - mean) ** 2))
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
@@ -97,20 +135,18 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
 
 
 def _guess(
-    grid: Grid,
-    time: Float[Array, "time"],
-    height: Float[Array, "time"],
-    push: Push | None,
-    lift: float | None,
-    burnout: float,
-    released: float,
+    grid: Grid, coast: Coast | None, push: Push | None, lift: float | None, burnout: float, released: float
 ) -> tuple[_Guess, bool]:
     """A first acceleration, zero on the pad, and whether an accelerometer gave it."""
     knots = grid.time
-    guess, top_speed = coast_guess(knots, time, height, burnout, released)
     start = lift if lift is not None else knots[0]
-    boost = (knots >= start) & (knots < burnout)
-    guess[boost] = top_speed / max(burnout - start, 0.1) if lift is not None else 0.0
+    if coast is None:
+        guess, top_speed = np.full(knots.size, -GRAVITY), GRAVITY * max(released - burnout, 0.0)
+    else:
+        guess = np.interp(knots, coast.time, coast.acceleration)
+        top_speed = float(np.interp(burnout, coast.time, coast.speed))
+    if lift is not None:
+        guess[(knots >= start) & (knots < burnout)] = top_speed / max(burnout - start, 0.1)
     fused = False
     if push is not None:
         level = _levelled(push, lift)
@@ -146,25 +182,54 @@ def _phases(grid: Grid, lift: float | None, burnout: float, released: float) -> 
     return np.where(pad, 0, np.where(thrust, 1, np.where(middle < released, 2, 3)))
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class _Settled:
+    """What a fit came to: the curve, and the variances and the wander it was made with."""
+
+    curve: Fit
+    noise: float
+    variance: Float[Array, "time"]
+    thrust: float
+    coast: float
+
+    def again(self, grid: Grid, rows: Rows, rest: Float[Array, "time"], phases: Array) -> Fit:
+        """The curve through another rest with the same settings."""
+        return fit(grid, rows, rest, 1 / self.variance, np.choose(phases, [0.01, self.thrust, self.coast, _FREE]))
+
+
 def _fitted(
-    grid: Grid, rows: Rows, rest: Float[Array, "time"], phases: Array, noise: float, fused: bool
-) -> tuple[Fit, float]:
-    """The most probable curve through what the guess leaves, robustly, and the noise of a sample."""
+    grid: Grid,
+    rows: Rows,
+    time: Float[Array, "time"],
+    height: Float[Array, "time"],
+    guess: _Guess,
+    phases: Array,
+    noise: float,
+    fused: bool,
+) -> _Settled:
+    """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
+
+    Where an accelerometer gives the shape, the error of the pressure in a fast airframe counts as noise too.
+    """
     from scipy.optimize import minimize
 
+    rest = height - np.interp(time, grid.time, guess.height)
     centre = np.log([10.0 if fused else 2000.0, 1.0 if fused else 5.0, noise, 1.5])
     spread = np.array([0.7, 0.8, 0.35, 0.7])
     weight = np.ones(rest.size)
     early = phases[np.minimum(rows.first, phases.size - 1)] == 1
+    ram = (_RAM if fused else 0.0) * np.interp(time, grid.time, guess.speed) ** 2 / (2 * GRAVITY)
+
+    def variance(settings: Float[Array, "four"]) -> Float[Array, "time"]:
+        return np.asarray(np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + ram**2)
 
     def curve(settings: Float[Array, "four"], share: float = 1.0) -> Fit:
-        thrust, coast, sigma, rougher = np.exp(settings)
-        wander = np.choose(phases, [0.01, thrust, coast, _FREE])
-        sd = sigma * np.where(early, max(rougher, 1.0), 1.0)
-        return fit(grid, rows, rest, share * weight / sd**2, wander)
+        wander = np.choose(phases, [0.01, np.exp(settings[0]), np.exp(settings[1]), _FREE])
+        return fit(grid, rows, rest, share * weight / variance(settings), wander)
 
     def cost(settings: Float[Array, "four"]) -> float:
         far = (settings - centre) / spread
+        far[2] *= 1.0 if far[2] < 0 else 0.35  # filtered samples scatter less from one to the next than they err
         if np.any(np.abs(far) > 6):
             return 1e12
         return float(-curve(settings).evidence + 0.5 * (far**2).sum())
@@ -172,13 +237,19 @@ def _fitted(
     settings = centre
     for tries in (60, 60, 40):
         for _ in range(4):
-            sd = np.exp(settings[2]) * np.where(early, max(np.exp(settings[3]), 1.0), 1.0)
-            left = (rest - apply(rows, curve(settings).mean)) / sd
+            left = (rest - apply(rows, curve(settings).mean)) / np.sqrt(variance(settings))
             weight = (_STUDENT + 1) / (_STUDENT + left**2)
         settings = _searched(minimize, cost, settings, tries)
     left = rest - apply(rows, curve(settings).mean)
     alike = lag_one(left[(weight > 0.5) & ~early])
-    return curve(settings, (1 - alike) / (1 + alike)), max(float(np.exp(settings[2])), mad_sd(left[~early]))
+    share = (1 - alike) / (1 + alike)
+    return _Settled(
+        curve(settings, share),
+        max(float(np.exp(settings[2])), mad_sd(left[~early])),
+        variance(settings) / weight / share,
+        float(np.exp(settings[0])),
+        float(np.exp(settings[1])),
+    )
 
 
 def _searched(
@@ -189,12 +260,12 @@ def _searched(
     return np.asarray(minimize(cost, start, method="Nelder-Mead", options=options).x)  # type: ignore[attr-defined]
 
 
-def _drawn(grid: Grid, guess: _Guess, found: Fit, noise: float, fused: bool) -> Ascent:
+def _drawn(grid: Grid, guess: _Guess, settled: _Settled, fused: bool, spread: float) -> Ascent:
     """The curve, guess and rest together, and draws of it."""
     knots = grid.time
-    coefficients = found.draws(DRAWS, np.random.default_rng(0))
+    coefficients = settled.curve.draws(DRAWS, np.random.default_rng(0))
     shapes = [basis(grid, knots, order) for order in range(3)]
-    mean = [apply(rows, found.mean) for rows in shapes]
+    mean = [apply(rows, settled.curve.mean) for rows in shapes]
     drawn = [apply(rows, coefficients) for rows in shapes]
     return Ascent(
         knots,
@@ -204,12 +275,7 @@ def _drawn(grid: Grid, guess: _Guess, found: Fit, noise: float, fused: bool) -> 
         guess.height + drawn[0],
         guess.speed + drawn[1],
         guess.acceleration + drawn[2],
-        noise,
+        settled.noise,
+        spread,
         fused,
     )
-
-
-def _burnout(ascent: Ascent, lift: float | None, seen: Outline) -> float:
-    """When the curve is fastest. [s]"""
-    inside = (ascent.time >= (lift if lift is not None else ascent.time[0])) & (ascent.time <= seen.top)
-    return float(ascent.time[inside][np.argmax(ascent.speed[inside])])

@@ -1,48 +1,91 @@
 """A coast against drag and gravity, straight up: the shape that heights after burnout are first compared with.
 
-With the drag k v² per mass the way up is `v = sqrt(g/k) tan(sqrt(g k) (t_apogee - t))`, the way down the same with
-tanh, and heights are their integrals (any text on exterior ballistics). Air that thins and drag that depends on
-Mach number bend the true curve a little away from it, which is what the fit to the rest is for.
+Drag per mass is `k v²`, thinner with height as the air is, and greater by half beyond the speed of sound, which is
+typical of slender rockets. Where a rocket has another drag, the true curve bends a little away from this one: that
+is what the fit to the rest is for.
 """
+
+from dataclasses import dataclass
+from math import exp
 
 import numpy as np
 
 from fieldkit.shapes import Array, Float
 from fieldkit.standard_air import GRAVITY
 
-
-def coast(time: Float[Array, "time"], apogee: float, drag: float) -> tuple[Array, Array, Array]:
-    """Height from apogee [m], speed [m/s] and acceleration [m/s^2] of a coast with a drag per mass [1/m]."""
-    ahead = np.sqrt(GRAVITY * drag) * (apogee - time)
-    up = np.clip(ahead, 0, 1.45)  # tan has no end to it: further back, the speed stays at what it is there
-    down = np.maximum(-ahead, 0)
-    height = np.where(ahead > 0, np.log(np.cos(up)), -_log_cosh(down)) / drag
-    speed = np.sqrt(GRAVITY / drag) * np.where(ahead > 0, np.tan(up), -np.tanh(down))
-    return height, speed, -GRAVITY - drag * speed * np.abs(speed)
+_STEP = 0.05
+_SCALE_HEIGHT = 9500.0
+"""Height in which the air of the lower troposphere thins by e. [m]"""
+_SOUND = 335.0
+_FASTEST = 1200.0
 
 
-def coast_guess(
-    knots: Float[Array, "knot"], time: Float[Array, "time"], height: Float[Array, "time"], burnout: float, end: float
-) -> tuple[Array, float]:
-    """Acceleration of the coast that fits the heights from burnout to `end` best, and its speed at burnout."""
+@dataclass(frozen=True, slots=True, eq=False)
+class Coast:
+    """A coast on even times: height from the pad [m], speed [m/s], acceleration [m/s^2]."""
+
+    time: Float[Array, "step"]
+    height: Float[Array, "step"]
+    speed: Float[Array, "step"]
+    acceleration: Float[Array, "step"]
+
+
+def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> Coast:
+    """The coast through an apogee [s], [m] with a drag per mass at the pad [1/m], integrated back and forth from there.
+
+    Going back it is stopped at a speed that no hobby rocket has, and goes on at that speed.
+    """
+    back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
+    forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))
+    rows = np.array([*back[:0:-1], *forth])
+    return Coast(apogee + _STEP * (np.arange(len(rows)) - len(back) + 1), *rows.T)
+
+
+def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[float, float, float]]:
+    """Height, speed and acceleration from apogee on, by the midpoint rule."""
+
+    def push(height: float, speed: float) -> float:
+        rise = 1 + 0.5 / (1 + exp(min(max((_SOUND - abs(speed)) / 12, -30), 30)))
+        return -GRAVITY - drag * rise * exp(min(-height / _SCALE_HEIGHT, 1.0)) * speed * abs(speed)
+
+    height, speed = top, 0.0
+    rows = [(height, speed, -GRAVITY)]
+    for _ in range(count):
+        now = push(height, speed)
+        middle = speed + now * step / 2
+        height += step * middle
+        speed += step * push(height - step * middle / 2, middle)
+        if abs(speed) > _FASTEST:
+            speed = _FASTEST if speed > 0 else -_FASTEST
+        rows.append((height, speed, push(height, speed) if abs(speed) < _FASTEST else 0.0))
+    return rows
+
+
+def fitted_coast(
+    time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
+) -> Coast | None:
+    """The coast that heights from a little after burnout to `end` suggest, from `begin` on; None if they are few."""
     from scipy.optimize import least_squares
 
     inside = (time > burnout + 0.25) & (time < end + 0.3)
-    flat = np.full(knots.size, -GRAVITY)
     if inside.sum() < 6:
-        return flat, GRAVITY * max(end - burnout, 0.0)
-    when, where = time[inside], height[inside]
-    scale = max(0.01 * np.ptp(where), 0.3)
+        return None
+    every = max(1, inside.sum() // 300)
+    when, where = time[inside][::every], height[inside][::every]
+    scale = max(0.003 * float(np.ptp(where)), 0.3)
+
+    def curve(values: Float[Array, "three"], start: float) -> Coast:
+        return coast(float(values[0]), float(values[1]), exp(float(values[2])), start, end + 3)
 
     def misfit(values: Float[Array, "three"]) -> Float[Array, "time"]:
-        return np.asarray((values[0] + coast(when, values[1], np.exp(values[2]))[0] - where) / scale)
+        found = curve(values, float(when[0]))
+        return np.asarray((np.interp(when, found.time, found.height) - where) / scale)
 
-    start = np.array([where.max(), when[np.argmax(where)], np.log(1e-3)])
-    lower, upper = start - [1e4, 60, 7], start + [1e4, 60, 5]
-    found = least_squares(misfit, start, loss="soft_l1", bounds=(lower, upper), max_nfev=60).x
-    _, speed, acceleration = coast(knots, found[1], float(np.exp(found[2])))
-    return acceleration, float(np.interp(burnout, knots, speed))
-
-
-def _log_cosh(value: Float[Array, "_"]) -> Float[Array, "_"]:
-    return np.asarray(value + np.log1p(np.exp(-2 * value)) - np.log(2))
+    top = int(np.argmax(where))
+    start = np.array([when[top], where[top], np.log(1e-3)])
+    room = np.array([60.0, 1e4, 5.0])
+    steps = [1.0, 10.0, 0.3]
+    found = least_squares(
+        misfit, start, loss="soft_l1", bounds=(start - room, start + room), max_nfev=25, x_scale=steps, diff_step=1e-5
+    )
+    return curve(found.x, begin)

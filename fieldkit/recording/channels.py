@@ -117,7 +117,7 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
     middle = running_median(height, size)
     away = np.abs(height - middle)
     usual = 1.4826 * running_median(away, int(np.clip(4 * size, 41, 241)) | 1)
-    noise = max(mad_sd(np.diff(height - middle)) / np.sqrt(2), _resolution(height) / np.sqrt(12), 0.02)
+    noise = max(mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height) / np.sqrt(12), 0.02)
     sagitta = GRAVITY * (size / 2 * step) ** 2
     line = away <= 5 * np.maximum(usual, noise) + sagitta
     if line.sum() < FEWEST:
