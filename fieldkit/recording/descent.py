@@ -81,7 +81,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     even = np.arange(apogee, time[-1], max(0.25, (time[-1] - apogee) / 2000))
     smooth = np.interp(even, time[fall], calm[fall])
-    reach = max(1, round(1.0 / (even[1] - even[0]))) if even.size > 2 else 1
+    reach = max(1, round(2.0 / (even[1] - even[0]))) if even.size > 2 else 1
     if even.size < 4 * reach:
         return None, None
     speed = (smooth[:-reach] - smooth[reach:]) / (reach * (even[1] - even[0]))
@@ -105,7 +105,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
 
 
 def descent_speed(
-    track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None, apogee: float
+    track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None
 ) -> Figure | None:
     """Mean speed from ejection, or apogee, to landing, as the AltimeterTwo gives it.
 
@@ -115,7 +115,7 @@ def descent_speed(
     """
     from scipy.stats import theilslopes
 
-    start = max(begin.time, apogee)
+    start = begin.time
     upper = float(np.interp(start, track.time, seen.calm))
     if end is not None and level is not None and end.time - start > 1:
         value = (upper - level) / (end.time - start)
@@ -132,21 +132,16 @@ def descent_speed(
 
 
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
-    """Height above the pad at an event, by the line through what came in the second before it. [m]"""
-    from scipy.stats import theilslopes
-
+    """Height above the pad at an event, by the parabola through what came in the second before it. [m]"""
     if ascent.time[0] <= moment.time <= ascent.time[-1]:
         value = float(np.interp(moment.time, ascent.time, ascent.height))
         slope = float(np.interp(moment.time, ascent.time, ascent.speed))
         spread = float(np.interp(moment.time, ascent.time, ascent.heights.std(axis=0)))
     else:
-        before = (track.time > moment.time - 1) & (track.time < moment.time - 0.02)
-        if before.sum() < 5:
-            before = np.zeros(track.time.size, bool)
-            last = int(np.searchsorted(track.time, moment.time))
-            before[max(0, last - 5) : last] = True
-        slope, middle, *_ = theilslopes(track.height[before], track.time[before])
-        value = float(middle + slope * moment.time) - seen.pad
-        spread = 3 * track.noise / np.sqrt(before.sum()) + GRAVITY / 12
+        last = int(np.searchsorted(track.time, moment.time - 0.02))
+        first = min(int(np.searchsorted(track.time, moment.time - 1)), max(0, last - 6))
+        when, where = track.time[first:last] - moment.time, track.height[first:last] - seen.pad
+        _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
+        spread = 3 * track.noise / np.sqrt(when.size)
     sd = np.sqrt(spread**2 + seen.pad_sd**2 + (slope * moment.sd) ** 2)
     return Figure(value, float(sd), track.source)

@@ -10,7 +10,7 @@ from fieldkit.standard_air import GRAVITY, standard_density
 
 _SLOWEST = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
-_FUSED, _DERIVED, _DISTURBED = 0.007, 0.01, 0.03
+_FUSED, _DERIVED, _DISTURBED = 0.02, 0.015, 0.03
 """Error of a top speed, to the speed: with an accelerometer, from heights alone, and that near the speed of sound. [1]"""
 _TRANSONIC = 270.0
 """From about Mach 0.8 on, shocks disturb the pressure in the airframe. [m/s]"""
@@ -82,7 +82,7 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, s
         return None
     place = int(np.argmax(ascent.acceleration[inside]))
     value = float(ascent.acceleration[inside][place])
-    sd = np.hypot(float(ascent.accelerations[:, inside][:, place].std()), 0.1 * value)
+    sd = np.hypot(float(ascent.accelerations[:, inside][:, place].std()), 0.15 * value)
     return Figure(value, float(sd), source) if value > 2 * sd else None
 
 
@@ -95,7 +95,7 @@ def boost_event(ascent: Ascent, begin: float, apogee: float, source: str) -> tup
     place = int(np.argmax(ascent.speed[inside]))
     value = float(ascent.speed[inside][place])
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
-    sd = np.hypot(1.4826 * np.median(np.abs(moments - time[place])), 0.02 if ascent.fused else np.hypot(0.03, ascent.burnout_sd))
+    sd = np.hypot(1.4826 * np.median(np.abs(moments - time[place])), 0.02 if ascent.fused else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd))
     spread = float(ascent.speeds[:, inside][:, place].std())
     least = _FUSED if ascent.fused else _DERIVED if value < _TRANSONIC else _DISTURBED
     return Event(float(time[place]), float(sd), source), Figure(value, float(np.hypot(spread, least * value)), source)

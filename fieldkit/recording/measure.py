@@ -11,10 +11,13 @@ from fieldkit.recording.channels import Heights, heights, pushes
 from fieldkit.recording.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.recording.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.recording.liftoff import liftoff
+from fieldkit.recording.numbers import mad_sd
 from fieldkit.recording.outline import Outline, outline
 from fieldkit.recording.records import Event, Figure, Recorded
 from fieldkit.standard_air import GRAVITY
 
+_LEAST = 0.15
+"""Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "nothing in this log rises as a rocket does: no figure is taken from it"
 NO_APOGEE = "no apogee in this log: it ends before the top"
@@ -90,8 +93,12 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
         return None
     tops = ascent.heights.max(axis=1)
     moments = ascent.time[np.argmax(ascent.heights, axis=1)]
-    sd = float(np.hypot(tops.std(), seen.pad_sd))
-    event = Event(float(ascent.time[place]), float(max(1.4826 * np.median(np.abs(moments - ascent.time[place])), 0.02)), track.source)
+    near = np.abs(track.time - ascent.time[place]) < 1.0
+    left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
+    rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
+    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + _LEAST**2))
+    spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
+    event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
 
 
@@ -143,7 +150,7 @@ def _down(
             figures["duration"] = _between(lift, landed, track.source)
     else:
         notes.append(NO_LANDING)
-    speed = descent_speed(track, seen, ejected or replace(apogee, sd=1.0), landed, level, apogee.time)
+    speed = descent_speed(track, seen, ejected or replace(apogee, sd=2.0), landed, level)
     if speed:
         figures["descent_speed"] = speed
     return min(apogee.time, ejected.time if ejected else np.inf)
