@@ -169,7 +169,12 @@ def log(truth: Truth, logger: Logger, random: np.random.Generator) -> tuple[Seri
     felt = np.where(ticks < 0, GRAVITY, felt)
     blow = np.exp(-(((ticks - truth.ejection) / 0.03) ** 2)) * 15 * GRAVITY
     hanging = ticks > truth.ejection + 0.2
-    felt = logger.scale * felt + logger.bias + blow + random.normal(0, np.where(hanging & (ticks < truth.time[-1]), 8, 0.3))
+    felt = (
+        logger.scale * felt
+        + logger.bias
+        + blow
+        + random.normal(0, np.where(hanging & (ticks < truth.time[-1]), 8, 0.3))
+    )
     return (series, Series(time=ticks + logger.start, felt=felt))
 
 

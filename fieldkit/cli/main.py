@@ -18,6 +18,7 @@ GROUPS = (
     "intake",
     "add",
     "records",
+    "compare",
     "infer",
     "forecast",
     "loop",

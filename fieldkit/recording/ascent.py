@@ -15,7 +15,7 @@ from fieldkit.recording.channels import Heights, Push
 from fieldkit.recording.numbers import lag_one, mad_sd, median_step
 from fieldkit.recording.outline import Outline
 from fieldkit.recording.smooth import Fit, Grid, Rows, apply, basis, fit
-from fieldkit.shapes import Array, Flags, Float
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 from fieldkit.standard_air import GRAVITY
 
 DRAWS = 200
@@ -190,7 +190,7 @@ def _levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
     return push.felt - (level if abs(level - GRAVITY) < 1.5 else GRAVITY)
 
 
-def _phases(grid: Grid, lift: float | None, burnout: float, released: float) -> Array:
+def _phases(grid: Grid, lift: float | None, burnout: float, released: float) -> Int[Integers, "interval"]:
     """0 on the pad, 1 under thrust, 2 in the coast, 3 once a parachute may be out."""
     middle = grid.middles
     thrust = middle < burnout + max(0.15, 2 * grid.step)
@@ -208,7 +208,7 @@ class _Settled:
     thrust: float
     coast: float
 
-    def again(self, grid: Grid, rows: Rows, rest: Float[Array, "time"], phases: Array) -> Fit:
+    def again(self, grid: Grid, rows: Rows, rest: Float[Array, "time"], phases: Int[Integers, "interval"]) -> Fit:
         """The curve through another rest with the same settings."""
         return fit(grid, rows, rest, 1 / self.variance, np.choose(phases, [0.01, self.thrust, self.coast, _FREE]))
 
@@ -219,7 +219,7 @@ def _fitted(
     time: Float[Array, "time"],
     height: Float[Array, "time"],
     guess: _Guess,
-    phases: Array,
+    phases: Int[Integers, "interval"],
     noise: float,
     fused: bool,
 ) -> _Settled:

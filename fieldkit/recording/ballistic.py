@@ -38,7 +38,8 @@ def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> C
     back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
     forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))
     rows = np.array([*back[:0:-1], *forth])
-    return Coast(apogee + _STEP * (np.arange(len(rows)) - len(back) + 1), *rows.T)
+    time = np.asarray(apogee + _STEP * (np.arange(len(rows)) - len(back) + 1), float)
+    return Coast(time, *rows.T)
 
 
 def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[float, float, float]]:
@@ -86,6 +87,12 @@ def fitted_coast(
     room = np.array([60.0, 1e4, 5.0])
     steps = [1.0, 10.0, 0.3]
     found = least_squares(
-        misfit, start, loss="soft_l1", bounds=(start - room, start + room), max_nfev=25, x_scale=steps, diff_step=1e-5
+        misfit,
+        start,
+        loss="soft_l1",
+        bounds=(start - room, start + room),
+        max_nfev=25,
+        x_scale=steps,
+        diff_step=[1e-5] * 3,
     )
     return curve(found.x, begin)

@@ -31,7 +31,9 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     return Event(float(time[blow[0]]), max(median_step(time), 0.02), push.source)
 
 
-def ejection(stated: Mapping[str, float], blow: Event | None, track: Heights, seen: Outline, apogee: Event) -> Event | None:
+def ejection(
+    stated: Mapping[str, float], blow: Event | None, track: Heights, seen: Outline, apogee: Event
+) -> Event | None:
     """When the first charge went: as the logger marked it, as it was felt, or as the fall was braked."""
     for name in _CHARGES:
         if name in stated:
@@ -63,7 +65,11 @@ def _braked(track: Heights, seen: Outline, apogee: Event) -> Event | None:
     fastest = int(np.argmax(fall))
     blur = 3 * track.noise / (width * (even[1] - even[0]))
     late = when[fastest] - apogee.time
-    if fall[fastest] < 1.5 * steady + max(2.0, blur) or fall[fastest] < 0.55 * GRAVITY * late or fastest > 0.8 * fall.size:
+    if (
+        fall[fastest] < 1.5 * steady + max(2.0, blur)
+        or fall[fastest] < 0.55 * GRAVITY * late
+        or fastest > 0.8 * fall.size
+    ):
         return None
     return Event(float(when[fastest]), 0.4, track.source)
 
@@ -104,9 +110,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
 
 
-def descent_speed(
-    track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None
-) -> Figure | None:
+def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None) -> Figure | None:
     """Mean speed from ejection, or apogee, to landing, as the AltimeterTwo gives it.
 
     In a ledger of that device, ejection height over the time from ejection to landing is 1.03 of its descent

@@ -11,7 +11,7 @@ from fieldkit.standard_air import GRAVITY, standard_density
 _SLOWEST = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
 _FUSED, _DERIVED, _DISTURBED = 0.02, 0.015, 0.03
-"""Error of a top speed, to the speed: with an accelerometer, from heights alone, and that near the speed of sound. [1]"""
+"""Error of a top speed, to it: with an accelerometer, from heights, from heights near the speed of sound. [1]"""
 _TRANSONIC = 270.0
 """From about Mach 0.8 on, shocks disturb the pressure in the airframe. [m/s]"""
 _SCALE = 0.02
@@ -95,7 +95,10 @@ def boost_event(ascent: Ascent, begin: float, apogee: float, source: str) -> tup
     place = int(np.argmax(ascent.speed[inside]))
     value = float(ascent.speed[inside][place])
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
-    sd = np.hypot(1.4826 * np.median(np.abs(moments - time[place])), 0.02 if ascent.fused else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd))
+    sd = np.hypot(
+        1.4826 * np.median(np.abs(moments - time[place])),
+        0.02 if ascent.fused else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd),
+    )
     spread = float(ascent.speeds[:, inside][:, place].std())
     least = _FUSED if ascent.fused else _DERIVED if value < _TRANSONIC else _DISTURBED
     return Event(float(time[place]), float(sd), source), Figure(value, float(np.hypot(spread, least * value)), source)

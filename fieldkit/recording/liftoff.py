@@ -6,7 +6,7 @@ from fieldkit.recording.channels import Heights, Push
 from fieldkit.recording.numbers import mad_sd, median_step
 from fieldkit.recording.outline import Outline
 from fieldkit.recording.records import Event
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.standard_air import GRAVITY
 
 
@@ -37,10 +37,12 @@ def _by_push(push: Push, seen: Outline) -> Event | None:
         return None
     first = crossing[_sustained(crossing, felt, level, bar)]
     share = (bar - felt[first]) / (felt[first + 1] - felt[first])
-    return Event(float(time[first] + share * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration")
+    return Event(
+        float(time[first] + share * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
+    )
 
 
-def _sustained(crossing: Array, felt: Float[Array, "_"], level: float, bar: float) -> int:
+def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: float, bar: float) -> int:
     """Which crossing begins the boost: the first after which most of the push stays above the bar."""
     for place, index in enumerate(crossing):
         if np.mean(felt[index + 1 :] > bar) > 0.6:

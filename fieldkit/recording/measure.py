@@ -14,7 +14,7 @@ from fieldkit.recording.liftoff import liftoff
 from fieldkit.recording.numbers import mad_sd
 from fieldkit.recording.outline import Outline, outline
 from fieldkit.recording.records import Event, Figure, Recorded
-from fieldkit.standard_air import GRAVITY
+from fieldkit.standard_air import pressure_height
 
 _LEAST = 0.15
 """Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
@@ -163,8 +163,6 @@ def _between(first: Event, second: Event, source: str) -> Figure:
 
 def _elevation(clocks: Sequence[Series], lift: Event | None) -> float:
     """The pad above sea level, as its pressure or a channel above sea level has it; 0 where none does. [m]"""
-    from fieldkit.standard_air import pressure_height
-
     for name in ("pressure", "altitude_msl", "gps_altitude_msl"):
         for series in clocks:
             values = getattr(series, name)
@@ -175,6 +173,3 @@ def _elevation(clocks: Sequence[Series], lift: Event | None) -> float:
                     level = np.median(early, keepdims=True)
                     return float((pressure_height(level) if name == "pressure" else level)[0])
     return 0.0
-
-
-__all__ = ["GRAVITY", "measure"]

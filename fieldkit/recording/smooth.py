@@ -11,7 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 
 _DEGREE = 3
 
@@ -27,19 +27,19 @@ class Grid:
     @property
     def time(self) -> Float[Array, "knot"]:
         """The knots. [s]"""
-        return self.start + self.step * np.arange(self.count + 1)
+        return np.asarray(self.start + self.step * np.arange(self.count + 1), float)
 
     @property
     def middles(self) -> Float[Array, "interval"]:
         """The middles of the intervals between knots. [s]"""
-        return self.start + self.step * (np.arange(self.count) + 0.5)
+        return np.asarray(self.start + self.step * (np.arange(self.count) + 0.5), float)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Rows:
     """Four basis splines that are not zero at each of some times, and the first one's number."""
 
-    first: Array
+    first: Int[Integers, "time"]
     value: Float[Array, "time four"]
 
 
@@ -76,7 +76,7 @@ class Fit:
 
         noise = random.standard_normal((self.mean.size, count))
         away, _ = dtbtrs(self.factor, noise, uplo="L", trans="T")
-        return self.mean + away.T
+        return np.asarray(self.mean + away.T)
 
 
 def fit(
