@@ -185,7 +185,7 @@ def _levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
     if rest.size < 3:
         return push.felt - GRAVITY
     level = float(np.median(rest))
-    if abs(level - GRAVITY) > 6.0:
+    if abs(level - GRAVITY) > 12.0:
         return None
     return push.felt - (level if abs(level - GRAVITY) < 1.5 else GRAVITY)
 
