@@ -20,7 +20,7 @@ from datetime import datetime
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.logtext import decode, first_row, rows, shown
+from fieldkit.logtext import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import identity
 
@@ -57,7 +57,7 @@ def _kind(header: list[str]) -> str | None:
 
 
 def read(log: bytes) -> list[Found]:
-    text = decode(log)
+    text = decode_whole(log)
     header_row, header = first_row(text, ",")
     kind = _kind(header)
     if kind is None:

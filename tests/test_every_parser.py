@@ -1,15 +1,17 @@
 """What holds for every parser on the shelf; a new file is tested before its author writes a test."""
 
 import json
+from dataclasses import fields
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.flight import READOUTS
-from fieldkit.parsing import HEAD, Intake, Parser, Reading, parsers, read, recognise
+from fieldkit.parsing import Intake, Parser, Reading, claims, parsers, read, recognise
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -51,13 +53,7 @@ def test_every_parser_has_a_sample_log(name: str) -> None:
 @every_sample
 def test_a_sample_is_claimed_by_its_own_parser_and_no_other(sample: Path) -> None:
     log = sample.read_bytes()
-    claims = []
-    for name, parser in parsers().items():
-        try:
-            claims += [name] if parser.recognises(log[:HEAD]) else []
-        except DamagedLog:
-            continue
-    assert claims == [owner(sample)]
+    assert claims(log) == [owner(sample)]
     assert isinstance(recognise(log), Parser)
 
 
@@ -67,11 +63,26 @@ def test_a_sample_reads_as_its_golden_figures_say(sample: Path) -> None:
     assert got == json.loads((GOLDEN / f"{sample.name}.json").read_text(encoding="utf-8"))
 
 
+def check_samples(reading: Reading) -> None:
+    """Complain of a clock that runs backwards, of channels without numbers or of another length than their clock."""
+    for series in reading.clocks:
+        assert len(series.time)
+        assert np.isfinite(series.time).all()
+        assert (np.diff(series.time) >= 0).all()
+        for name in (f.name for f in fields(series)):
+            values = getattr(series, name)
+            if values is not None:
+                assert (values.shape, values.dtype) == (series.time.shape, np.float64), name
+                assert np.isfinite(values).any(), name
+                assert not np.isinf(values).any(), name
+    assert all(np.isfinite(when) for when in reading.events.values())
+
+
 @every_sample
-def test_a_clock_never_runs_backwards(sample: Path) -> None:
+def test_a_clock_never_runs_backwards_and_every_channel_has_numbers(sample: Path) -> None:
     for item in parsers()[owner(sample)].read(sample.read_bytes()):
-        for series in item.clocks if isinstance(item, Reading) else ():
-            assert (series.time[1:] >= series.time[:-1]).all()
+        if isinstance(item, Reading):
+            check_samples(item)
 
 
 @every_sample
@@ -110,6 +121,13 @@ def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_mend(
     for line in troubles(log, sample.name, owner(sample) if forced else None):
         assert len(line.splitlines()) == 1
         assert line.startswith(sample.name)
+    try:
+        found = parsers()[owner(sample)].read(log)
+    except DamagedLog:
+        return
+    for item in found:
+        if isinstance(item, Reading):
+            check_samples(item)
 
 
 @pytest.mark.parametrize("name", parsers())

@@ -14,7 +14,8 @@ ROOT = Path(__file__).parents[1]
 
 NEVER = {"torch", "textual", "pandas", "matplotlib"}
 ALLOWED = {
-    "parsers": {"parsing", "flight", "units", "errors", "shapes", "sanity", "logtext", "safe_text"},
+    "parsers": {"parsing", "columns", "flight", "units", "errors", "shapes", "sanity", "logtext", "safe_text"}
+    | {"layout", "headings", "mapping", "settling", "simulations", "tables", "altos", "standard_air"},
     "models/effects": {"simulator", "flight", "errors", "shapes"},
 }
 """What the plug-ins of a shelf may use of the engine."""
