@@ -1,6 +1,7 @@
 """What holds for every parser on the shelf; a new file is tested before its author writes a test."""
 
 import json
+import math
 from dataclasses import fields
 from pathlib import Path
 
@@ -10,12 +11,19 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog, FieldkitError
-from fieldkit.flight import READOUTS
+from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.parsing import Intake, Parser, Reading, claims, parsers, read, recognise
+from fieldkit.recording import sd_header
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
 every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.name)
+
+
+def rounded(flight: Flight, column: Column, value: float) -> float:
+    """A readout as a display shows it, or as well as it was measured."""
+    number, sd = float(column.render(value)), flight.extra.get(sd_header(column))
+    return round(number, -math.floor(math.log10(float(sd)))) if sd else float(f"{number:.5g}")
 
 
 def summary(intake: Intake) -> dict[str, object]:
@@ -29,7 +37,7 @@ def summary(intake: Intake) -> dict[str, object]:
             "tags": list(flight.tags),
             "dry_mass_kg": flight.dry_mass and round(flight.dry_mass, 4),
         }
-        | {c.header: float(f"{float(c.render(v)):.5g}") for c in READOUTS if (v := flight.number(c.name)) is not None}
+        | {c.header: rounded(flight, c, v) for c in READOUTS if (v := flight.number(c.name)) is not None}
         for flight in intake.flights
     ]
     rejected = [f"row {r.row}, {r.column}: {r.error}" for r in intake.rejected]

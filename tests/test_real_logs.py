@@ -48,17 +48,19 @@ def flown(name: str) -> tuple[Reading, Recorded]:
 
 
 def robust_apogee(clocks: tuple[Series, ...]) -> float:
-    """The highest 11-sample median of the heights, above the median of the first samples where that is needed."""
+    """The highest 11-sample median of the heights, where needed above that of the first in the minute before."""
     for name in ("altitude", "pressure", "altitude_msl", "gps_altitude_msl"):
         for series in clocks:
             values = getattr(series, name)
             if values is None:
                 continue
-            values = values[np.isfinite(values)]
+            there = np.isfinite(values)
+            time, values = series.time[there], values[there]
             if name == "pressure":
                 values = 44330.77 * (1 - (values / 101325) ** 0.190263)
             medians = np.median(np.lib.stride_tricks.sliding_window_view(values, 11), axis=1)
-            return float(medians.max() - (0 if name == "altitude" else np.median(values[:11])))
+            pad = values[time > time[np.argmax(medians)] - 60][:11]
+            return float(medians.max() - (0 if name == "altitude" else np.median(pad)))
     raise AssertionError("no heights")
 
 
