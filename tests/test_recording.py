@@ -5,6 +5,8 @@ from functools import cache
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fieldkit.flight import READOUTS, Series
 from fieldkit.recording import Recorded, columns, measure, measured_sd
@@ -135,6 +137,28 @@ def test_a_handful_of_samples_is_no_crash(count: int) -> None:
     measure((Series(time=time, altitude=400 - (time - 9) ** 2 * 4.9, felt=np.full(count, np.nan)),))
 
 
+@settings(max_examples=15, deadline=None)
+@given(seed=st.integers(0, 2**32), hurt=st.sampled_from(["cut", "noise", "jumps", "huge", "missing", "constant"]))
+def test_whatever_the_samples_are_measuring_ends_in_finite_figures(seed: int, hurt: str) -> None:
+    random = np.random.default_rng(seed)
+    (series,) = log(flown(SMALL), Logger(rate=10), random)
+    height = series.altitude.copy()
+    some = random.random(height.size) < 0.4
+    if hurt == "cut":
+        first, last = np.sort(random.integers(0, height.size, 2))
+        series, height = Series(time=series.time[first:last]), height[first:last]
+    elif hurt == "noise":
+        height += 300 * random.standard_normal(height.size)
+    elif hurt == "jumps":
+        height += np.cumsum(some * random.normal(0, 200, height.size))
+    else:
+        height[some] = {"huge": 1e30, "missing": np.nan, "constant": 7.0}[hurt]
+    recorded = measure((Series(time=series.time, altitude=height, felt=height),))
+    for figure in recorded.figures.values():
+        assert np.isfinite([figure.value, figure.sd]).all()
+        assert figure.sd > 0
+
+
 def test_one_sample_never_makes_a_figure() -> None:
     truth = flown(SMALL)
     (series,) = log(truth, Logger(), np.random.default_rng(3))
@@ -244,3 +268,12 @@ def test_standard_heights_and_pressures_are_each_others_inverse() -> None:
     assert pressure_height(height_pressure(height)) == pytest.approx(height, abs=1e-6)
     assert height_pressure(np.array([11000.0, 20000.0])) == pytest.approx([22632.1, 5474.9], rel=1e-4)
     assert np.isnan(pressure_height(np.array([0.0, -5.0]))).all()
+
+
+@pytest.mark.parametrize("place", [0, -1])
+def test_a_spike_at_either_end_of_a_log_is_a_spike(place: int) -> None:
+    truth = flown(SMALL)
+    (series,) = log(truth, Logger(), np.random.default_rng(6))
+    height = series.altitude.copy()
+    height[place] = 5000.0
+    assert abs(off(measure((replace(series, altitude=height),)), truth, "apogee")) < 1.0

@@ -31,6 +31,8 @@ FEWEST = 12
 _MANY, _FINE, _COARSE = 20_000, 200.0, 20.0
 _CLIMBING = 8.0
 """Speed at which something in a log moves as a rocket does. [m/s]"""
+_STRONGEST = 10_000.0
+"""Accelerations beyond this are faults of the log. [m/s^2]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 
@@ -90,6 +92,10 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
                 continue
             if name == "inertial_speed":
                 values = np.gradient(values, time)
+            believed = np.abs(values) < _STRONGEST
+            time, values = time[believed], values[believed]
+            if time.size < FEWEST:
+                continue
             return Push(time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", SPOKEN[name])
     return None
 

@@ -45,7 +45,10 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(push, seen.fastest, seen.top)
-    ascent = ascend(track, push, seen, lift.time if lift else None, blow.time if blow else stated.get("apogee"))
+    try:
+        ascent = ascend(track, push, seen, lift.time if lift else None, blow.time if blow else stated.get("apogee"))
+    except np.linalg.LinAlgError:  # samples so wild that no curve goes through them
+        ascent = None
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
     return _told(track, seen, ascent, lift, push, clocks, stated)
