@@ -229,10 +229,29 @@ def read_together(
     table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
     before anything is taken from any.
     """
-    opened = _joined([(source, *_open(log, source, format, choices)) for source, log in files])
+    logs = list(files)
+    joined = _joined([(source, *_open(log, source, format, choices)) for source, log in logs])
+    opened = [
+        (source, name, _with_figures(found, name, log))
+        for (source, name, found), (_, log) in zip(joined, logs, strict=True)
+    ]
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
     return [_intake(source, name, found, rockets, check_motor) for source, name, found in opened]
+
+
+def read_recordings(
+    log: bytes, source: str, format: str | None = None, choices: Sequence[Choice] = ()
+) -> list[Reading]:
+    """The readings of a log that hold samples, flights and simulations, as they were recorded.
+
+    Raises UnknownFormat or DamagedLog, also where the log has no samples.
+    """
+    _, found = _open(log, source, format, choices)
+    readings = [item for item in found if isinstance(item, Reading) and item.clocks]
+    if not readings:
+        raise DamagedLog("found no samples, expected a log of heights over time", source=source)
+    return readings
 
 
 Opened = tuple[str, str, Sequence[Found]]
@@ -353,6 +372,43 @@ def _told(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
     return DamagedLog(printable(error.found)[:MOST_TOLD], row=row or error.row, column=column, source=source)
 
 
+def _with_figures(found: Sequence[Found], format: str, log: bytes) -> Sequence[Found]:
+    """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
+    with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
+    if not with_samples:
+        return found
+    digest = hashlib.sha256(log).hexdigest()[:10]
+    told: list[Found] = []
+    for item in found:
+        if isinstance(item, Reading) and item.clocks and item.describes == "flight":
+            told += _recorded(item, format, digest, with_samples.index(id(item)) + 1, len(with_samples))
+        else:
+            told.append(item)
+    return told
+
+
+def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
+    """A reading with samples as one whose readouts are measured in them, and what is to be said of that.
+
+    Its flight is named after the bytes of its log, so that another way of measuring does not make it another flight;
+    the extra columns say which parser reads the log again, and which of its flights this is.
+    """
+    from fieldkit.recording import columns, measure
+
+    recorded = measure(reading.clocks, reading.events)
+    fields, extra = columns(recorded, reading.stated)
+    if not fields.get("flight_id"):
+        when = fields.get("date_time")
+        start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"
+        fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
+    told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
+    if parts > 1:
+        told["log_part"] = str(part)
+    known = {name: text for name, text in told.items() if text}
+    measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known})
+    return [measured, *(Note(text, reading.row) for text in recorded.notes)]
+
+
 def _intake(
     source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
@@ -363,10 +419,10 @@ def _intake(
         try:
             if isinstance(item, DamagedLog):
                 raise item
+            if isinstance(item, Reading) and item.describes == "simulation":
+                continue
             if isinstance(item, Reading) and item.describes == "rocket":
                 _flight(item)
-            elif isinstance(item, Reading) and item.describes == "simulation":
-                notes.append(Note("is a simulation: it can be compared with flights, and is not taken for one"))
             elif isinstance(item, Reading):
                 flight = _measured(_named(item, rockets), check_motor)
                 notes += _keep(flight, item.row, kept)
@@ -375,6 +431,8 @@ def _intake(
             rejected.append(Rejected(source, told.row, told.column, told.found))
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
         notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
+    if any(isinstance(item, Reading) and item.describes == "simulation" for item in found):
+        notes.append(Note(_SIMULATED.format(source)))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
@@ -384,6 +442,7 @@ def _intake(
     return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped)
 
 
+_SIMULATED = "a simulation is no flight and is not taken in; `fieldkit compare FLIGHT {}` puts it beside one"
 _STRANGERS = (
     "{} rockets are known by their number alone and have no mass; "
     "import the file that lists the rockets together with this one"

@@ -19,6 +19,7 @@ GROUPS = (
     "capture",
     "add",
     "records",
+    "compare",
     "infer",
     "forecast",
     "loop",
