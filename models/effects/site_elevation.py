@@ -21,9 +21,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
     the temperature was written down it is true, and heights are shown the lower.
     """
     coolness = standard_temperature(strength) / standard_temperature(np.zeros(()))
-    thinness = (
-        pad_air(strength, UNKNOWN, UNKNOWN, UNKNOWN).density / pad_air(UNKNOWN, UNKNOWN, UNKNOWN, UNKNOWN).density
-    )
+    thinness = _density(strength) / _density(np.zeros(()))
     known = np.isfinite(recorded(flights, "temperature"))
     density = setup.air.density * thinness * np.where(known, coolness, 1.0)
     air = replace(setup.air, density=density, temperature=setup.air.temperature * np.where(known, 1.0, coolness))
