@@ -442,7 +442,7 @@ def _intake(
     return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped)
 
 
-_SIMULATED = "a simulation is no flight and is not taken in; `fieldkit compare FLIGHT {}` puts it beside one"
+_SIMULATED = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"
 _STRANGERS = (
     "{} rockets are known by their number alone and have no mass; "
     "import the file that lists the rockets together with this one"

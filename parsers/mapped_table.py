@@ -10,7 +10,7 @@ counts from 1970 starts at the first sample, and the moment of that is kept.
 
 import re
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import UTC, datetime
 
 import numpy as np
@@ -83,6 +83,7 @@ def read_mapped(log: bytes, choices: Sequence[Choice]) -> list[Found]:
         )
     table = _table(log, layout, picks)
     picks, values = _one_a_channel(picks, table)
+    table = replace(table, values={}, words={})  # a long log is not kept twice
     units, left_out = _units(picks, values)
     whole = {name: _si(units[name][0], values[name]) for name in units}
     line = _line(picks, units, left_out, choice)
