@@ -64,3 +64,15 @@ class ImpossibleFlight(FieldkitError):
 
 class UnknownEffect(FieldkitError):
     """No effect of that name could act on these flights; the message lists those that could."""
+
+
+class PortTrouble(FieldkitError):
+    """A serial port cannot be opened, or what is on it does not answer as it should."""
+
+
+class PortLost(PortTrouble):
+    """A serial port that worked is gone: a pulled cable, or a unit switched off."""
+
+
+class CaptureTrouble(FieldkitError):
+    """A capture cannot be kept, found or read back."""

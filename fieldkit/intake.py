@@ -5,10 +5,12 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Arrival, Ledger
-from fieldkit.parsing import CheckMotor, Rejected, read, read_together
+from fieldkit.mapping import Choice
+from fieldkit.parsing import CheckMotor, Mapped, Rejected, read, read_together
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,6 +21,7 @@ class Receipt:
     duplicates: int
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
+    mapped: tuple[Mapped, ...] = ()
 
 
 def bring_in(
@@ -28,19 +31,21 @@ def bring_in(
     *,
     format: str | None = None,
     defaults: Mapping[str, object] | None = None,
+    choices: Sequence[Choice] = (),
     dry_run: bool = False,
 ) -> Receipt:
     """Import files as one command; `defaults` are fields for flights that leave them open.
 
+    `choices` say which columns of a table of samples are what, best first.
+
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
-    names = [_name(path) for path in paths]
-    contents = [read_file(path) for path in paths]
-    intakes = read_together(zip(names, contents, strict=True), check_motor=check_motor, format=format)
+    opened = [(path, name, content) for path in paths for name, content in _logs(path)]
+    intakes = read_together([(name, log) for _, name, log in opened], check_motor, format, choices)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
-    for path, name, content, intake in zip(paths, names, contents, intakes, strict=True):
+    for (path, name, content), intake in zip(opened, intakes, strict=True):
         rejected += intake.rejected
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
@@ -55,7 +60,15 @@ def bring_in(
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
     added = ledger.add(arrivals, dry_run=dry_run)
     rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
-    return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
+    mapped = tuple(one for intake in intakes for one in intake.mapped)
+    return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes), mapped)
+
+
+def _logs(path: Path) -> list[tuple[str, bytes]]:
+    """What parsers read of a file, with names: the file itself, or the logs in it where it is a capture."""
+    if is_capture(path):
+        return [(log.name, log.content) for log in logs_in(path)]
+    return [(_name(path), read_file(path))]
 
 
 def _name(path: Path) -> str:
@@ -94,15 +107,21 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     except OSError as error:
         return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
     try:
-        found = read(content, flight.log, check_motor).flights
+        found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
         return replace(arrival, log=content), [f"kept but not read: {error}"]
-    return replace(arrival, flight=_filled(flight, found), log=content), []
+    return replace(arrival, flight=_filled(flight, found.flights), log=content), list(found.notes)
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
-    """A flight with the readouts that its row leaves open, where the log is of one flight."""
+    """A flight with the readouts and extra columns that its row leaves open, where the log is of one flight."""
     found = list(found)
     if len(found) != 1:
         return flight
-    return flight.with_changes(**(found[0].readouts() | flight.readouts()))
+    if not found[0].extra:
+        return flight.with_changes(**(found[0].readouts() | flight.readouts()))
+    from fieldkit.recording import sd_header
+
+    typed = {sd_header(BY_NAME[name]) for name in flight.readouts()}
+    extra = {name: text for name, text in found[0].extra.items() if name not in typed} | dict(flight.extra)
+    return flight.with_changes(**(found[0].readouts() | flight.readouts()), extra=extra)

@@ -1,4 +1,4 @@
-"""Where a flyer's own files are on this computer: the ledger and the motors they added."""
+"""Where a flyer's own files are on this computer: the ledger, the motors they added, captures from loggers."""
 
 from pathlib import Path
 
@@ -13,3 +13,8 @@ def data_folder() -> Path:
 def motor_folder() -> Path:
     """The folder of the flyer's own motor files, which may not be there."""
     return data_folder() / "motors"
+
+
+def capture_folder() -> Path:
+    """The folder of what was captured from loggers, which may not be there."""
+    return data_folder() / "captures"

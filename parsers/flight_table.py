@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logtext import decode, first_row, rows, shown
+from fieldkit.logtext import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
 
@@ -39,11 +39,17 @@ class Heading:
 def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
-    return any(_is_ours(name) for name in spelled)
+    ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
+    return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is a bare number, as it follows each label in a row of labels and values."""
+    return re.fullmatch(r"\s*[+-]?\d+([.,]\d+)?\s*", cell) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    text = decode(log)
+    text = decode_whole(log)
     separator = _separator(text)
     header_row, spelled = first_row(text, separator)
     headings = _headings(spelled, header_row)

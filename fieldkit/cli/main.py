@@ -16,8 +16,10 @@ from fieldkit.errors import FieldkitError
 GROUPS = (
     "demo",
     "intake",
+    "capture",
     "add",
     "records",
+    "compare",
     "infer",
     "forecast",
     "loop",

@@ -19,10 +19,8 @@ from fieldkit.shapes import Array, Flags, Float
 ODDS = 3.0
 """Prior odds that something is missing, as the steady evidence has less to say than all of it: set, like what
 follows, so that of 66 histories without an effect (`bench`, seeds 7, 11 and 12) none is given one. [1]"""
-DECISIVE = 0.5
-"""Posterior probability that something is missing, among what helps unseen flights, from which on it is said. [1]"""
-DECISIVE_MORE = 0.7
-"""The same for a second effect beside another, which may only mend what the first got wrong. [1]"""
+DECISIVE = 0.65
+"""Posterior probability of an effect, against the model without it, from which on it is taken if it helps. [1]"""
 BETTER = 0.97
 """Error on flights left out, over that of the model without it, up to which an effect with even odds helps. [1]"""
 SURER = 0.02
@@ -82,18 +80,21 @@ class Ranked:
         return self.own_weight + (self.beside.weight if self.beside else 0.0)
 
     @property
+    def belief(self) -> float:
+        """Log odds against the model without it, if that something is missing is as likely as not beforehand."""
+        return self.own_weight - float(np.log(ODDS))
+
+    @property
     def counts(self) -> bool:
-        """Whether it may be chosen: it helps, and beside another it convinces on its own."""
-        return self.helps and (self.beside is None or self.own_weight > _log_odds(DECISIVE_MORE))
+        """Whether it may be chosen: it helps, and convinces against the model without it."""
+        return self.helps and self.own_weight > _log_odds(DECISIVE)
 
     @property
     def fold_weight(self) -> Float[Array, "flight"]:
         """`weight` without each flight; minus infinity where it would not be chosen there."""
         own = self.fold_steady + self.log_odds
-        if self.beside is None:
-            return np.where(self.fold_helps, own, -np.inf)
-        convinces = self.fold_helps & (own > _log_odds(DECISIVE_MORE))
-        return np.where(convinces, own + self.beside.fold_steady + self.beside.log_odds, -np.inf)
+        before = 0.0 if self.beside is None else self.beside.fold_steady + self.beside.log_odds
+        return np.where(self.fold_helps & (own > _log_odds(DECISIVE)), own + before, -np.inf)
 
 
 def _log_odds(probability: float) -> float:
@@ -182,17 +183,21 @@ def may_leave(weight: Array | float) -> Array:
 
 
 def probability(options: Sequence[Ranked]) -> float:
-    """Posterior probability that one of these is there rather than none."""
-    weights = [item.weight for item in options]
-    return float(1 / (1 + np.exp(-np.logaddexp.reduce(weights)))) if weights else 0.0
+    """Posterior probability that the plain model lacks something."""
+    beliefs = [item.belief for item in options if item.beside is None]
+    return float(1 / (1 + np.exp(-np.logaddexp.reduce(beliefs)))) if beliefs else 0.0
+
+
+def confidence(chosen: Ranked, options: Sequence[Ranked]) -> float:
+    """Posterior probability that it is this which is missing, and not something else or nothing."""
+    rivals = [0.0, *(item.belief for item in options if item.beside is chosen.beside)]
+    share = float(np.exp(chosen.belief - np.logaddexp.reduce(rivals)))
+    return share if chosen.beside is None else share * confidence(chosen.beside, options)
 
 
 def choose(options: Sequence[Ranked]) -> Ranked | None:
-    """The likeliest that counts, where something is missing at all."""
-    counting = [item for item in options if item.counts]
-    if probability(counting) < DECISIVE:
-        return None
-    return max(counting, key=lambda item: item.weight)
+    """The likeliest that counts, None where none does."""
+    return max((item for item in options if item.counts), key=lambda item: item.weight, default=None)
 
 
 def choose_in_folds(options: Sequence[Ranked], plain: Forecasts) -> Forecasts:
@@ -200,7 +205,6 @@ def choose_in_folds(options: Sequence[Ranked], plain: Forecasts) -> Forecasts:
     if not options:
         return plain
     weights = np.stack([item.fold_weight for item in options])
-    something = 1 / (1 + np.exp(-np.logaddexp.reduce(weights, axis=0)))
     chosen = np.argmax(weights, axis=0)
-    picked = [options[i].forecasts if p >= DECISIVE else plain for i, p in zip(chosen, something, strict=True)]
-    return Forecasts.pick(picked)
+    counts = np.isfinite(weights.max(axis=0))
+    return Forecasts.pick([options[i].forecasts if any_ else plain for i, any_ in zip(chosen, counts, strict=True)])

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.errors import UnknownEffect
 from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
-from fieldkit.loop.choice import BETTER, Ranked, choose, choose_in_folds, may_leave, probability, rank
+from fieldkit.loop.choice import BETTER, Ranked, choose, choose_in_folds, confidence, may_leave, probability, rank
 from fieldkit.loop.fit import Fit, fit
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
@@ -93,11 +93,11 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None, given: 
     plain_score = score(before, truth, seen)
     if given:
         chosen = _given(ranking, data, families, given)
-        after, verdict = chosen.forecasts, _accepted(ranking, (), chosen)
+        after, verdict = chosen.forecasts, _accepted((*ranking, chosen), chosen)
     else:
         options = (*ranking, *_pairs(ranking, data, families, tell))
         after = choose_in_folds(options, before)
-        verdict = _verdict(ranking, options, choose(options), score(after, truth, seen), plain_score)
+        verdict = _verdict(options, choose(options), score(after, truth, seen), plain_score)
     if verdict.effect == "none":
         after = before
     return Diagnosis(
@@ -185,39 +185,36 @@ def _firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
     return [item for item in likely if item.weight > max(likely[0].weight - BEHIND, LIKELY)]
 
 
-def _verdict(
-    ranking: Sequence[Ranked], options: Sequence[Ranked], chosen: Ranked | None, after: Score, before: Score
-) -> _Verdict:
-    something = probability(ranking)
+def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, before: Score) -> _Verdict:
+    """What is said of the option chosen, if it forecasts flights not seen well enough when all is done without them."""
     if chosen is None or after.mae > may_leave(chosen.weight) / BETTER * before.mae:
-        return _rejected(ranking)
+        return _rejected(options)
     if "" in chosen.effects:
         place = chosen.accepted[0].candidate.place.where
         why = f"the flights differ from the model together with {place}, and no known effect accounts for it"
-        return _Verdict("unexplained", something, why)
-    return _accepted(ranking, options, chosen)
+        return _Verdict("unexplained", probability(options), why)
+    return _accepted(options, chosen)
 
 
-def _accepted(ranking: Sequence[Ranked], options: Sequence[Ranked], chosen: Ranked) -> _Verdict:
+def _accepted(options: Sequence[Ranked], chosen: Ranked) -> _Verdict:
     """The verdict for an option, and the effects that these flights cannot tell from those in it."""
-    something = probability(ranking)
-    rivals = np.logaddexp.reduce([item.weight for item in ranking])
-    share = float(1 / (1 + np.exp(-chosen.own_weight))) if chosen.beside else float(np.exp(chosen.weight - rivals))
     alike = [item for item in options if len(item.effects) == len(chosen.effects) and "" not in item.effects]
     near = [name for item in alike if item.weight > chosen.weight - APART for name in item.effects]
     also = tuple(dict.fromkeys(name for name in near if name not in chosen.effects))
-    return _Verdict("+".join(chosen.effects), something * share, _because(chosen.accepted), also, chosen.accepted)
+    sure = confidence(chosen, options)
+    return _Verdict("+".join(chosen.effects), sure, _because(chosen.accepted), also, chosen.accepted)
 
 
-def _rejected(ranking: Sequence[Ranked]) -> _Verdict:
+def _rejected(options: Sequence[Ranked]) -> _Verdict:
     """Nothing is accepted: because nothing is there, or because what is there helps no forecast."""
-    something = probability(ranking)
-    best = max(ranking, key=lambda item: item.weight, default=None)
+    something = probability(options)
+    best = max(options, key=lambda item: item.weight, default=None)
     if best is None or best.weight < 0:
         why = "the flights differ from the model by no more than their own scatter, as far as they can show"
         return _Verdict("none", 1 - something, why)
     why = f"{best.best.candidate.place if best.effect else best.best.candidate.place.where} fits best, {_NO_BETTER}"
-    return _Verdict("unexplained", something, why) if something >= CERTAIN else _Verdict("none", 1 - something, why)
+    certain = best.weight > np.log(CERTAIN / (1 - CERTAIN))
+    return _Verdict("unexplained", something, why) if certain else _Verdict("none", 1 - something, why)
 
 
 def _because(accepted: Sequence[Trial]) -> str:

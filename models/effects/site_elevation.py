@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.atmosphere import HYDROSTATIC, LAPSE, STANDARD_TEMPERATURE
+from fieldkit.simulator.atmosphere import pad_air, standard_temperature
 from fieldkit.simulator.effect import Effect, Prior
 from fieldkit.simulator.field import recorded
 from fieldkit.simulator.state import Setup
@@ -20,17 +20,18 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
     An altimeter takes the air for standard at the pressure it feels, which is colder the higher the pad; where
     the temperature was written down it is true, and heights are shown the lower.
     """
-    coolness = _coolness(strength)
+    coolness = standard_temperature(strength) / standard_temperature(np.zeros(()))
+    thinness = _density(strength) / _density(np.zeros(()))
     known = np.isfinite(recorded(flights, "temperature"))
-    thinning = coolness**HYDROSTATIC / np.where(known, 1.0, coolness)
-    warmth = setup.air.temperature * np.where(known, 1.0, coolness)
-    air = replace(setup.air, density=setup.air.density * thinning, temperature=warmth)
+    density = setup.air.density * thinness * np.where(known, coolness, 1.0)
+    air = replace(setup.air, density=density, temperature=setup.air.temperature * np.where(known, 1.0, coolness))
     return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * np.where(known, coolness, 1.0))
 
 
-def _coolness(higher: Float[Array, "*draw flight"]) -> Float[Array, "*draw flight"]:
-    """Standard temperature this much higher over that at sea level. [1]"""
-    return np.asarray(1 - LAPSE * higher / STANDARD_TEMPERATURE)
+def _density(elevation: Float[Array, "*draw flight"]) -> Float[Array, "*draw flight"]:
+    """Of the standard air at a height above sea level. [kg/m^3]"""
+    unknown = np.full((), np.nan)
+    return pad_air(elevation, unknown, unknown, unknown).density
 
 
 EFFECT = Effect(
