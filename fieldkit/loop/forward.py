@@ -1,12 +1,14 @@
 """How good forecasts are, forward in time: each flight of a rocket forecast from those it had flown before."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from datetime import datetime
 
 import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place
+from fieldkit.loop.conformal import stretch, stretched, surprise
 from fieldkit.loop.predict import predict
 from fieldkit.motors import Found
 
@@ -19,7 +21,8 @@ class Forecast:
 
     `certified` is the simulation with the priors of a rocket never flown, `persistence` the apogee of the
     flight before, `scaled` the certified one times the mean ratio of flown to certified so far. nan where a
-    rival has nothing to go by.
+    rival has nothing to go by. `corrected` is the 90 % interval after `corrected_by_earlier`, by a factor
+    `stretch`; both None while too few forecasts came before.
     """
 
     rocket: str
@@ -33,6 +36,20 @@ class Forecast:
     certified: float
     persistence: float
     scaled: float
+    when: datetime | None = None
+    stretch: float | None = None
+    corrected: tuple[float, float] | None = None
+
+    @property
+    def interval(self) -> tuple[float, float, float]:
+        """The model's own quantiles at 5, 50 and 95 %. [m]"""
+        return self.p05, self.p50, self.p95
+
+    @property
+    def inside(self) -> bool:
+        """Whether the flight came to lie in the 90 % interval that was given for it."""
+        low, high = self.corrected or (self.p05, self.p95)
+        return low <= self.flown <= high
 
 
 def forward(
@@ -60,12 +77,32 @@ def forward(
             rows.append(
                 Forecast(
                     rocket, flight.flight_id, flight.motor, len(known), flight.apogee, p05, p50, p95, certified, last,
-                    certified * ratio,
+                    certified * ratio, flight.date_time,
                 )
             )  # fmt: skip
         if certified > 0:
             known.append((flight.apogee, certified))
     return rows
+
+
+def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
+    """The forecasts in the order flown, each interval corrected by how those of earlier flights fared.
+
+    A flight counts as earlier only if it flew before; without dates the order given stands. The correction is by
+    the forecasts of all of the flyer's rockets, for one rocket rarely has enough.
+    """
+    first = datetime.min
+    ordered = sorted(rows, key=lambda row: row.when or first)
+    found: list[Forecast] = []
+    surprises: list[float] = []
+    for row in ordered:
+        by = stretch(surprises)
+        if by is not None:
+            low, _, high = stretched(row.interval, by)
+            row = replace(row, stretch=by, corrected=(low, high))
+        found.append(row)
+        surprises.append(surprise(row.flown, row.interval))
+    return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -99,5 +136,4 @@ def tally(rows: Sequence[Forecast]) -> tuple[list[Tally], float]:
                 float(error.mean()),
             )
         )
-    inside = [row.p05 <= row.flown <= row.p95 for row in rows]
-    return found, float(np.mean(inside))
+    return found, float(np.mean([row.inside for row in rows]))
