@@ -30,6 +30,12 @@ def score_set(command: Sequence[str], folder: Path, name: str) -> dict[str, Any]
     return found
 
 
+def say(line: str) -> None:
+    """A line of the table, at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
 def main() -> int:
     """Score every set of a folder and print a line for each and for all."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
@@ -38,7 +44,7 @@ def main() -> int:
     options = parser.parse_args()
     labels = json.loads((options.sets / "labels.json").read_text())
     rows: list[dict[str, Any]] = []
-    print(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'own':>6} {'after':>6}")
+    say(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'own':>6} {'after':>6}")
     for label in labels:
         found = score_set(shlex.split(options.command), options.sets, label["set"])
         late = [row for row in found["flights"] if row["corrected"]]
@@ -46,8 +52,8 @@ def main() -> int:
         own, after = (_share(late, which) for which in ("own", "corrected"))
         error = found["errors"][0]["median_share"]
         size = len(found["flights"])
-        print(f"{label['set']:8} {label['scenario']:32} {size:7} {error:12.1%} {len(late):9} {own:6.0%} {after:6.0%}")
-    print(f"all: {len(rows)} corrected; {_share(rows, 'own'):.1%} inside before, {_share(rows, 'corrected'):.1%} after")
+        say(f"{label['set']:8} {label['scenario']:32} {size:7} {error:12.1%} {len(late):9} {own:6.0%} {after:6.0%}")
+    say(f"all: {len(rows)} corrected; {_share(rows, 'own'):.1%} inside before, {_share(rows, 'corrected'):.1%} after")
     return 0
 
 

@@ -114,7 +114,7 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, name
     alpha = _draw_alpha(rng, count)
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
-    setup = _draw_field(rng, table, declared, drag_area, alpha)
+    setup = flown_field(rng, table, declared, drag_area, alpha)
     setup, bends = bent(rng, named, setup, declared)
     flown = fly(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row))
     shown = shown_by(bends, flown.readouts())
@@ -188,7 +188,7 @@ def _draw_delays(
     return np.asarray(sold[row, best])
 
 
-def _draw_field(
+def flown_field(
     rng: np.random.Generator,
     table: Float[Array, "flight figure"],
     declared: dict[str, Array],
