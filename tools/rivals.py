@@ -2,8 +2,10 @@
 
 `sbi`'s neural posterior estimation with its default settings, and a spline flow of `zuko` fitted by the ensemble's own
 loop, both shown the ensemble's features and the same flights; and the ensemble's mixture at that size, and as shipped.
-Judged by the mean log density of fresh flights, readouts by readouts. Needs torch, sbi and zuko, which are no part of
-any extra of fieldkit: `python -m venv V && V/bin/pip install torch==2.13.* sbi zuko onnx -e .`
+Judged by the mean log density of fresh flights, readouts by readouts. A second run with the same numbers keeps the
+rivals of the first where they are left out, so that another ensemble can be put beside them.
+
+Needs torch, onnx, sbi and zuko; the last two are no part of any extra of fieldkit.
 """
 
 import argparse
@@ -125,7 +127,10 @@ def main() -> None:
     judged = {name: whole.only(*kept) for name, kept in SUBSETS.items()} | {"any, with gaps": forget(streams[1], whole)}
     ensemble = load_folder(options.shipped or trained_folder("field"))
     found: dict = {"flights": len(truth), "judged": len(fresh), "seed": options.seed, "rivals": {}}
-    found["made_with"] = {name: version(name) for name in ("torch", "sbi", "zuko") if name not in options.without}
+    if options.out.exists():
+        before = json.loads(options.out.read_text())
+        if all(before[key] == found[key] for key in ("flights", "judged", "seed")):
+            found = before
     found["shipped"] = {
         name: float(posterior(one, ensemble).log_density(fresh.parameters).mean()) for name, one in judged.items()
     }
@@ -140,6 +145,7 @@ def main() -> None:
             if name in options.without:
                 continue
             log_density, about = train()
+            about["made_with"] = {one: version(one) for one in ("torch", name) if one != "mixture"}
             found["rivals"][name] = about | {"log_density": _judge(log_density, fresh, judged)}
             print(name, found["rivals"][name], flush=True)
     options.out.write_text(json.dumps(found, indent=2) + "\n")

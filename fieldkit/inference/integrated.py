@@ -188,7 +188,7 @@ def log_likelihood(one: Problem, normals: Float[Array, "flight draw latent"]) ->
 def _misses(one: Problem, normals: Float[Array, "flight draw latent"]) -> Float[Array, "flight draw readout"]:
     """Observed less shown, in standard deviations of a normal about as wide as the noise; 0 where not recorded."""
     observed, clean = _clean(one, normals)
-    found = []
+    found = [np.zeros(len(observed))]
     for name, (low, high) in _bins(observed).items():
         noise = NOISE[name]
         size = np.sqrt(1.3 * (noise.floor**2 + (noise.share * clean[name]) ** 2) + (high - low) ** 2 / 12)

@@ -8,7 +8,7 @@ its certificate, a charge that fires early, an altimeter that shows a little too
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
@@ -188,8 +188,17 @@ def _draw_delays(
     return np.asarray(sold[row, best])
 
 
+@runtime_checkable
+class Chance(Protocol):
+    """What the field of a flight is drawn from: a generator of random numbers, or what stands in for one."""
+
+    def normal(self, loc: Any = ..., scale: Any = ..., size: Any = ...) -> Any: ...
+    def uniform(self, low: Any = ..., high: Any = ..., size: Any = ...) -> Any: ...
+    def standard_t(self, df: Any, size: Any = ...) -> Any: ...
+
+
 def flown_field(
-    rng: np.random.Generator,
+    rng: Chance,
     table: Float[Array, "flight figure"],
     declared: dict[str, Array],
     area: Array,

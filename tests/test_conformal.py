@@ -1,0 +1,59 @@
+"""Intervals corrected by how earlier forecasts fared."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+
+from fieldkit.loop.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
+from fieldkit.loop.forward import Forecast, corrected_by_earlier
+
+INTERVAL = (80.0, 100.0, 130.0)
+
+
+def forecast(number: int, flown: float, rocket: str = "Astra") -> Forecast:
+    """One of a series of forecasts that all say the same."""
+    when = datetime(2026, 1, 1) + timedelta(days=number)
+    rivals = (float("nan"),) * 3
+    return Forecast(rocket, str(number), "F24-4", 3, flown, *INTERVAL, *rivals, when=when)
+
+
+def test_a_flight_at_the_end_of_its_interval_is_one_out() -> None:
+    assert [surprise(flown, INTERVAL) for flown in (100.0, 80.0, 130.0)] == pytest.approx([0, 1, 1])
+    assert surprise(169.0, INTERVAL) == pytest.approx(2.0)
+    assert surprise(150.0, (100.0, 100.0, 100.0)) == float("inf")
+
+
+def test_few_forecasts_change_nothing() -> None:
+    assert stretch([3.0] * (FEWEST - 1)) is None
+    assert stretch([3.0] * FEWEST) == 3.0
+
+
+def test_an_interval_is_stretched_about_its_median_by_ratio() -> None:
+    low, middle, high = stretched(INTERVAL, 2.0)
+    assert (low, middle, high) == pytest.approx((64.0, 100.0, 169.0))
+    assert stretched(INTERVAL, 1.0) == pytest.approx(INTERVAL)
+
+
+@pytest.mark.parametrize("spread", [0.05, 0.4])
+def test_nine_in_ten_later_flights_come_to_lie_inside_however_wrong_the_model_is(spread: float) -> None:
+    rng = np.random.default_rng(3)
+    rows = [forecast(n, float(100 * np.exp(spread * rng.normal()))) for n in range(600)]
+    found = corrected_by_earlier(rows)
+    own = np.mean([row.p05 <= row.flown <= row.p95 for row in found])
+    assert not 0.85 < own < 0.95
+    assert 0.86 < np.mean([row.inside for row in found[FEWEST:]]) < 0.94
+
+
+def test_only_flights_that_flew_before_correct_an_interval() -> None:
+    rows = [forecast(n, 200.0) for n in range(FEWEST)] + [forecast(-1, 100.0, "Luna")]
+    found = {row.flight_id: row for row in corrected_by_earlier(rows)}
+    assert found["-1"].corrected is None
+    assert found["18"].corrected is None
+    assert found["19"].stretch == pytest.approx(surprise(200.0, INTERVAL))
+
+
+def test_a_flight_scored_twice_counts_once() -> None:
+    one = {"rocket": "Astra", "flight_id": "1", "interval_m": list(INTERVAL)}
+    kept = [one | {"flown_m": 130.0}, one | {"flown_m": 169.0}, {"rocket": "Astra", "flight_id": "2", "apogee_m": {}}]
+    assert kept_surprises(kept) == pytest.approx([2.0])
