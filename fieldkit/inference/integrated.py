@@ -8,6 +8,7 @@ and Robert, 2012), for many flights side by side. Slow, and there to judge the e
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -28,7 +29,7 @@ from fieldkit.inference.simulated import STEPS, TAIL, Truth, flown_field
 from fieldkit.motors import Motor
 from fieldkit.shapes import Array, Float, Int
 from fieldkit.simulator.flight import fly
-from fieldkit.simulator.motor import burns
+from fieldkit.simulator.motor import Burns, burns
 
 PARAMETERS = 2
 """Of the normal numbers, the first ones: they stand for Cd and alpha."""
@@ -106,19 +107,18 @@ def normals_of(
     return np.asarray(ndtri(np.clip(np.stack([cd, alpha], axis=-1), 1e-9, 1 - 1e-9)))
 
 
+@cache
 def _sum_table() -> Float[Array, "angle reach"]:
     """Distribution of cos(a) t + sin(a) t' for two Student t, on a grid of angles and values."""
-    nodes = stdtrit(TAIL, (np.arange(1500) + 0.5) / 1500)
+    nodes = stdtrit(TAIL, (np.arange(300) + 0.5) / 300)
     rows = [stdtr(TAIL, _REACH)]
     rows += [stdtr(TAIL, (_REACH[:, None] - np.cos(a) * nodes) / np.sin(a)).mean(axis=1) for a in _ANGLES[1:-1]]
     return np.stack([*rows, stdtr(TAIL, _REACH)])
 
 
-_TABLE = _sum_table()
-
-
 def _below(values: Array, floor: Array, share: Array) -> Array:
     """Probability that noise of these two parts is below a value."""
+    table = _sum_table()
     size = np.hypot(floor, share)
     place = np.arctan2(share, floor) / _ANGLES[1]
     row = np.clip(place.astype(int), 0, len(_ANGLES) - 2)
@@ -126,17 +126,17 @@ def _below(values: Array, floor: Array, share: Array) -> Array:
     column = np.clip(np.arcsinh(values / size) / 9.0, -1, 1) * 360 + 360
     left = np.clip(column.astype(int), 0, 719)
     step = column - left
-    low = _TABLE[row, left] * (1 - step) + _TABLE[row, left + 1] * step
-    high = _TABLE[row + 1, left] * (1 - step) + _TABLE[row + 1, left + 1] * step
+    low = table[row, left] * (1 - step) + table[row, left + 1] * step
+    high = table[row + 1, left] * (1 - step) + table[row + 1, left + 1] * step
     return np.asarray(low * (1 - part) + high * part)
 
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Flights whose posteriors are wanted: as observed, with the curves of their motors."""
+    """Flights whose posteriors are wanted: as observed, and which of the curves each burnt along."""
 
     observed: Observed
-    motors: Sequence[Motor]
+    curves: Burns
     row: Int[Any, "flight"]
 
     def __len__(self) -> int:
@@ -147,7 +147,8 @@ def problem(truth: Truth, observed: Observed, motors: Sequence[Motor]) -> Proble
     """Simulated flights as observed, all circumstances declared, with their motors found by their figures."""
     known = {figures(motor).tobytes(): number for number, motor in enumerate(motors)}
     row = np.array([known[np.ascontiguousarray(one).tobytes()] for one in truth.motor])
-    return Problem(observed, motors, row)
+    flown, place = np.unique(row, return_inverse=True)
+    return Problem(observed, burns([motors[number] for number in flown], steps=STEPS), place)
 
 
 def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[Observed, dict[str, Array]]:
@@ -162,7 +163,7 @@ def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[O
     declared = {name: observed.given(name) for name in DECLARED}
     area, alpha = parameters(flat, declared["diameter"])
     setup = flown_field(Latent(flat[:, PARAMETERS + DEVICE :]), observed.motor, declared, np.exp(area), alpha)
-    flown = fly(setup.with_changes(burns=burns(one.motors, steps=STEPS), motor=one.row[spread]))
+    flown = fly(setup.with_changes(burns=one.curves, motor=one.row[spread]))
     clean = {name: flown.readouts()[name] for name in READOUT_NAMES}
     lifted = (flown.lift_off > 0) & (clean["apogee"] > 5.0) & (clean["top_speed"] > 3.0)
     offset, gain = OFFSET * flat[:, PARAMETERS], 1 + GAIN * flat[:, PARAMETERS + 1]
