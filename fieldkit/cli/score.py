@@ -48,10 +48,17 @@ def score(
         )
         return
     cells = [
-        (way.name, f"{way.median_share:.1%}", f"{way.mean_share:.1%}", f"{way.mae:.1f}", f"{way.bias:+.1f}")
+        (
+            way.name,
+            str(way.flights),
+            f"{way.median_share:.1%}",
+            f"{way.mean_share:.1%}",
+            f"{way.mae:.1f}",
+            f"{way.bias:+.1f}",
+        )
         for way in ways
     ]
-    numbers = ("median", "mean", "MAE m", "bias m")
+    numbers = ("flights", "median", "mean", "MAE m", "bias m")
     print_table(("forecast by", *numbers), cells, numbers=numbers)
     say(f"{len(rows)} flights, each forecast from the earlier ones of its rocket; {inside:.0%} in the 90 % interval")
     if corrected := _corrected(rows):
@@ -64,7 +71,8 @@ def score(
 def _document(row: "Forecast") -> dict[str, Any]:
     from dataclasses import asdict
 
-    return {**asdict(row), "when": row.when.isoformat() if row.when else None}
+    numbers = {key: None if value != value else value for key, value in asdict(row).items()}
+    return {**numbers, "when": row.when.isoformat() if row.when else None}
 
 
 def _corrected(rows: "Sequence[Forecast]") -> dict[str, Any] | None:

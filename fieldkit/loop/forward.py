@@ -10,19 +10,19 @@ from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import stretch, stretched, surprise
 from fieldkit.loop.predict import predict
-from fieldkit.motors import Found
+from fieldkit.motors import Found, Motor
 
 DRAWS = 400
 
 
 @dataclass(frozen=True, slots=True)
 class Forecast:
-    """One flight beside what was said of it before it flew, and what three rivals would have said. [m]
+    """One flight beside what was said of it before it flew, and what four rivals would have said. [m]
 
-    `certified` is the simulation with the priors of a rocket never flown, `persistence` the apogee of the
-    flight before, `scaled` the certified one times the mean ratio of flown to certified so far. nan where a
-    rival has nothing to go by. `corrected` is the 90 % interval after `corrected_by_earlier`, by a factor
-    `stretch`; both None while too few forecasts came before.
+    `certified` is the simulation with the priors of a rocket never flown, `persistence` the apogee of the flight
+    before, `repeated` that of the last flight on the same motor, `scaled` the certified one times the mean ratio of
+    flown to certified so far. nan where a rival has nothing to go by. `corrected` is the 90 % interval after
+    `corrected_by_earlier`, by a factor `stretch`; both None while too few forecasts came before.
     """
 
     rocket: str
@@ -36,6 +36,7 @@ class Forecast:
     certified: float
     persistence: float
     scaled: float
+    repeated: float = float("nan")
     when: datetime | None = None
     stretch: float | None = None
     corrected: tuple[float, float] | None = None
@@ -61,6 +62,7 @@ def forward(
     """A forecast of every clean flight with an apogee, each from the flights before it; the first has none."""
     rows: list[Forecast] = []
     known: list[tuple[float, float]] = []
+    repeated: dict[Motor, float] = {}
     for number, (flight, motor) in enumerate(flown):
         if not flight.clean or flight.apogee is None:
             continue
@@ -77,9 +79,10 @@ def forward(
             rows.append(
                 Forecast(
                     rocket, flight.flight_id, flight.motor, len(known), flight.apogee, p05, p50, p95, certified, last,
-                    certified * ratio, flight.date_time,
+                    certified * ratio, repeated.get(motor.motor, float("nan")), flight.date_time,
                 )
             )  # fmt: skip
+        repeated[motor.motor] = flight.apogee
         if certified > 0:
             known.append((flight.apogee, certified))
     return rows
@@ -122,18 +125,22 @@ def tally(rows: Sequence[Forecast]) -> tuple[list[Tally], float]:
     truth = np.array([row.flown for row in rows])
     ways = {"fieldkit": "p50", "certified motor, no flights": "certified", "the flight before": "persistence"}
     ways |= {"certified, scaled to earlier flights": "scaled"}
+    errors = {name: np.array([getattr(row, field) for row in rows]) - truth for name, field in ways.items()}
+    repeats = np.array([row.repeated for row in rows]) - truth
+    if np.isfinite(repeats).any():
+        errors["the last flight on the same motor"] = repeats
+        errors["fieldkit, where there is one"] = np.where(np.isnan(repeats), np.nan, errors["fieldkit"])
     found = []
-    for name, field in ways.items():
-        error = np.array([getattr(row, field) for row in rows]) - truth
+    for name, error in errors.items():
         share = np.abs(error) / truth
         found.append(
             Tally(
                 name,
-                len(rows),
-                float(np.median(share)),
-                float(share.mean()),
-                float(np.abs(error).mean()),
-                float(error.mean()),
+                int(np.isfinite(error).sum()),
+                float(np.nanmedian(share)),
+                float(np.nanmean(share)),
+                float(np.nanmean(np.abs(error))),
+                float(np.nanmean(error)),
             )
         )
     return found, float(np.mean([row.inside for row in rows]))
