@@ -182,7 +182,7 @@ def limits(card: dict) -> Iterator[str]:
         )
         rows = []
         for key, one in found.items():
-            if not isinstance(one, dict):
+            if key == "integrals" or not isinstance(one, dict):
                 continue
             pairs = [
                 f"{one[p]:.4f} / {one[f'{p}_exact']:.4f} ({100 * one[f'{p}_above_limit']:+.1f} ± "
@@ -210,11 +210,11 @@ def rivals() -> Iterator[str]:
     )
     names = list(found["shipped"])
     rows = [
-        [name, *(f"{one['log_density'][key]:.3f}" for key in names), f"{one['epochs']}", f"{one['seconds']:.0f}"]
+        [name, *(f"{one['log_density'][key]:.3f}" for key in names), f"{one['epochs']}"]
         for name, one in found["rivals"].items()
     ]
-    rows.append(["shipped", *(f"{found['shipped'][key]:.3f}" for key in names), "", ""])
-    yield from table(["estimator", *names, "epochs", "seconds"], rows)
+    rows.append(["shipped", *(f"{found['shipped'][key]:.3f}" for key in names), ""])
+    yield from table(["estimator", *names, "epochs"], rows)
 
 
 def journal() -> Iterator[str]:
