@@ -1,12 +1,18 @@
 """Intervals corrected by how earlier forecasts fared."""
 
 from datetime import datetime, timedelta
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
 from fieldkit.loop.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
+from fieldkit.loop.desk import forecast_document, keep_forecasts, predict_plans
 from fieldkit.loop.forward import Forecast, corrected_by_earlier
+from fieldkit.loop.words import in_words
+from fieldkit.motors import catalogue
 
 INTERVAL = (80.0, 100.0, 130.0)
 
@@ -57,3 +63,17 @@ def test_a_flight_scored_twice_counts_once() -> None:
     one = {"rocket": "Astra", "flight_id": "1", "interval_m": list(INTERVAL)}
     kept = [one | {"flown_m": 130.0}, one | {"flown_m": 169.0}, {"rocket": "Astra", "flight_id": "2", "apogee_m": {}}]
     assert kept_surprises(kept) == pytest.approx([2.0])
+
+
+def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Path) -> None:
+    plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        (own,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        keep_forecasts(ledger, [forecast(n, 169.0) for n in range(FEWEST)])
+        (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    assert own.stretched_by == 1
+    assert not any("earlier forecasts" in line for line in in_words(own))
+    assert forecast_document(wide)["interval"] == {"stretched_by": pytest.approx(2.0), "earlier_forecasts": FEWEST}
+    assert any(f"2.00 times the model's own, as {FEWEST} earlier forecasts" in line for line in in_words(wide))
+    spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]
+    assert spans[1] == pytest.approx(2 * spans[0], rel=1e-6)

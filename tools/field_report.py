@@ -48,7 +48,7 @@ def score_journal(ledger: str) -> None:
 
 
 def _guarded(ledger: str) -> dict:
-    with Ledger(ledger) as book:
+    with Ledger.open(ledger) as book:
         known = known_flights([flight for flight in book.flights() if flight.clean], catalogue())
     ensemble = load_field()
     observed = observe([flight for flight, _ in known], [motor for _, motor in known])
