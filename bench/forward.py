@@ -41,8 +41,9 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
     parser.add_argument("sets", type=Path)
     parser.add_argument("--command", default=f"{sys.executable} -m fieldkit.cli.main")
+    parser.add_argument("--limit", type=int, default=None, help="only so many of the sets")
     options = parser.parse_args()
-    labels = json.loads((options.sets / "labels.json").read_text())
+    labels = json.loads((options.sets / "labels.json").read_text())[: options.limit]
     rows: list[dict[str, Any]] = []
     say(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'own':>6} {'after':>6}")
     for label in labels:

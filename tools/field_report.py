@@ -266,7 +266,7 @@ def bench() -> Iterator[str]:
     yield from prose(
         "Histories that hide an effect, every flight forecast from the earlier ones by the plain model; the intervals",
         "from the twenty-first forecast on, before and after their correction. `python -m bench.make SETS --sets 1",
-        "--seed 77`, `python -m bench.forward SETS`:",
+        "--seed 77`, `python -m bench.forward SETS --limit 9`:",
     )
     yield "```"
     yield path.read_text().rstrip()

@@ -2,8 +2,8 @@
 
 Everything that a simulated flight draws is a function of standard normal numbers, so its posterior is a density over
 these: their prior is normal, their likelihood the noise of the readouts, which is a sum of two Student t rounded to
-the device's steps. It is integrated by importance sampling with proposals that adapt (AMIS: Cornuet, Marin, Mira
-and Robert, 2012), for many flights side by side. Slow, and there to judge the ensemble.
+the device's steps. It is integrated by importance sampling from a mixture of proposals (Owen and Zhou, Safe and
+effective importance sampling, 2000), for many flights side by side. Slow, and there to judge the ensemble.
 """
 
 from collections.abc import Sequence
@@ -35,7 +35,7 @@ PARAMETERS = 2
 """Of the normal numbers, the first ones: they stand for Cd and alpha."""
 DEVICE = 2
 """The next: offset and gain of the accelerometer."""
-ROUNDS = 5
+ROUNDS = 2
 """Times the proposal adapts."""
 STUDENT = 5.0
 """Degrees of freedom of a proposal. [1]"""
@@ -43,8 +43,10 @@ STEP = 0.1
 """Of the differences that slopes are taken from, in standard deviations. [1]"""
 PILOTS = 300
 """Draws of the prior that are looked at for places to climb from."""
-PEAKS = 3
+PEAKS = 5
 """Of them, those that are climbed from."""
+HOT = 2.0
+"""By what their log likelihoods are divided when they are chosen. [1]"""
 CLIMBS = 8
 """Steps towards the likeliest numbers."""
 INFLATED = 1.15
@@ -277,29 +279,59 @@ def integrate(
     normals = [_normal(one, place, free) for place in _starts(rng, one, start, free)]
     proposals = [replace(normal, root=normal.root * INFLATED) for normal in normals]
     proposals.append(replace(normals[0], root=normals[0].root * 2 * INFLATED))
-    values = np.zeros((len(one), 0, LATENTS))
-    log_target: Array = np.zeros((len(one), 0))
-    for round_ in range(ROUNDS):
-        for proposal in proposals if not round_ else proposals[-1:]:
-            new = np.broadcast_to(start[:, None], (len(one), count, LATENTS)).copy()
-            new[..., free] = proposal.draw(rng, count)
-            prior = -0.5 * (new[..., free] ** 2 + np.log(2 * np.pi)).sum(axis=-1)
-            values = np.concatenate([values, new], axis=1)
-            log_target = np.concatenate([log_target, prior + log_likelihood(one, new)], axis=1)
-        mixed = np.logaddexp.reduce([p.log_density(values[..., free]) for p in proposals], axis=0)
-        log_weight = log_target - mixed + np.log(len(proposals))
-        if round_ < ROUNDS - 1:
-            proposals.append(_fitted(values[..., free], log_weight, normals[0]))
+    proposals += _defences(normals[0])
+    for _ in range(ROUNDS):
+        values, log_weight = _weighed(rng, one, proposals, start, free, count // 2)
+        proposals.append(_fitted(values[..., free], log_weight, normals[0]))
+    values, log_weight = _weighed(rng, one, proposals, start, free, count)
     top = log_weight.max(axis=1, keepdims=True)
     weight = np.exp(log_weight - top)
     evidence = np.log(weight.mean(axis=1)) + top[:, 0]
     return Draws(values, weight / weight.sum(axis=1, keepdims=True), evidence)
 
 
+def _weighed(
+    rng: np.random.Generator,
+    one: Problem,
+    proposals: Sequence[_Proposal],
+    start: Float[Array, "flight latent"],
+    free: slice,
+    count: int,
+) -> tuple[Float[Array, "flight draw latent"], Float[Array, "flight draw"]]:
+    """Fresh draws, as many of each proposal, and their log weights.
+
+    Draws that a proposal was fitted to are not used again: with them the evidence would come out low.
+    """
+    drawn = np.concatenate([proposal.draw(rng, count) for proposal in proposals], axis=1)
+    values = np.broadcast_to(start[:, None], (*drawn.shape[:2], LATENTS)).copy()
+    values[..., free] = drawn
+    prior = -0.5 * (drawn**2 + np.log(2 * np.pi)).sum(axis=-1)
+    mixed = np.logaddexp.reduce([proposal.log_density(drawn) for proposal in proposals], axis=0)
+    log_weight = prior + log_likelihood(one, values) - mixed + np.log(len(proposals))
+    return values, log_weight
+
+
+def _defences(normal: _Proposal) -> list[_Proposal]:
+    """The prior, whole, and with Cd and alpha about where they are likely: no mass is out of reach of both.
+
+    Without them a share of the evidence is missed where what happens to few flights happened.
+    """
+    size = normal.mean.shape[1]
+    whole = np.broadcast_to(np.eye(size), normal.root.shape).copy()
+    defences = [_Proposal(np.zeros_like(normal.mean), whole, 0.0)]
+    if size == LATENTS:
+        mean, root = np.zeros_like(normal.mean), whole.copy()
+        mean[:, :PARAMETERS] = normal.mean[:, :PARAMETERS]
+        spread = normal.root[:, :PARAMETERS] @ np.swapaxes(normal.root[:, :PARAMETERS], 1, 2)
+        root[:, :PARAMETERS, :PARAMETERS] = 1.5 * np.linalg.cholesky(spread)
+        defences.append(_Proposal(mean, root, STUDENT))
+    return defences
+
+
 def _starts(
     rng: np.random.Generator, one: Problem, start: Float[Array, "flight latent"], free: slice
 ) -> list[Float[Array, "flight latent"]]:
-    """Where to climb from: the middle of the prior, and the likeliest of some draws of it.
+    """Where to climb from: the middle of the prior, and likely ones among some draws of it.
 
     What happens to few flights, such as an early ejection, has no slope in the middle of the prior.
     """
@@ -307,9 +339,14 @@ def _starts(
     pilots[..., PARAMETERS:] = rng.normal(size=pilots[..., PARAMETERS:].shape)
     if free.start == 0:
         pilots[..., :PARAMETERS] += 0.2 * rng.normal(size=pilots[..., :PARAMETERS].shape)
-    order = np.argsort(-log_likelihood(one, pilots), axis=1)
+    log_weight = np.maximum(log_likelihood(one, pilots), -1e6)
     rows = np.arange(len(one))
-    return [start, *(pilots[rows, order[:, place]] for place in range(PEAKS))]
+    chosen = [start]
+    for _ in range(PEAKS):
+        drawn = np.argmax(log_weight / HOT + rng.gumbel(size=log_weight.shape), axis=1)
+        log_weight[rows, drawn] = -np.inf
+        chosen.append(pilots[rows, drawn])
+    return chosen
 
 
 def _normal(one: Problem, start: Float[Array, "flight latent"], free: slice) -> _Proposal:
