@@ -41,7 +41,9 @@ THRUST_TO_WEIGHT = (2.2, 30.0)
 STEPS = 8
 """Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
 TAIL = 4.0
-"""Degrees of freedom of what scatters with tails: now and then a motor, a delay or a reading is far off. [1]"""
+"""Degrees of freedom of what scatters with tails: now and then a motor or a reading is far off. [1]"""
+DELAY_SPREAD = 0.3
+"""Of a delay beside its share, standard deviation: short ones scatter by more than a tenth. [s]"""
 LONGEST_STRETCH = float(np.log(2.0))
 """Of a burn, as a logarithm. [1]"""
 
@@ -226,7 +228,8 @@ def flown_field(
         rail_angle=declared["rail_angle"] + rng.normal(0.0, np.radians(1.5), count),
         wind=declared["wind"] * np.exp(0.2 * rng.normal(size=count)) * rng.uniform(size=count),
         delay=np.maximum(
-            (declared["delay"] * (1 + 0.1 * rng.normal(size=count)) + 0.3 * rng.normal(size=count)) * early, 0.2
+            (declared["delay"] * (1 + 0.1 * rng.normal(size=count)) + DELAY_SPREAD * rng.normal(size=count)) * early,
+            0.2,
         ),
         descent_speed=5.5 * np.exp(0.45 * rng.normal(size=count)),
         altimeter_gain=gain * (1 + 0.01 * rng.normal(size=count)),
