@@ -12,8 +12,10 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.candidates import Place
+from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
 from fieldkit.loop.findings import Compared, Findings
+from fieldkit.loop.forward import Forecast
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
@@ -91,14 +93,17 @@ def predict_plans(
     ImpossibleFlight for one without a mass.
     """
     answers: dict[int, Prediction] = {}
+    surprises = kept_surprises([kept.payload for kept in ledger.predictions()])
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
         planned = [(completed(plans[row], before), motors.resolve(plans[row].motor)) for row in rows]
         made = predict(history, planned, accepted_places(ledger, rocket, which), declared=which == "after")
-        wider = accepted_widening(ledger, rocket, which)
-        answers |= dict(zip(rows, (widened(one, wider) for one in made), strict=True))
+        wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
+        answers |= {
+            row: widened(one, wider).corrected(sure, len(surprises)) for row, one in zip(rows, made, strict=True)
+        }
     if keep:
         for prediction in answers.values():
             ledger.keep_prediction(
@@ -108,6 +113,20 @@ def predict_plans(
                 flight_id=prediction.plan.flight_id,
             )
     return [answers[row] for row in range(len(plans))]
+
+
+def keep_forecasts(ledger: Ledger, rows: Sequence[Forecast]) -> None:
+    """Keep forecasts beside what was flown, so that the next ones are as wide as these had to be."""
+    for row in rows:
+        payload = {
+            "rocket": row.rocket,
+            "flight_id": row.flight_id,
+            "flown_m": float(row.flown),
+            "interval_m": [float(end) for end in row.interval],
+            "evaluation": "forward in time",
+        }
+        digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
+        ledger.keep_prediction(payload, digest=digest, rocket=row.rocket, flight_id=row.flight_id)
 
 
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
@@ -134,6 +153,7 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
         "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
         "flights": prediction.rests_on,
         "model": prediction.model,
+        "interval": {"stretched_by": prediction.stretched_by, "earlier_forecasts": prediction.earlier_forecasts},
     }
     return document
 

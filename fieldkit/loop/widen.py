@@ -8,10 +8,9 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.loop.fit import fit_robustly, leave_one_out
 from fieldkit.loop.model import Data
-from fieldkit.loop.predict import FORECAST_SLACK, Prediction, declared_places, rocket_model
+from fieldkit.loop.predict import FORECAST_SLACK, Prediction, apart, declared_places, rocket_model
 from fieldkit.loop.score import forecasts_of
 from fieldkit.motors import Found
-from fieldkit.shapes import Array, Float
 
 FURTHEST = 4.0
 """Standard deviations beyond which a flight left out counts no more: it may be an accident. [1]"""
@@ -33,16 +32,6 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data) -> f
 
 def widened(prediction: Prediction, factor: float) -> Prediction:
     """The same forecast with draws of the apogee that lie further from their median, by ratio."""
-    if factor == 1.0:
-        return prediction
     return replace(
-        prediction, apogee=_apart(prediction.apogee, factor), true_apogee=_apart(prediction.true_apogee, factor)
+        prediction, apogee=apart(prediction.apogee, factor), true_apogee=apart(prediction.true_apogee, factor)
     )
-
-
-def _apart(draws: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
-    flown = draws > 0
-    if not flown.any():
-        return draws
-    middle = np.median(draws[flown])
-    return np.where(flown, middle * (np.where(flown, draws, middle) / middle) ** factor, draws)

@@ -19,6 +19,11 @@ def in_words(prediction: Prediction) -> Iterator[str]:
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
     yield f"  rests on  {_rests_on(prediction)}"
+    if prediction.earlier_forecasts:
+        yield (
+            f"            the interval is {prediction.stretched_by:.2f} times the model's own, as "
+            f"{prediction.earlier_forecasts} earlier forecasts would have had to be"
+        )
 
 
 def _ejection(prediction: Prediction) -> str:
