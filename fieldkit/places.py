@@ -13,3 +13,10 @@ def data_folder() -> Path:
 def motor_folder() -> Path:
     """The folder of the flyer's own motor files, which may not be there."""
     return data_folder() / "motors"
+
+
+def settings_file() -> Path:
+    """The file of what the flyer chose in the app, which may not be there."""
+    from platformdirs import user_config_path
+
+    return user_config_path("fieldkit", appauthor=False) / "settings.json"

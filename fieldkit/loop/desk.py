@@ -99,6 +99,17 @@ def predict_plans(
     return [answers[row] for row in range(len(plans))]
 
 
+def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
+    """What the other flights of its rocket say a flight should have shown; nothing is kept.
+
+    Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
+    """
+    history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
+    plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
+    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], accepted_places(ledger, flight.rocket))
+    return made
+
+
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
     """A prediction under the contract's keys, and what it rests on."""
     p05, p50, p95 = prediction.apogee_quantiles()
