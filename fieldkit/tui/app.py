@@ -23,11 +23,6 @@ class FieldkitApp(App[None]):
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
-    CSS = """
-    Input { background: $surface; color: $foreground; border: tall $border-blurred; }
-    Input:focus { border: tall $border; }
-    Input.-textual-compact { border: none; }
-    """
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", f"Page {n}", show=False) for n in range(1, 10)),
         Binding("ctrl+z", "undo", "Undo", show=False),

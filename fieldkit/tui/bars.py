@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from textual.content import Content
 from textual.widgets import Static
@@ -45,7 +44,8 @@ class NoticeBar(Static):
     """The oldest notice that was not read yet, with a mark that says what it is."""
 
     DEFAULT_CSS = """
-    NoticeBar { height: auto; max-height: 6; background: $panel; color: $foreground; padding: 0 1; display: none; }
+    NoticeBar { height: auto; max-height: 6; background: $panel; color: $foreground; padding: 0 1; display: none;
+        link-style: none; link-color: $foreground; link-background: $panel; }
     NoticeBar.-shown { display: block; }
     NoticeBar.-error { border-left: thick $error; }
     """

@@ -86,9 +86,9 @@ class FlightScreen(PageScreen):
     NAME = "flights"
     TITLE = "Flight"
     HELP = Help(
-        "Everything known of one flight. On the left what was read off and weighed; beside it what those figures say of "
-        "drag and thrust, drawn as densities: where the hill is high, there the true value is likely to be. Below, what "
-        "was forecast for it, as an interval that should hold nine flights of ten, and where the flight ended up.",
+        "Everything known of one flight. On the left what was read off and weighed; beside it what those say "
+        "of drag and thrust, drawn as densities: where the hill is high, there the true value is likely to be. Above, "
+        "what was forecast for it, as an interval that should hold nine flights of ten, and where the flight ended up.",
         (
             ("Cd", "Drag of the rocket in this flight. A wide hill means that these readouts cannot tell it well."),
             ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
@@ -108,13 +108,12 @@ class FlightScreen(PageScreen):
     FlightScreen #columns { height: auto; }
     FlightScreen #figures { width: 38; height: auto; }
     FlightScreen #pictures { width: 1fr; height: auto; }
-    FlightScreen Static { height: auto; margin-bottom: 1; }
-    FlightScreen #heading { margin-bottom: 0; }
+    FlightScreen #all Static { height: auto; margin-bottom: 1; }
     FlightScreen Plot { height: 7; margin-bottom: 1; }
     FlightScreen.-tall Plot { height: 11; }
     FlightScreen #hills { height: auto; }
     FlightScreen #hills Vertical { height: auto; width: 1fr; }
-    FlightScreen #hills Static { margin-bottom: 0; }
+    FlightScreen #all #hills Static { margin-bottom: 0; }
     FlightScreen.-narrow #columns, FlightScreen.-narrow #hills, FlightScreen.-normal #hills { layout: vertical; }
     FlightScreen.-narrow #figures, FlightScreen.-narrow #pictures { width: 1fr; }
     FlightScreen.-wide #figures { width: 52; }
@@ -188,9 +187,9 @@ class FlightScreen(PageScreen):
         from fieldkit.tui.plots import interval_bar
 
         system, flown = self.desk.settings.units, self._flight.apogee
-        low, middle, high = (measure(cards.APOGEE, one, system) for one in (said.low, said.middle, said.high))
+        low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
         parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), f"\n{printable(said.by)}\n"]
-        parts.append((f"{middle}, 90 % between {low} and {high}", "b"))
+        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
         if flown is not None:
             inside = "inside" if said.low <= flown <= said.high else "outside"
             off = number(cards.APOGEE, abs(flown - said.middle), system)

@@ -49,9 +49,9 @@ class TagScreen(PageScreen):
     NAME = "flights"
     TITLE = "Tags"
     HELP = Help(
-        "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach the "
-        "model any more. Below the list you see what that does to the rocket's drag and to the forecast of its next "
-        "flight on the same motor, before you opened this list and now. u takes back, any number of times.",
+        "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach "
+        "the model any more. Below the list you see what that does to the rocket's drag and to the forecast of its "
+        "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
         tuple(TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )

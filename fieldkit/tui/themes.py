@@ -7,7 +7,6 @@ from collections.abc import Mapping
 
 from textual.theme import BUILTIN_THEMES, Theme
 
-
 INKS = """text text-muted text-disabled foreground-muted foreground-disabled footer-foreground footer-key-foreground
 text-primary text-secondary text-warning text-error text-success text-accent footer-description-foreground border
 input-cursor-background block-cursor-background block-cursor-blurred-background scrollbar scrollbar-hover

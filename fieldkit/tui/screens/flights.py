@@ -87,7 +87,11 @@ def _columns(width: int) -> list[Shown]:
         ),
         Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
         Shown(
-            "alpha", 5 if not tight else 4, lambda r, _: _number(r.thrust, ".2f"), lambda r: r.thrust or 0.0, right=True
+            "α" if tight else "alpha",
+            5 if not tight else 4,
+            lambda r, _: _number(r.thrust, ".2f"),
+            lambda r: r.thrust or 0.0,
+            right=True,
         ),
         Shown("miss", 6 if not tight else 5, _miss, lambda r: abs(r.miss) if r.miss is not None else -1.0, right=True),
         Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
