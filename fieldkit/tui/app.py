@@ -118,7 +118,11 @@ class FieldkitApp(App[None]):
         """The next system of units."""
         self.choose(units=UNITS[(UNITS.index(self.desk.settings.units) + 1) % len(UNITS)])
 
-    def choose(self, **changes: Any) -> None:
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """What lies over a page while a question is open, in themes that do not say."""
+        return {"backdrop": "black 60%"}
+
+    def choose(self, said: str = "", **changes: Any) -> None:
         """Change settings, show what they change, and keep them."""
         settings = replace(self.desk.settings, **changes)
         try:
@@ -126,7 +130,7 @@ class FieldkitApp(App[None]):
         except FieldkitError as error:
             self.tell(str(error), error=True)
         else:
-            self.tell("; ".join(f"{name} {value}" for name, value in changes.items()))
+            self.tell(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
         self.theme = settings.theme
         self.changed()
 

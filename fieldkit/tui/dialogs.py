@@ -19,7 +19,7 @@ class HelpScreen(ModalScreen[None]):
     """What a screen is for, its fields, its keys, and the commands that do the same."""
 
     DEFAULT_CSS = """
-    HelpScreen { align: center middle; }
+    HelpScreen { align: center middle; background: $backdrop; }
     HelpScreen > Vertical { width: 90%; max-width: 96; height: 90%; background: $surface; border: solid $border; }
     HelpScreen VerticalScroll { padding: 0 1; }
     HelpScreen Static { margin-bottom: 1; width: 1fr; }
@@ -65,7 +65,7 @@ class AskText(ModalScreen[str | None]):
     """One line to be typed; the result is the text, or None."""
 
     DEFAULT_CSS = """
-    AskText { align: center middle; }
+    AskText { align: center middle; background: $backdrop; }
     AskText > Vertical { width: 80%; max-width: 72; height: auto; background: $surface; border: solid $border;
         padding: 0 1; }
     AskText Static { height: auto; }
@@ -98,7 +98,7 @@ class AskYes(ModalScreen[bool]):
     """A question that `y` or Enter agrees to, and `n` or Esc does not."""
 
     DEFAULT_CSS = """
-    AskYes { align: center middle; }
+    AskYes { align: center middle; background: $backdrop; }
     AskYes > Vertical { width: 80%; max-width: 72; height: auto; background: $surface; border: solid $border;
         padding: 0 1; }
     """

@@ -70,7 +70,7 @@ def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
     from fieldkit.loop.desk import forecast_from_others
     from fieldkit.loop.pairing import made_for
 
-    (kept,) = made_for([flight], ledger.predictions(flight.rocket))
+    (kept,) = made_for([flight], ledger.predictions(flight.rocket), motors)
     if kept is not None:
         at = kept.payload["apogee_m"]
         when = f"{kept.at.astimezone():%Y-%m-%d %H:%M}"

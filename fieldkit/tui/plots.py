@@ -92,6 +92,8 @@ def draw_density(
             plt.plot([place, place], [0.0, 1.12], marker="│", color=ink.mark)
         plt.ylim(0, 1.15)
         plt.yfrequency(0)
+        plt.yaxes(False, False)
+        plt.xaxes(True, False)
         plt.xlim(min(at[0], *(p for p, _ in marks)), max(at[-1], *(p for p, _ in marks)))
         ticks = [place for place, _ in marks]
         plt.xticks(ticks, [f"{name} {number(place)}".strip() for place, name in marks])

@@ -38,7 +38,7 @@ class Table(ScrollView, can_focus=True):
     """Rows with a cursor. `Moved` when the cursor does, `Chosen` on Enter or a second click."""
 
     DEFAULT_CSS = """
-    Table { height: 1fr; background: $surface; color: $foreground; scrollbar-size-vertical: 1; }
+    Table { height: 1fr; background: $surface; color: $foreground; scrollbar-size-vertical: 1; overflow-x: hidden; }
     Table > .table--head { text-style: bold; color: $primary; background: $panel; }
     Table > .table--cursor { color: $block-cursor-foreground; background: $block-cursor-background;
         text-style: $block-cursor-text-style; }
@@ -91,10 +91,12 @@ class Table(ScrollView, can_focus=True):
         self.keys: Sequence[Any] = ()
         self.cells: Cells = lambda _: ()
         self.empty = empty
+        self.by_hand = False
+        """Whether the flyer has moved the cursor since the table was last told to begin anew."""
 
     def show(self, heads: Sequence[Head], keys: Sequence[Any], cells: Cells, *, keep: bool = True) -> None:
-        """Show a row for each key; with `keep` the cursor stays on its row, if that is still there."""
-        before = self.current
+        """Show a row for each key; the cursor stays on its row if that is still there and was chosen by hand."""
+        before, keep = self.current, keep and self.by_hand
         self.heads, self.keys, self.cells = heads, keys, cells
         self.set_reactive(Table.cursor, keys.index(before) if keep and before in keys else 0)
         self.virtual_size = Size(self.size.width, len(keys) + 1)
@@ -110,7 +112,8 @@ class Table(ScrollView, can_focus=True):
 
     def move_to(self, key: Any) -> None:
         """Put the cursor on the row that stands for something."""
-        self.cursor = self.keys.index(key) if key in self.keys else self.cursor
+        if key in self.keys:
+            self._go(self.keys.index(key))
 
     def current_text(self) -> str:
         """The row under the cursor as text, headings and all, to be copied."""
@@ -173,15 +176,18 @@ class Table(ScrollView, can_focus=True):
 
     def action_move(self, by: int) -> None:
         """One row up or down."""
-        self.cursor += by
+        self._go(self.cursor + by)
+
+    def _go(self, row: int) -> None:
+        self.by_hand, self.cursor = True, row
 
     def action_page(self, by: int) -> None:
         """One screen up or down."""
-        self.cursor += by * max(1, self.size.height - 2)
+        self._go(self.cursor + by * max(1, self.size.height - 2))
 
     def action_end(self, last: bool) -> None:
         """To the first or the last row."""
-        self.cursor = len(self.keys) - 1 if last else 0
+        self._go(len(self.keys) - 1 if last else 0)
 
     def action_choose(self) -> None:
         """Take the row under the cursor."""
@@ -195,7 +201,8 @@ class Table(ScrollView, can_focus=True):
             return
         row = round(self.scroll_y) + event.y - 1
         if row < len(self.keys):
-            again, self.cursor = row == self.cursor, row
+            again = row == self.cursor
+            self._go(row)
             if again:
                 self.action_choose()
 

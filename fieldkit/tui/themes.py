@@ -24,6 +24,7 @@ def _flat(ink: str, paper: str, line: str) -> dict[str, str]:
         **dict.fromkeys(INKS.split(), ink),
         **dict.fromkeys(PAPERS.split(), paper),
         "border-blurred": line,
+        "backdrop": paper,
         "block-cursor-text-style": "bold",
         "block-cursor-blurred-text-style": "none",
         "input-cursor-text-style": "none",
@@ -50,6 +51,7 @@ FIELD = Theme(
         "foreground-muted": "#b4c2d0",
         "border": "#8fd0ff",
         "border-blurred": "#4a5d70",
+        "backdrop": "#0e141b 70%",
         "block-cursor-background": "#8fd0ff",
         "block-cursor-foreground": "#0b1117",
         "block-cursor-text-style": "bold",
@@ -115,7 +117,7 @@ TERMINAL = Theme(
     variables=BUILTIN_THEMES["ansi-dark"].variables
     | dict.fromkeys([*INKS.split(), *PAPERS.split(), "border-blurred"], "ansi_default")
     | {"block-cursor-text-style": "reverse", "block-cursor-blurred-text-style": "reverse"}
-    | {"input-cursor-text-style": "reverse"},
+    | {"input-cursor-text-style": "reverse", "backdrop": "ansi_default"},
 )
 THEMES: Mapping[str, Theme] = {theme.name: theme for theme in (FIELD, SUN, NIGHT, TERMINAL)}
 """By the names that settings keep."""

@@ -10,7 +10,7 @@ from textual.binding import Binding, BindingType
 from textual.containers import Container, Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
-from textual.widgets import Button, Digits, Input, Label, Static
+from textual.widgets import Button, Digits, Input, Static
 
 from fieldkit.entry import NOTHING, QUESTIONS, Question, oddities, read_answer
 from fieldkit.errors import BadValue, FieldkitError
@@ -18,6 +18,7 @@ from fieldkit.flight import READOUTS, Flight
 from fieldkit.measures import measure, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.sanity import IDENTITY, identity
+from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
 SETUP = ("rocket", "config", "motor", "site")
@@ -27,42 +28,6 @@ READ = tuple(column.name for column in READOUTS)
 MORE = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
 OTHER = {"SI": "US", "US": "SI", "mixed": "SI"}
 """The system in which a figure is repeated beside it."""
-
-
-class Field(Horizontal):
-    """A question, its answer, and a note on the answer."""
-
-    DEFAULT_CSS = """
-    Field { height: 1; }
-    Field > Label { width: 22; }
-    Field > Input, Field > Input:focus { width: 15; height: 1; padding: 0; border: none; border-left: outer $border; }
-    Field > .note { width: 1fr; height: 1; padding: 0 0 0 1; text-wrap: nowrap; text-overflow: ellipsis; }
-    Field.-short > Label { width: auto; padding: 0 1 0 0; }
-    Field.-short > Input, Field.-short > Input:focus { width: 1fr; }
-    Field.-short > .note { display: none; }
-    Field.-hand > Label { text-style: bold reverse; }
-    """
-
-    def __init__(self, question: Question, *, short: bool = False) -> None:
-        super().__init__(id=f"field-{question.name}", classes="-short" if short else "")
-        self.question = question
-
-    def compose(self) -> Iterable[Widget]:
-        """Label, line, note."""
-        yield Label(self.question.title if self.question.name != "config" else "Config")
-        line = Input(id=f"in-{self.question.name}", select_on_focus=True)
-        line.cursor_blink = False
-        yield line
-        yield Static("", classes="note")
-
-    @property
-    def line(self) -> Input:
-        """Where the answer is typed."""
-        return self.query_one(Input)
-
-    def note(self, text: str) -> None:
-        """Say something about the answer."""
-        self.query_one(".note", Static).update(Content(printable(text)))
 
 
 class AddScreen(PageScreen):

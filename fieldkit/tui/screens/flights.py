@@ -164,7 +164,7 @@ class FlightsScreen(PageScreen):
 
         ledger = self.desk.ledger
         flights = ledger.flights()
-        said = made_for(flights, ledger.predictions())
+        said = made_for(flights, ledger.predictions(), self.desk.motors)
         ids = ledger.ids(flights)
         return [Row(i, n, f, residual(f, p)) for n, (i, f, p) in enumerate(zip(ids, flights, said, strict=True))]
 
