@@ -18,7 +18,7 @@ MANY = 400
 """Flights flown for each motor of a long list: their 5 % quantile is good to a sixth of the spread. [1]"""
 FEW = 40
 """Flights flown to choose a delay by its median. [1]"""
-LEAST_THRUST = 1.5
+LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
 
 

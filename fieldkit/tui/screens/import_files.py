@@ -4,11 +4,11 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
@@ -22,6 +22,8 @@ from fieldkit.tui.table import Head, Table
 if TYPE_CHECKING:
     from fieldkit.intake import Receipt
 
+MOST = 200
+"""Rejected rows that are listed."""
 UP = Path("..")
 """The row that leads to the folder above."""
 
@@ -74,6 +76,8 @@ class ImportScreen(PageScreen):
     ImportScreen.-wide #files { width: 60; }
     ImportScreen #look { width: 1fr; border-left: solid $border-blurred; }
     ImportScreen #said { height: auto; max-height: 60%; padding: 0 1; margin-bottom: 1; }
+    ImportScreen #rows { height: 1fr; padding: 0 1; }
+    ImportScreen #rejected { height: auto; }
     ImportScreen.-narrow #split { layout: vertical; }
     ImportScreen.-narrow #files { width: 1fr; height: 7; }
     """
@@ -92,7 +96,8 @@ class ImportScreen(PageScreen):
             yield Table(id="files", empty="nothing here")
             with Vertical(id="look"):
                 yield Static("", id="said")
-                yield Table(id="rejected", empty="")
+                with VerticalScroll(id="rows"):
+                    yield Static("", id="rejected")
 
     def on_mount(self) -> None:
         """Keys go to the files."""
@@ -125,7 +130,7 @@ class ImportScreen(PageScreen):
         """Read the file under the cursor without storing anything."""
         path = self.query_one("#files", Table).current
         self._look = None
-        self.query_one("#rejected", Table).show([], [], lambda _: ())
+        self.query_one("#rejected", Static).update("")
         if path is None or path == UP or path.is_dir():
             self.query_one("#said", Static).update("Enter opens the folder")
             return
@@ -166,7 +171,7 @@ class ImportScreen(PageScreen):
         else:
             receipt = look.receipt
             parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
-            parts += ["\n", ("would bring    ", "$text-muted"), (f"{len(receipt.ids)} flights", "b")]
+            parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
             parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
             given = "; ".join(f"{name}={value}" for name, value in self._given.items())
             parts += ["\n", ("set            ", "$text-muted"), (printable(given), "b")] if given else []
@@ -177,9 +182,13 @@ class ImportScreen(PageScreen):
                 parts.append(("\nEnter stores it", "b"))
         self.query_one("#said", Static).update(Content.assemble(*parts))
         rejected = look.receipt.rejected if look.receipt else ()
-        rows = {n: (str(one.row or ""), one.column or "", one.error) for n, one in enumerate(rejected)}
-        heads = [Head("row", 4, True), Head("column", 12), Head("rejected because", 0)] if rows else []
-        self.query_one("#rejected", Table).show(heads, list(rows), rows.__getitem__)
+        lines: list[str | tuple[str, str]] = [("Left out, and why", "b $primary")] if rejected else []
+        for one in rejected[:MOST]:
+            place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
+            lines += ["\n", (f"✗ {printable(place)}", "b"), f": {printable(one.error)}"]
+        if len(rejected) > MOST:
+            lines.append(f"\nand {len(rejected) - MOST} more; fieldkit import --dry-run lists all")
+        self.query_one("#rejected", Static).update(Content.assemble(*lines))
 
     @on(Table.Chosen, "#files")
     def action_store(self) -> None:
@@ -260,9 +269,11 @@ class ImportScreen(PageScreen):
 
     def copied(self) -> str:
         """What the file would bring."""
-        rejected: Any = self.query_one("#rejected", Table)
-        lines = ["  ".join(cell for cell in rejected.cells(key) if cell) for key in rejected.keys]
-        return "\n".join([str(self.query_one("#said", Static).content), *lines])
+        return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#rejected"))
+
+
+def _counted(count: int) -> str:
+    return f"{count} flight" + ("" if count == 1 else "s")
 
 
 def _row(path: Path) -> tuple[str, str]:

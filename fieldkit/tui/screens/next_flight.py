@@ -1,4 +1,4 @@
-"""Next flight: every motor that fits, where each would take the rocket, and the forecast of the one under the cursor."""
+"""Next flight: every motor that fits, where each would take the rocket, the forecast of the one under the cursor."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -48,10 +48,11 @@ QUESTIONS = (
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is to be flown, the other builds at hand, and what the forecast rests on."""
+    """What is to be flown, the builds and the motors at hand, and what the forecast rests on."""
 
     flight: Flight
     builds: tuple[Flight, ...]
+    flown: tuple[Any, ...]
     mount: float | None
     dry_mass: float
     rests_on: str
@@ -167,6 +168,7 @@ class NextScreen(PageScreen):
         return Plan(
             plan,
             tuple(builds.values()),
+            tuple(dict.fromkeys(found.motor for _, found in reversed(history))),
             mount(history, plan.config),
             full.dry_mass,
             f"{len(clean)} clean flights ({some}), {model}"
@@ -209,6 +211,7 @@ class NextScreen(PageScreen):
 
     def _found(self, motors: "list[Motor]") -> None:
         self._motors = motors
+        self.query_one(Table).by_hand = False
         self._refill()
         self._forecast()
 
@@ -283,17 +286,20 @@ class NextScreen(PageScreen):
         return measure(BY_NAME["top_speed"], median(said.rail_speed), self.desk.settings.units)
 
     def _refill(self) -> None:
-        """The motors: those nearest to the target first, those not forecast yet last."""
+        """The motors: the nearest to the target first, those not forecast yet last; without one, those flown first."""
         target = self.desk.settings.target
         order = list(self._motors)
-        if target is not None:
+        if target is None and self._plan is not None:
+            flown = {motor: place for place, motor in enumerate(self._plan.flown)}
+            order.sort(key=lambda motor: flown.get(motor, len(flown)))
+        elif target is not None:
             order.sort(key=lambda motor: abs(self._known[motor].apogee - target) if motor in self._known else 1e9)
         self.query_one(Table).show(self._columns(), order, self._cells)
         done = sum(motor in self._known for motor in self._motors)
         fit = "fit" if self._fitting else "in all"
-        self.query_one("#count", Static).update(
-            Content(f"{len(self._motors)} {fit}" + (f", {done} done" if done < min(len(self._motors), MOST) else ""))
-        )
+        left = min(len(self._motors), MOST) - done
+        said = f"{len(self._motors)} {fit}" + (f", {left} to do" if left > 0 else "")
+        self.query_one("#count", Static).update(Content(said))
         self._show_card()
 
     @on(Table.Moved)
@@ -311,13 +317,13 @@ class NextScreen(PageScreen):
         said, system = one.prediction, self.desk.settings.units
         low, middle, high = (float(x) for x in said.apogee_quantiles())
         delay = "" if one.delay is None else f"-{one.delay:g}"
-        title = (
-            f"{self._plan.flight.rocket} {self._plan.flight.config} on {one.motor.maker} {one.motor.designation}{delay}"
-        )
+        plan = self._plan.flight
+        title = f"{plan.rocket} {plan.config} on {one.motor.maker} {one.motor.designation}{delay}"
         unit = spelled(unit_of(cards.APOGEE, system))
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one("#big", Digits).update(number(cards.APOGEE, middle, system))
-        text = f"{unit} on the altimeter, 90 % in {number(cards.APOGEE, low, system)} to {number(cards.APOGEE, high, system)}"
+        ends = [number(cards.APOGEE, one, system).split(".")[0] for one in (low, high)]
+        text = f"{unit} on the altimeter, 90 % {'-'.join(ends)}"
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
         marks = [(place, "") for place in (low, middle, high)]
         if target := self.desk.settings.target:
@@ -341,7 +347,7 @@ class NextScreen(PageScreen):
         return [
             ("ejection", _ejection(said.median_eject)),
             ("by delay", "  ".join(fires)),
-            ("off rail", f"{self._rail(said)} {'✓' if rail >= RAIL_SPEED else '! slow, use a longer rail'}"),
+            ("off rail", f"{self._rail(said)} {'✓' if rail >= RAIL_SPEED else '! slow: longer rail'}"),
             ("T:W", f"{ratio:.1f} {'✓' if ratio >= 5 else '! below 5' if ratio >= 3 else '! below 3, not safe'}"),
             ("top speed", measure(BY_NAME["top_speed"], median(said.top_speed), system)),
             ("Cd", f"{said.cd.mean():.2f} ± {said.cd.std():.2f}"),
@@ -424,7 +430,9 @@ class NextScreen(PageScreen):
         except BadValue as error:
             self.complain(f"target: {error}, such as 800ft")
             return
-        self.field_app.choose(target=target)
+        said = f"target {measure(cards.APOGEE, target, self.desk.settings.units)}" if target else "no target"
+        self.query_one(Table).by_hand = False
+        self.field_app.choose(said, target=target)
 
     @on(Table.Chosen)
     def action_keep(self) -> None:
