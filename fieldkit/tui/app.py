@@ -10,10 +10,13 @@ from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
 
-from fieldkit.errors import FieldkitError
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.flight import BY_NAME
+from fieldkit.measures import measure, unit_of
 from fieldkit.settings import UNITS
 from fieldkit.tui.bars import Notice, NoticeBar
 from fieldkit.tui.desk import Desk
+from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
@@ -133,6 +136,27 @@ class FieldkitApp(App[None]):
             self.tell(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
         self.theme = settings.theme
         self.changed()
+
+    def ask_target(self) -> None:
+        """The height to hit, that motors are compared against."""
+        now = measure(BY_NAME["apogee"], self.desk.settings.target, self.desk.settings.units)
+        about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
+        self.push_screen(AskText("Target", now, about), self._targeted)
+
+    def action_ask_target(self) -> None:
+        """Type the height to hit."""
+        self.ask_target()
+
+    def _targeted(self, text: str | None) -> None:
+        if text is None:
+            return
+        apogee, system = BY_NAME["apogee"], self.desk.settings.units
+        try:
+            target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
+        except BadValue as error:
+            self.tell(f"target: {error}, such as 800ft", error=True)
+            return
+        self.choose(f"target {measure(apogee, target, system)}" if target else "no target", target=target)
 
     def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
         """What the palette finds: pages, colours, units, and what the page in front can do."""

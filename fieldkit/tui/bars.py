@@ -81,7 +81,9 @@ class KeyBar(Static):
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
             key = self.app.get_key_display(binding)
-            label = f"[b $footer-key-foreground]{_escaped(key)}[/]\u00a0{binding.description.replace(' ', chr(0xA0))}"
+            word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
+            word = (word or binding.description).replace(" ", "\u00a0")
+            label = f"[b $footer-key-foreground]{_escaped(key)}[/]\u00a0{word}"
             parts.append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
         return Content("  ").join(parts)
 

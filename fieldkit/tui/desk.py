@@ -24,6 +24,11 @@ class Desk:
         self.complaints: list[FieldkitError] = []
 
     @property
+    def name(self) -> str:
+        """The ledger's name, as far as it is known without opening it."""
+        return self._ledger.name if "_ledger" in self.__dict__ else str(self._where or "not opened yet")
+
+    @property
     def ledger(self) -> "Ledger":
         """The ledger, opened once. Raises LedgerError."""
         with self._lock:

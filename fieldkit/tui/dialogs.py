@@ -22,7 +22,7 @@ class HelpScreen(ModalScreen[None]):
     HelpScreen { align: center middle; background: $backdrop; }
     HelpScreen > Vertical { width: 90%; max-width: 96; height: 90%; background: $surface; border: solid $border; }
     HelpScreen VerticalScroll { padding: 0 1; }
-    HelpScreen Static { margin-bottom: 1; width: 1fr; }
+    HelpScreen VerticalScroll Static { margin-bottom: 1; width: 1fr; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "dismiss", "Close", key_display="Esc"),
@@ -31,19 +31,21 @@ class HelpScreen(ModalScreen[None]):
         Binding("down", "scroll_by(1)", "Down", show=False),
     ]
 
-    def __init__(self, title: str, help: Help, keys: Sequence[tuple[str, str]]) -> None:
+    def __init__(self, title: str, help: Help, keys: Sequence[tuple[str, str]], listed: str = "") -> None:
         super().__init__()
         self._title, self._help, self._key_list = title, help, keys
+        self._listed = listed or "What it shows and asks"
 
     def compose(self) -> ComposeResult:
         """One column of short paragraphs."""
         with Vertical() as frame:
-            frame.border_title = f"Help: {self._title}"
+            frame.border_title = Content(printable(self._title))
             with VerticalScroll():
                 yield Static(Content(self._help.about))
                 if self._help.fields:
-                    yield Static(_listed("What it shows and asks", self._help.fields))
-                yield Static(_listed("Keys", self._key_list))
+                    yield Static(_paragraphs(self._listed, self._help.fields))
+                if self._key_list:
+                    yield Static(_paragraphs("Keys", self._key_list))
                 if self._help.twin:
                     twins = "\n".join(f"  {line}" for line in self._help.twin)
                     yield Static(Content.assemble(("The same on the command line", "b"), "\n", twins))
@@ -54,7 +56,7 @@ class HelpScreen(ModalScreen[None]):
         self.query_one(VerticalScroll).scroll_relative(y=lines, animate=False)
 
 
-def _listed(heading: str, pairs: Sequence[tuple[str, str]]) -> Content:
+def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Content:
     parts: list[Content | str | tuple[str, str]] = [(heading, "b")]
     for name, text in pairs:
         parts += ["\n  ", (name, "b $accent"), f"  {text}"]

@@ -147,7 +147,7 @@ class PageScreen(Screen[None]):
         """Explain the screen and its fields."""
         from fieldkit.tui.dialogs import HelpScreen
 
-        self.app.push_screen(HelpScreen(self.sub_title or self.title or "", self.HELP, self._keys()))
+        self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.HELP, self._keys()))
 
     def _keys(self) -> list[tuple[str, str]]:
         """Keys and what they do, as they are just now."""

@@ -34,7 +34,7 @@ MARK, NO_MARK = "▸", " "
 """Before the row of the cursor and before the others, for eyes and terminals without colours."""
 
 
-class Table(ScrollView, can_focus=True):
+class Table(ScrollView, can_focus=True, inherit_bindings=False):
     """Rows with a cursor. `Moved` when the cursor does, `Chosen` on Enter or a second click."""
 
     DEFAULT_CSS = """
@@ -47,7 +47,7 @@ class Table(ScrollView, can_focus=True):
     """
     COMPONENT_CLASSES: ClassVar[set[str]] = {"table--head", "table--cursor", "table--blurred"}
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("enter", "choose", "Open", show=False),
+        Binding("enter", "choose", "Open", key_display="Enter"),
         Binding("up", "move(-1)", "Up", show=False),
         Binding("down", "move(1)", "Down", show=False),
         Binding("pageup", "page(-1)", "Page up", show=False),
@@ -85,8 +85,10 @@ class Table(ScrollView, can_focus=True):
 
     cursor: reactive[int] = reactive(0, repaint=True)
 
-    def __init__(self, *, empty: str = "", **rest: Any) -> None:
+    def __init__(self, *, empty: str = "", enter: str = "Open", **rest: Any) -> None:
         super().__init__(**rest)
+        self.enter = enter
+        """What Enter does with a row, in a word for the key bar."""
         self.heads: Sequence[Head] = ()
         self.keys: Sequence[Any] = ()
         self.cells: Cells = lambda _: ()

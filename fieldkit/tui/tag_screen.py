@@ -55,7 +55,10 @@ class TagScreen(PageScreen):
         tuple(TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("space", "toggle", "On/off"), Binding("escape", "back", "Done")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space", "toggle", "On/off", show=False),
+        Binding("escape", "back", "Done"),
+    ]
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
     TagScreen Table { height: 1fr; min-height: 5; }
@@ -72,7 +75,7 @@ class TagScreen(PageScreen):
     def body(self) -> Iterable[Widget]:
         """The flight, the tags, the effect."""
         yield Static(id="which")
-        yield Table(id="tags")
+        yield Table(id="tags", enter="On/off")
         yield Static(id="means")
         yield Static("working out what the tags do ...", id="effect")
 

@@ -147,7 +147,7 @@ class FlightsScreen(PageScreen):
             yield Static("", id="count")
         with Horizontal():
             yield Table(empty="reading the ledger ...", id="table")
-            with VerticalScroll(id="beside", can_focus=False):
+            with VerticalScroll(id="beside"):
                 yield Static(id="card")
 
     def on_mount(self) -> None:

@@ -64,7 +64,6 @@ class ImportScreen(PageScreen):
         ("fieldkit import FILE --dry-run", "fieldkit import FILE --format NAME --set rocket=Astra"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("enter", "store", "Store", tooltip="Open the folder, or store the file"),
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("f", "format", "Format", tooltip="Name the parser to read with"),
         Binding("s", "set", "Set", tooltip="What the file leaves open: rocket=Astra"),
@@ -93,7 +92,7 @@ class ImportScreen(PageScreen):
         """Where we are, the files, what one would bring."""
         yield Static("", id="where")
         with Horizontal(id="split"):
-            yield Table(id="files", empty="nothing here")
+            yield Table(id="files", empty="nothing here", enter="Store")
             with Vertical(id="look"):
                 yield Static("", id="said")
                 with VerticalScroll(id="rows"):
@@ -191,7 +190,7 @@ class ImportScreen(PageScreen):
         self.query_one("#rejected", Static).update(Content.assemble(*lines))
 
     @on(Table.Chosen, "#files")
-    def action_store(self) -> None:
+    def _chosen(self) -> None:
         """Open the folder, or store the file."""
         path = self.query_one("#files", Table).current
         if path == UP:

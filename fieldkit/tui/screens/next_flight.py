@@ -86,9 +86,8 @@ class NextScreen(PageScreen):
         Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
-        Binding("g", "target", "Target", tooltip="The height to hit"),
+        Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
         Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
-        Binding("enter", "keep", "Keep", tooltip="Keep this forecast for the flight to come"),
         Binding("f", "fitting", "All", show=False, tooltip="Only motors that fit, or all of the catalogue"),
     ]
     DEFAULT_CSS = """
@@ -125,8 +124,8 @@ class NextScreen(PageScreen):
             yield Input(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
             yield Static("", id="count")
         with Horizontal():
-            yield Table(id="motors", empty="no motor fits; f shows them all")
-            with VerticalScroll(id="card", can_focus=False):
+            yield Table(id="motors", empty="no motor fits; f shows them all", enter="Keep")
+            with VerticalScroll(id="card"):
                 yield Static("", id="title")
                 yield Digits("", id="big")
                 yield Static("", id="range")
@@ -412,30 +411,8 @@ class NextScreen(PageScreen):
             "keep-plan",
         )
 
-    def action_target(self) -> None:
-        """The height to hit."""
-        from fieldkit.tui.dialogs import AskText
-
-        now = measure(cards.APOGEE, self.desk.settings.target, self.desk.settings.units)
-        about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
-        self.app.push_screen(AskText("Target", now, about), self._targeted)
-
-    def _targeted(self, text: str | None) -> None:
-        from fieldkit.errors import BadValue
-
-        if text is None:
-            return
-        try:
-            target = cards.APOGEE.parse(text, unit_of(cards.APOGEE, self.desk.settings.units)) if text.strip() else None
-        except BadValue as error:
-            self.complain(f"target: {error}, such as 800ft")
-            return
-        said = f"target {measure(cards.APOGEE, target, self.desk.settings.units)}" if target else "no target"
-        self.query_one(Table).by_hand = False
-        self.field_app.choose(said, target=target)
-
     @on(Table.Chosen)
-    def action_keep(self) -> None:
+    def _keep_forecast(self) -> None:
         """Keep the forecast of the motor under the cursor, made with care."""
         one = self._known.get(self.query_one(Table).current)
         if one is None:
