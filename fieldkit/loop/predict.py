@@ -96,7 +96,7 @@ def predict(
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
-    acting = (*accepted, *_declared(flights, accepted)) if declared else accepted
+    acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     model = rocket_model(flights, found, acting, FORECAST_SLACK)
     taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
@@ -140,7 +140,7 @@ def predict(
     ]
 
 
-def _declared(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
+def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
     """Effects whose column was written down, and that no accepted effect stands for already."""
     known = {place.effect for place in accepted}
     return [
