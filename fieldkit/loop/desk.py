@@ -118,7 +118,7 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
     (made,) = predict(history, [(plan, motors.resolve(flight.motor))], accepted_places(ledger, flight.rocket))
-    return made
+    return widened(made, accepted_widening(ledger, flight.rocket))
 
 
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
@@ -172,11 +172,12 @@ def close_loop(
     model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
     diagnosis = diagnose(model, observe(flights, teach), progress)
     if accept:
-        _keep(ledger, rocket, diagnosis)
+        adopt(ledger, rocket, diagnosis)
     return diagnosis
 
 
-def _keep(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
+def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
+    """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
     places = tuple(trial.candidate.place for trial in diagnosis.accepted)
     left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
     same = places == accepted_places(ledger, rocket)

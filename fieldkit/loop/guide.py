@@ -7,8 +7,9 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop.desk import accepted_places, completed, flown
+from fieldkit.loop.desk import accepted_places, accepted_widening, completed, flown
 from fieldkit.loop.predict import Prediction, predict
+from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found, Motor
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -70,11 +71,12 @@ def choices(
     """
     history = flown(ledger, motors, plan.rocket)
     plan = completed(plan, [flight for flight, _ in history])
-    places = accepted_places(ledger, plan.rocket)
+    places, wider = accepted_places(ledger, plan.rocket), accepted_widening(ledger, plan.rocket)
 
     def fly(delays: Sequence[float | None], draws: int) -> list[Prediction]:
         planned = [(_on(plan, one, delay), Found(one, delay)) for one, delay in zip(wanted, delays, strict=True)]
-        return predict(history, planned, places, draws=draws) if planned else []
+        made = predict(history, planned, places, draws=draws) if planned else []
+        return [widened(one, wider) for one in made]
 
     longest = [max((d for d in one.delays if np.isfinite(d)), default=None) for one in wanted]
     ejections = [

@@ -67,7 +67,7 @@ class KeyBar(Static):
     """The keys that work here, on as many lines as they need; each can be clicked."""
 
     DEFAULT_CSS = """
-    KeyBar { height: auto; max-height: 3; background: $footer-background; color: $footer-foreground; padding: 0 1;
+    KeyBar { height: auto; max-height: 4; background: $footer-background; color: $footer-foreground; padding: 0 1;
         link-style: none; link-color: $footer-foreground; link-background: $footer-background; }
     """
 
@@ -75,17 +75,26 @@ class KeyBar(Static):
         """Follow the focus: what can be pressed depends on it."""
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self.refresh(layout=True))
 
+    def on_resize(self) -> None:
+        """Lines are broken anew."""
+        self.refresh(layout=True)
+
     def render(self) -> Content:
-        """Key and word, a word being kept with its key."""
-        parts: list[Content] = []
+        """Key and word, never apart; those that work everywhere stand last."""
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
+        lines: list[list[Content]] = [[]]
+        room = width = max(20, self.container_size.width - 2)
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
             key = self.app.get_key_display(binding)
             word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
-            word = (word or binding.description).replace(" ", "\u00a0")
-            label = f"[b $footer-key-foreground]{_escaped(key)}[/]\u00a0{word}"
-            parts.append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
-        return Content("  ").join(parts)
+            word = word or binding.description
+            label = f"[b $footer-key-foreground]{_escaped(key)}[/] {word}"
+            room -= len(key) + len(word) + 3
+            if room < -2 and lines[-1]:
+                lines.append([])
+                room = width - len(key) - len(word) - 3
+            lines[-1].append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
+        return Content("\n").join([Content("  ").join(line) for line in lines])
 
 
 EVERYWHERE = ("Undo", "Copy", "Help", "Quit")
