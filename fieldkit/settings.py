@@ -18,8 +18,8 @@ THEMES = ("field", "sun", "night", "terminal")
 class Settings:
     """What was chosen. `target` is the apogee that motors are compared against, None for none. [m]"""
 
-    units: str = "SI"
-    theme: str = "field"
+    units: str = UNITS[0]
+    theme: str = THEMES[0]
     target: float | None = None
 
 
@@ -32,8 +32,8 @@ def read_settings(file: Path | None = None) -> Settings:
     kept = kept if isinstance(kept, dict) else {}
     target = kept.get("target")
     return Settings(
-        units=kept["units"] if kept.get("units") in UNITS else Settings.units,
-        theme=kept["theme"] if kept.get("theme") in THEMES else Settings.theme,
+        units=kept["units"] if kept.get("units") in UNITS else UNITS[0],
+        theme=kept["theme"] if kept.get("theme") in THEMES else THEMES[0],
         target=float(target) if isinstance(target, int | float) and 0 < target < 1e6 else None,
     )
 

@@ -32,13 +32,13 @@ def made_for(
     moments = {key: [_local(one.at) for one in made] for key, made in alike.items()}
     found: list[Prediction | None] = []
     for flight in flights:
-        one = named.get((flight.rocket, flight.flight_id))
-        key = (flight.rocket, flight.config, motor_of(flight.motor)) if alike else None
-        if one is None and key in alike and flight.date_time is not None:
-            place = bisect_right(moments[key], flight.date_time)
-            if place and flight.date_time - moments[key][place - 1] <= STALE:
-                one = alike[key][place - 1]
-        found.append(one)
+        said = named.get((flight.rocket, flight.flight_id))
+        if said is None and alike and flight.date_time is not None:
+            like = (flight.rocket, flight.config, motor_of(flight.motor))
+            place = bisect_right(moments.get(like, ()), flight.date_time)
+            if place and flight.date_time - moments[like][place - 1] <= STALE:
+                said = alike[like][place - 1]
+        found.append(said)
     return found
 
 

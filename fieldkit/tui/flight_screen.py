@@ -85,7 +85,7 @@ class FlightScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Flight"
-    HELP = Help(
+    ABOUT = Help(
         "Everything known of one flight. On the left what was read off and weighed; beside it what those say "
         "of drag and thrust, drawn as densities: where the hill is high, there the true value is likely to be. Above, "
         "what was forecast for it, as an interval that should hold nine flights of ten, and where the flight ended up.",
@@ -121,7 +121,7 @@ class FlightScreen(PageScreen):
 
     def __init__(self, id: str) -> None:
         super().__init__()
-        self._id = id
+        self._flight_id = id
         self._flight: Flight | None = None
         self._text: list[str] = []
 
@@ -147,18 +147,18 @@ class FlightScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight; what follows from it comes when it is worked out."""
-        self.ask(lambda: self.desk.ledger.flight(self._id), self._have)
+        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:
         self._flight = flight
         system = self.desk.settings.units
-        self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._id))))
+        self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
             cards.lines("Tags", cards.tags(flight)) if flight.tags else Content("no tags: it teaches the model"),
         ]
-        self._text = [cards.heading(flight, self._id), *(block.plain for block in blocks)]
+        self._text = [cards.heading(flight, self._flight_id), *(block.plain for block in blocks)]
         self.query_one("#figures", Static).update(Content("\n\n").join(blocks))
         self.ask(_or_why(partial(said_by, flight, self.desk.motors)), self._have_said, "said")
         self.ask(
@@ -204,7 +204,7 @@ class FlightScreen(PageScreen):
         """Choose tags."""
         from fieldkit.tui.tag_screen import TagScreen
 
-        self.app.push_screen(TagScreen(self._id))
+        self.app.push_screen(TagScreen(self._flight_id))
 
     def action_edit(self) -> None:
         """Type changes as `fieldkit edit` takes them."""
@@ -212,7 +212,7 @@ class FlightScreen(PageScreen):
 
         names = ", ".join(list(BY_NAME)[:3])
         about = f"COLUMN=VALUE, several apart by ;  such as apogee=281m; wind=2 m/s ({names}, ...). Empty clears."
-        self.app.push_screen(AskText(f"Change flight {self._id}", "", about), self._edited)
+        self.app.push_screen(AskText(f"Change flight {self._flight_id}", "", about), self._edited)
 
     def _edited(self, text: str | None) -> None:
         if not text or self._flight is None:
@@ -230,12 +230,16 @@ class FlightScreen(PageScreen):
             motor = str(changes.get("motor", ""))
             if motor and (complaint := self.desk.motors.complaint(motor)):
                 raise BadValue(f"motor: {complaint}")
-            return self.desk.ledger.edit(self._id, **changes)
+            return self.desk.ledger.edit(self._flight_id, **changes)
 
         self.ask(change, self._changed, "edit")
 
     def _changed(self, flight: Flight) -> None:
-        self.tell(f"{self._id} changed; u takes it back" if flight != self._flight else f"{self._id} is so already")
+        self.tell(
+            f"{self._flight_id} changed; u takes it back"
+            if flight != self._flight
+            else f"{self._flight_id} is so already"
+        )
         self.field_app.changed()
 
     def copied(self) -> str:

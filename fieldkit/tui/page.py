@@ -59,10 +59,10 @@ def pages() -> dict[str, Page]:
 class PageScreen(Screen[None]):
     """A screen between the bars. `body` composes it, `reload` fills it anew when the ledger has changed."""
 
-    HELP: ClassVar[Help] = Help("")
+    ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
-    HORIZONTAL_BREAKPOINTS: ClassVar[list[tuple[int, str]] | None] = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]
-    VERTICAL_BREAKPOINTS: ClassVar[list[tuple[int, str]] | None] = [(0, "-short"), (40, "-tall")]
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding("f1", "help", "Help", show=False),
@@ -147,7 +147,7 @@ class PageScreen(Screen[None]):
         """Explain the screen and its fields."""
         from fieldkit.tui.dialogs import HelpScreen
 
-        self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.HELP, self._keys()))
+        self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, self._keys()))
 
     def _keys(self) -> list[tuple[str, str]]:
         """Keys and what they do, as they are just now."""

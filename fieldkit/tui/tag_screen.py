@@ -48,7 +48,7 @@ class TagScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Tags"
-    HELP = Help(
+    ABOUT = Help(
         "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach "
         "the model any more. Below the list you see what that does to the rocket's drag and to the forecast of its "
         "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
@@ -56,7 +56,7 @@ class TagScreen(PageScreen):
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space", "toggle", "On/off", show=False),
+        Binding("space", "toggle_tag", "On/off", show=False),
         Binding("escape", "back", "Done"),
     ]
     DEFAULT_CSS = """
@@ -68,7 +68,7 @@ class TagScreen(PageScreen):
 
     def __init__(self, id: str) -> None:
         super().__init__()
-        self._id = id
+        self._flight_id = id
         self._flight: Flight | None = None
         self._before: Shift | None = None
 
@@ -85,11 +85,11 @@ class TagScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight and what the model makes of the tags."""
-        self.ask(lambda: self.desk.ledger.flight(self._id), self._have)
+        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:
         self._flight = flight
-        self.query_one("#which", Static).update(Content(cards.heading(flight, self._id)))
+        self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
         tags = dict(TAGS) | {
             tag: "your own: it is kept, and the flight still teaches" for tag in flight.tags if tag not in TAGS
         }
@@ -124,7 +124,7 @@ class TagScreen(PageScreen):
         self.query_one("#means", Static).update(Content(printable(f"{message.key}: {text}")))
 
     @on(Table.Chosen)
-    def action_toggle(self) -> None:
+    def action_toggle_tag(self) -> None:
         """Put the tag under the cursor on the flight, or take it off."""
         tag, flight = self.query_one(Table).current, self._flight
         if flight is None:
@@ -140,7 +140,11 @@ class TagScreen(PageScreen):
 
     def _change(self, tag: str, put: bool) -> None:
         ledger = self.desk.ledger
-        self.ask(partial(ledger.tag if put else ledger.untag, self._id, tag), lambda _: self.field_app.changed(), "tag")
+        self.ask(
+            partial(ledger.tag if put else ledger.untag, self._flight_id, tag),
+            lambda _: self.field_app.changed(),
+            "tag",
+        )
 
     def copied(self) -> str:
         """The tag under the cursor and what it means."""

@@ -35,7 +35,7 @@ class AddScreen(PageScreen):
 
     NAME = "add"
     TITLE = "Add a flight"
-    HELP = Help(
+    ABOUT = Help(
         "Type what your altimeter shows, in its order; Enter goes on, the arrow up goes back. A unit may follow the "
         "number (923ft, 281.3 m, 140mph); without one it is the unit beside the field, and a unit once typed is the "
         "next one's. A lone - means not recorded. Odd figures are noted with ! and taken as they are. Every key is "

@@ -103,7 +103,7 @@ class FlightsScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Flights"
-    HELP = Help(
+    ABOUT = Help(
         "Every flight of your ledger, the newest first. Type / and any words to see only flights that hold them all "
         "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
         "what it says of drag and thrust, and what was forecast for it.",

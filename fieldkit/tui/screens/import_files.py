@@ -52,7 +52,7 @@ class ImportScreen(PageScreen):
 
     NAME = "import_files"
     TITLE = "Import"
-    HELP = Help(
+    ABOUT = Help(
         "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
         "what it was recognised as, how many flights it would bring, and each row that would be left out, with the "
         "reason. Enter stores it. What is in the ledger already changes nothing, so a file may be imported twice.",

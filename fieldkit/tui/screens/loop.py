@@ -45,9 +45,9 @@ class LoopScreen(PageScreen):
 
     NAME = "loop"
     TITLE = "Loop"
-    HELP = Help(
+    ABOUT = Help(
         "The model of a rocket is put to the test on its own flights: each is forecast from the others, and what is "
-        "left over is compared with what known effects would do (wind, a weak lot of motors, an altimeter that reads high). "
+        "left over is compared with what known effects would do (wind, weak motors, an altimeter that reads high). "
         "l looks, which takes some seconds; nothing changes until you accept with a. d leaves the model as it is. "
         "Under Versions, Enter predicts with another model from now on; u takes that back as well.",
         (
@@ -144,7 +144,7 @@ class LoopScreen(PageScreen):
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
         model = f"version {used}" if used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
-        rows = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
+        rows: dict[int, tuple[str, ...]] = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
         rows |= {version.number: self._version(version) for version in standing.versions}
         heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("unseen flights", 18, True), Head("", 8)]
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
@@ -179,7 +179,10 @@ class LoopScreen(PageScreen):
         from fieldkit.loop.findings import findings
 
         def tell(start: float, part: float) -> Callable[[str, float], None]:
-            return lambda text, share: self.post_message(self.Told(text, start + part * share)) and None
+            def told(text: str, share: float) -> None:
+                self.post_message(self.Told(text, start + part * share))
+
+            return told
 
         diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.7))
         return findings(rocket, diagnosis, tell(0.7, 0.3))
@@ -395,7 +398,7 @@ def _draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], pl
     """Points about a line of no error."""
     plt.scatter([x for x, _ in points], [y for _, y in points], marker="●", color=ink.mark)
     plt.hline(0.0, color=ink.line)
-    low, high = (int(math.floor(min(y for _, y in points))), int(math.ceil(max(y for _, y in points))))
+    low, high = math.floor(min(y for _, y in points)), math.ceil(max(y for _, y in points))
     plt.yticks(list(range(min(low, -1), max(high, 1) + 1)))
     if ticks:
         plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])

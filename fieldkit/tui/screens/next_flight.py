@@ -63,7 +63,7 @@ class NextScreen(PageScreen):
 
     NAME = "next_flight"
     TITLE = "Next flight"
-    HELP = Help(
+    ABOUT = Help(
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
         "Type / and a name, a maker or a size such as 24mm to search the whole catalogue. With a target set (g), the "

@@ -79,7 +79,7 @@ class ShelfScreen(PageScreen):
 
     NAME = "shelf"
     TITLE = "Setup"
-    HELP = Help(
+    ABOUT = Help(
         "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
         "type / and a name to search it, i adds a .eng or .rse file of your own. Rockets and sites are those your "
         "flights name: Enter changes one in every flight that names it, and u takes that back. Settings: Enter "

@@ -1,0 +1,18 @@
+"""`fieldkit tui`, and `fieldkit` alone: the app."""
+
+import typer
+
+app = typer.Typer()
+
+
+def open_app(ledger: str | None) -> None:
+    """Open the app on a ledger and stay until the flyer leaves it."""
+    from fieldkit.tui.app import run
+
+    run(ledger)
+
+
+@app.command()
+def tui(context: typer.Context) -> None:
+    """Open the app: flights, typing in, importing, the next flight, the loop, all by keys or mouse."""
+    open_app(context.find_root().obj)
