@@ -1,5 +1,6 @@
 """The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
 
+import asyncio
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -9,6 +10,7 @@ from typing import Any, ClassVar
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
+from textual.widgets import Input
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME
@@ -20,6 +22,9 @@ from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
+WAIT, MOST_WAITS = 0.005, 600
+"""How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
+
 
 class FieldkitApp(App[None]):
     """The pages over one ledger. `revision` counts what has changed in it, or in how it is shown."""
@@ -27,7 +32,7 @@ class FieldkitApp(App[None]):
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
     BINDINGS: ClassVar[list[BindingType]] = [
-        *(Binding(str(n), f"page_number({n})", f"Page {n}", show=False) for n in range(1, 10)),
+        *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(1, 10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
         Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
         Binding("T", "next_theme", "Colours", show=False, tooltip="Next colours: field, sun, night, terminal"),
@@ -81,15 +86,25 @@ class FieldkitApp(App[None]):
         if isinstance(self.screen, PageScreen):
             self.screen.refresh_if_changed()
 
-    def action_page(self, name: str) -> None:
-        """Bring a page to the front."""
-        self.switch_mode(name)
+    async def action_page(self, name: str) -> None:
+        """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
+        await self.switch_mode(name)
+        for _ in range(MOST_WAITS):
+            if self.screen.focused is not None:
+                break
+            await asyncio.sleep(WAIT)
 
-    def action_page_number(self, number: int) -> None:
+    async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
         names = list(pages())
         if number <= len(names):
-            self.switch_mode(names[number - 1])
+            await self.action_page(names[number - 1])
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Digits lead to pages, but not while something is typed or asked."""
+        if action == "page_number":
+            return isinstance(self.screen, PageScreen) and not isinstance(self.screen.focused, Input)
+        return super().check_action(action, parameters)
 
     def action_press(self, key: str) -> None:
         """What a click on a key of the key bar does."""

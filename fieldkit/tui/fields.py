@@ -69,8 +69,9 @@ class Form(ModalScreen[dict[str, object] | None]):
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Take it", key_display="^S", priority=True),
-        Binding("up", "app.focus_previous", "Back a field", show=False),
-        Binding("down", "app.focus_next", "Fields", key_display="↑↓"),
+        Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
+        Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
+        Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "dismiss(None)", "Leave it", key_display="Esc"),
     ]
 
@@ -110,9 +111,9 @@ class Form(ModalScreen[dict[str, object] | None]):
         except BadValue as error:
             return None, f"✗ {error}"
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Enter goes on; on the last line it takes the form."""
-        field = event.input.parent
+    def action_go_on(self) -> None:
+        """To the next line; on the last one it takes the form."""
+        field = self.focused.parent if self.focused is not None else None
         if isinstance(field, Field) and field.question == self._questions[-1]:
             self.action_take()
         else:

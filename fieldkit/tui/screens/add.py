@@ -34,6 +34,7 @@ class AddScreen(PageScreen):
     """The form: set-up above, the field in hand large, the ten readouts, the rest below."""
 
     NAME = "add"
+    AUTO_FOCUS = f"#in-{READ[0]}"  # ready to be typed while the ledger is still being read
     TITLE = "Add a flight"
     ABOUT = Help(
         "Type what your altimeter shows, in its order; Enter goes on, the arrow up goes back. A unit may follow the "
@@ -45,12 +46,13 @@ class AddScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
-        Binding("down", "app.focus_next", "Next", key_display="↑↓"),
+        Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
+        Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
         Binding("ctrl+n", "anew", "Start anew", key_display="^N"),
-        Binding("up", "app.focus_previous", "Back a field", show=False),
+        Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
-        Binding("escape", "back", "Leave the field"),
+        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again"),
     ]
     DEFAULT_CSS = """
     AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
@@ -129,14 +131,18 @@ class AddScreen(PageScreen):
         return offers
 
     def _started(self, found: tuple[dict[str, str], dict[str, str], dict[str, str]]) -> None:
-        draft, self._units, offers = found
-        self._fill(offers | draft)
-        self._touched = {name for name in draft if name in BY_NAME}
-        if self._touched:
+        draft, units, offers = found
+        self._units = units | self._units
+        typed = set(self._touched)
+        self._fill({name: text for name, text in (offers | draft).items() if name not in typed})
+        self._touched |= {name for name in draft if name in BY_NAME}
+        if draft:
             self.tell("a flight was typed halfway: it goes on here; ^N starts anew")
-        named = [name for name in SETUP[:3] if not self.field(name).line.value]
-        unread = [name for name in READ if name not in self._touched]
-        self.field((named or unread or READ)[0]).line.focus()
+        first = self.field(READ[0]).line
+        if self.focused is first and not first.value:
+            named = [name for name in SETUP[:3] if not self.field(name).line.value]
+            unread = [name for name in READ if name not in self._touched]
+            self.field((named or unread or READ)[0]).line.focus()
         self._look()
 
     def _fill(self, texts: Mapping[str, str]) -> None:
@@ -276,24 +282,32 @@ class AddScreen(PageScreen):
         self._look()
         event.widget.scroll_visible(animate=False)
 
-    @on(Input.Submitted)
-    def _entered(self, event: Input.Submitted) -> None:
-        """Enter: remember the unit, go on; after the tenth readout comes the button that saves."""
+    def action_go_on(self) -> None:
+        """To the next field; after the tenth readout comes the button that saves."""
+        if isinstance(self.focused, Button):
+            self.action_save()
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
+            self.query_one("#save", Button).focus()
+        else:
+            self.focus_next()
+
+    @on(Input.Blurred)
+    def _left(self, event: Input.Blurred) -> None:
+        """A field was left: its unit is the next one's, another rocket suggests other answers."""
         from fieldkit.form import kind, typed_unit
 
         field = event.input.parent
-        assert isinstance(field, Field)
+        if not isinstance(field, Field) or field.question.name not in self._touched:
+            return
         question, column = field.question, field.question.column
-        if column is not None and (unit := typed_unit(event.value)):
+        unit = typed_unit(event.value)
+        if column is not None and unit and self._flight.number(question.name) is not None:
             self._units[kind(column)] = unit
+            self._look()
         if question.name in ("rocket", "config"):
             self._offer_again()
         if question.name == "motor" and event.value:
             self.ask(partial(self._motor_trouble, event.value), self._say_motor, "motor")
-        if question.name == MORE[-1]:
-            self.query_one("#save", Button).focus()
-        else:
-            self.focus_next()
 
     def _motor_trouble(self, name: str) -> str:
         from fieldkit.motors import is_cluster
@@ -303,7 +317,6 @@ class AddScreen(PageScreen):
     def _say_motor(self, trouble: str) -> None:
         if trouble:
             self.complain(f"Motor: {trouble}")
-            self.field("motor").line.focus()
 
     def _offer_again(self) -> None:
         """Another rocket or configuration suggests other answers where nothing was typed."""

@@ -121,7 +121,7 @@ class FlightsScreen(PageScreen):
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
+        Binding("a", "add", "Add", tooltip="Type a flight in", priority=True),
     ]
     DEFAULT_CSS = """
     FlightsScreen #filter { height: 1; }
@@ -279,6 +279,16 @@ class FlightsScreen(PageScreen):
         """The other way round."""
         self._down = not self._down
         self._refill()
+
+    async def action_add(self) -> None:
+        """Type a flight in; what is typed ahead waits for the form."""
+        await self.field_app.action_page("add")
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """While a filter is typed, an a is a letter."""
+        if action == "add" and isinstance(self.focused, Input):
+            return False
+        return super().check_action(action, parameters)
 
     def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
