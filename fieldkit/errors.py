@@ -60,3 +60,15 @@ class DamagedModel(FieldkitError):
 
 class ImpossibleFlight(FieldkitError):
     """The rocket as described cannot leave the pad, or the description lacks what physics needs."""
+
+
+class PortTrouble(FieldkitError):
+    """A serial port cannot be opened, or what is on it does not answer as it should."""
+
+
+class PortLost(PortTrouble):
+    """A serial port that worked is gone: a pulled cable, or a unit switched off."""
+
+
+class CaptureTrouble(FieldkitError):
+    """A capture cannot be kept, found or read back."""

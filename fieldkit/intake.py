@@ -5,6 +5,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
+from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import Flight
 from fieldkit.ledger import Arrival, Ledger
@@ -34,13 +35,12 @@ def bring_in(
 
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
-    names = [_name(path) for path in paths]
-    contents = [read_file(path) for path in paths]
-    intakes = read_together(zip(names, contents, strict=True), check_motor=check_motor, format=format)
+    opened = [(path, name, content) for path in paths for name, content in _logs(path)]
+    intakes = read_together([(name, log) for _, name, log in opened], check_motor=check_motor, format=format)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
-    for path, name, content, intake in zip(paths, names, contents, intakes, strict=True):
+    for (path, name, content), intake in zip(opened, intakes, strict=True):
         rejected += intake.rejected
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
@@ -56,6 +56,13 @@ def bring_in(
     added = ledger.add(arrivals, dry_run=dry_run)
     rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
+
+
+def _logs(path: Path) -> list[tuple[str, bytes]]:
+    """What parsers read of a file, with names: the file itself, or the logs in it where it is a capture."""
+    if is_capture(path):
+        return [(log.name, log.content) for log in logs_in(path)]
+    return [(_name(path), read_file(path))]
 
 
 def _name(path: Path) -> str:

@@ -9,8 +9,14 @@ import codecs
 import csv
 import io
 from collections.abc import Iterator
+from itertools import chain, islice
 
 from fieldkit.errors import DamagedLog
+
+BLOCK = 1 << 19
+"""How much of a log is text at one time, and the longest line there may be. [bytes]"""
+ENDLESS = "\0"
+"""Begins what stands for a line that is longer than a block."""
 
 
 def decode(log: bytes) -> str:
@@ -22,7 +28,7 @@ def decode(log: bytes) -> str:
     while log.startswith(codecs.BOM_UTF8):
         log = log[len(codecs.BOM_UTF8) :]
     error = DamagedLog("found binary data, expected text")
-    for encoding in _encodings(log[:2]):
+    for encoding in encodings(log[:2]):
         try:
             text = codecs.getincrementaldecoder(encoding)().decode(log).lstrip("\ufeff").rstrip("\0")
         except UnicodeDecodeError:
@@ -33,13 +39,60 @@ def decode(log: bytes) -> str:
     raise error
 
 
-def _encodings(start: bytes) -> tuple[str, ...]:
+def encodings(start: bytes) -> tuple[str, ...]:
     """The encodings worth trying, best first, by the first two bytes."""
     if start == codecs.BOM_UTF16_LE or (start[1:] == b"\0" and start[:1] != b"\0"):
         return ("utf-16-le",)
     if start == codecs.BOM_UTF16_BE or (start[:1] == b"\0" and start[1:] != b"\0"):
         return ("utf-16-be",)
     return ("utf-8", "cp1252")
+
+
+def _size(log: bytes) -> int:
+    """The length of a log without the NUL that pads it."""
+    size = len(log)
+    while size and not log[size - 1]:
+        start = max(0, size - BLOCK)
+        size = start + len(log[start:size].rstrip(b"\0"))
+    return size
+
+
+def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
+    """The lines of a log below row `after` in blocks, each block with the number of its first line.
+
+    Only one block is text at a time. Nothing is refused: a character that is none becomes U+FFFD, a line that
+    is longer than a block begins with ENDLESS. Padding with NUL at the end is dropped.
+    """
+    number, rest, end = 1, "", "\n" if b"\n" in log[: 4 * BLOCK] else "\r"
+    for text in _texts(log):
+        *lines, rest = (rest + text).split(end)
+        rest = ENDLESS if len(rest) > BLOCK else rest
+        skipped = min(max(after + 1 - number, 0), len(lines))
+        yield number + skipped, [line.strip("\r\ufeff") for line in lines[skipped:]]
+        number += len(lines)
+    if number > after:
+        yield number, [rest.strip("\r\ufeff")]
+
+
+def first_lines(log: bytes, after: int = 0, most: int = 200) -> list[str]:
+    """The first lines of a log below row `after`, as many as are wanted and there are."""
+    lines = chain.from_iterable(block for _, block in blocks(log, after))
+    return list(islice(lines, most))
+
+
+def _texts(log: bytes) -> Iterator[str]:
+    begin, size = 0, _size(log)
+    while log.startswith(codecs.BOM_UTF8, begin):
+        begin += len(codecs.BOM_UTF8)
+    decoder = codecs.getincrementaldecoder(encodings(log[begin : begin + 2])[0])("replace")
+    for start in range(begin, size, BLOCK):
+        yield decoder.decode(log[start : min(size, start + BLOCK)])
+
+
+def is_cut(log: bytes) -> bool:
+    """Whether a log ends within a line, padding apart."""
+    size = _size(log)
+    return log[max(0, size - 1) : size] not in (b"\n", b"\r", b"")
 
 
 def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLog]]:

@@ -6,8 +6,10 @@ that come twice, rockets that are described in another file.
 """
 
 import hashlib
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from datetime import datetime, time, timedelta
+from pathlib import Path
 from typing import Literal
 
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
@@ -16,6 +18,8 @@ from fieldkit.logtext import shown
 from fieldkit.sanity import check, doubts
 from fieldkit.shelf import plugins
 
+SAME_MOMENT = timedelta(seconds=2)
+"""Files of one logger that state the same lift-off to within this are of one flight."""
 HEAD = 65_536
 """How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
 
@@ -29,7 +33,8 @@ class Reading:
     rockets read together with it adds what it knows. `series` holds the samples where there are any, a `Series`
     for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
     to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
-    with a flight and is never taken into the ledger.
+    with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
+    for one flight; their clocks then share one zero, and those read together become one reading.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
@@ -43,6 +48,7 @@ class Reading:
     device: str = ""
     firmware: str = ""
     serial: str = ""
+    part: str = ""
 
     @property
     def clocks(self) -> tuple[Series, ...]:
@@ -154,13 +160,74 @@ def read_together(
 ) -> list[Intake]:
     """The flights of several logs, given as (name, bytes), an Intake each, in order.
 
-    A list of rockets among them names and weighs the rockets of the others. Raises UnknownFormat or
+    A list of rockets among them names and weighs the rockets of the others. Files of one folder that a logger
+    wrote of one flight bring one flight, in the first of them that holds heights. Raises UnknownFormat or
     DamagedLog for the first file that cannot be used at all, before anything is taken from any.
     """
-    opened = [(source, *_open(log, source, format)) for source, log in files]
+    opened = _joined([(source, *_open(log, source, format)) for source, log in files])
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
     return [_intake(source, name, found, rockets, check_motor) for source, name, found in opened]
+
+
+Opened = tuple[str, str, Sequence[Found]]
+"""A file as it was opened: its name, the parser, what that found."""
+
+
+def _joined(opened: Sequence[Opened]) -> list[Opened]:
+    """Files in which the parts of each flight are one reading; the files of the other parts say where it is."""
+    places = [(i, item) for i, (_, _, found) in enumerate(opened) for item in found if isinstance(item, Reading)]
+    groups: list[list[tuple[int, Reading]]] = []
+    for place in (place for place in places if place[1].part):
+        same = [other for group in groups for other in group if _folder(opened, other) == _folder(opened, place)]
+        fitting = [group for group in groups if all(_are_parts(place, other, same) for other in group)]
+        fitting[0].append(place) if len(fitting) == 1 else groups.append([place])
+    found = [list(items) for _, _, items in opened]
+    for group in (group for group in groups if len(group) > 1):
+        (home, main), *others = sorted(group, key=lambda place: _worth(place[1]))
+        whole = _whole(main, [other for _, other in others])
+        found[home] = [whole if item is main else item for item in found[home]]
+        for i, other in others:
+            note = Note(f"is part of the flight of {opened[home][0]}")
+            found[i] = [note if item is other else item for item in found[i]]
+    return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
+
+
+def _worth(part: Reading) -> int:
+    """Which part of a flight to name it by: one with heights, else one with samples, else any."""
+    return 0 if any(series.altitude is not None for series in part.clocks) else 1 if part.clocks else 2
+
+
+def _folder(opened: Sequence[Opened], place: tuple[int, Reading]) -> tuple[str, Path]:
+    return place[1].device, Path(opened[place[0]][0]).parent
+
+
+def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Sequence[tuple[int, Reading]]) -> bool:
+    """Whether two readings of files, among others of one folder, can be of one flight."""
+    one, two = place[1], other[1]
+    if other not in same or place[0] == other[0] or one.part == two.part or len({one.serial, two.serial} - {""}) > 1:
+        return False
+    first, second = one.stated.get("date_time"), two.stated.get("date_time")
+    if not isinstance(first, datetime) or not isinstance(second, datetime):
+        return all(one.part != third.part for _, third in same)
+    if time() in (first.time(), second.time()):
+        return first.date() == second.date()
+    return abs(first - second) < SAME_MOMENT
+
+
+def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
+    """One reading of its parts; where they differ the first counts."""
+    parts = [*reversed(others), main]
+    return replace(
+        main,
+        stated={name: value for part in parts for name, value in part.stated.items()},
+        extra={name: value for part in parts for name, value in part.extra.items()},
+        events={name: when for part in parts for name, when in part.events.items()},
+        series=tuple(series for part in (main, *others) for series in part.clocks),
+        firmware=next((part.firmware for part in (main, *others) if part.firmware), ""),
+        serial=next((part.serial for part in (main, *others) if part.serial), ""),
+        part="",
+    )
 
 
 def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
@@ -182,17 +249,23 @@ def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str |
     return plans
 
 
-def derived_id(flight: Flight) -> str:
-    """A name for a flight that has none: its date and a digest of what was flown and read off.
+def derived_id(flight: Flight, clocks: Sequence[Series] = ()) -> str:
+    """A name for a flight that has none: its date and a digest of what was flown and read off, or else of its samples.
 
     The same figures give the same name in any unit, any order of columns and any table; notes, tags
     and conditions may be edited without changing it.
     """
     figures = [f"{name}={value:.6g}" for name, value in sorted(flight.readouts().items())]
     when = flight.date_time.isoformat() if flight.date_time else ""
-    content = "\x1f".join([flight.rocket, flight.config, flight.motor, when, *figures])
+    samples = [] if figures else [hashlib.sha256(channel).hexdigest() for channel in _channels(clocks)]
+    content = "\x1f".join([flight.rocket, flight.config, flight.motor, when, *figures, *samples])
     digest = hashlib.sha256(content.encode("utf-8", "surrogatepass")).hexdigest()[:10]
     return f"{flight.date_time:%Y-%m-%d}-{digest}" if flight.date_time else f"flight-{digest}"
+
+
+def _channels(clocks: Sequence[Series]) -> Iterator[bytes]:
+    channels = (getattr(series, channel.name) for series in clocks for channel in fields(Series))
+    return (channel.tobytes() for channel in channels if channel is not None)
 
 
 def _open(log: bytes, source: str, format: str | None) -> tuple[str, Sequence[Found]]:
@@ -266,7 +339,7 @@ def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
         raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
     _check_motor(flight, reading, check_motor)
-    return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight))
+    return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight, reading.clocks))
 
 
 def _plan(reading: Reading, check_motor: CheckMotor) -> Flight:

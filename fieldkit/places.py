@@ -1,4 +1,4 @@
-"""Where a flyer's own files are on this computer: the ledger and the motors they added."""
+"""Where a flyer's own files are on this computer: the ledger, the motors they added, captures from loggers."""
 
 from pathlib import Path
 
@@ -20,3 +20,8 @@ def settings_file() -> Path:
     from platformdirs import user_config_path
 
     return user_config_path("fieldkit", appauthor=False) / "settings.json"
+
+
+def capture_folder() -> Path:
+    """The folder of what was captured from loggers, which may not be there."""
+    return data_folder() / "captures"

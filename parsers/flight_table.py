@@ -39,7 +39,13 @@ class Heading:
 def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
-    return any(_is_ours(name) for name in spelled)
+    ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
+    return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
+
+
+def _is_number(cell: str) -> bool:
+    """Whether a cell is a bare number, as it follows each label in a row of labels and values."""
+    return re.fullmatch(r"\s*[+-]?\d+([.,]\d+)?\s*", cell) is not None
 
 
 def read(log: bytes) -> list[Found]:

@@ -14,7 +14,20 @@ ROOT = Path(__file__).parents[1]
 
 NEVER = {"torch", "textual", "pandas", "matplotlib"}
 ALLOWED = {
-    "parsers": {"parsing", "flight", "units", "errors", "shapes", "sanity", "logtext", "safe_text"},
+    "parsers": {
+        "parsing",
+        "columns",
+        "tables",
+        "altos",
+        "standard_air",
+        "flight",
+        "units",
+        "errors",
+        "shapes",
+        "sanity",
+        "logtext",
+        "safe_text",
+    },
     "models/effects": {"simulator", "flight", "errors", "shapes"},
 }
 """What the plug-ins of a shelf may use of the engine."""

@@ -18,6 +18,7 @@ GROUPS = (
     "tui",
     "demo",
     "intake",
+    "capture",
     "add",
     "records",
     "infer",

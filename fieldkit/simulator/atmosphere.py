@@ -9,19 +9,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.shapes import Array, Float
+from fieldkit.standard_air import GAS_CONSTANT, HYDROSTATIC, LAPSE, STANDARD_PRESSURE, STANDARD_TEMPERATURE
+from fieldkit.standard_air import GRAVITY as GRAVITY
 
-GAS_CONSTANT = 287.05287
-"""Specific gas constant of dry air. [J/(kg K)]"""
-LAPSE = 0.0065
-"""Temperature lost per metre of height. [K/m]"""
-STANDARD_TEMPERATURE = 288.15
-"""At sea level. [K]"""
-STANDARD_PRESSURE = 101325.0
-"""At sea level. [Pa]"""
-GRAVITY = 9.80665
-"""Acceleration of free fall. [m/s^2]"""
-HYDROSTATIC = GRAVITY / (GAS_CONSTANT * LAPSE)
-"""Exponent of the pressure law of the troposphere. [1]"""
 WIND_EXPONENT = 1 / 7
 """Of the power law of the wind over open ground. [1]"""
 WIND_HEIGHT = 2.0

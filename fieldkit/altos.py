@@ -1,0 +1,109 @@
+"""What the raw records of Altus Metrum's devices have in common: clock, checksum, sensors, states.
+
+Sources: the format notes of AltOS (altoslib, libaltos); MS5607-02BA03 data sheet, "Pressure and temperature
+calculation" and "Second order temperature compensation"; MP3H6115A data sheet, transfer function.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
+from fieldkit.units import STANDARD_GRAVITY, ZERO_CELSIUS
+
+TICK = 0.01
+"""One count of every clock of AltOS. [s]"""
+SEED = 0x5A
+"""Where the checksums of records and of radio lines begin."""
+STEP_BACK = 100
+"""A clock that goes back no more than so many ticks went back; one that goes further has wrapped. [1]"""
+NONE = 2_147_483_647
+"""What AltOS writes for a number that it does not have."""
+STATES: Mapping[str, tuple[int, ...]] = {
+    "liftoff": (3,),
+    "burnout": (4, 5),
+    "drogue": (6,),
+    "main": (7,),
+    "landing": (8,),
+}
+"""The states that mark an event: 3 boost, 4 fast, 5 coast, 6 drogue, 7 main, 8 landed."""
+BOOST = 3
+
+
+def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:
+    """Times of records from their ticks of 16 bits, which wrap every 655.36 s; the first is at its own tick. [s]
+
+    A tick that is a little before the one ahead of it counts as that one: clocks of AltOS do that.
+    """
+    ahead = np.diff(ticks, prepend=ticks[:1]) % 65536
+    ahead[ahead >= 65536 - STEP_BACK] -= 65536
+    times: Array = np.maximum.accumulate(ticks[:1] + np.cumsum(ahead)) * TICK
+    return times
+
+
+def sound(records: Int[Integers, "record byte"]) -> Bool[Flags, "record"]:
+    """Which records have the checksum that makes their bytes and the seed add up to 0 modulo 256."""
+    return np.asarray((records.sum(axis=1) + SEED) % 256 == 0)
+
+
+@dataclass(frozen=True, slots=True)
+class Coefficients:
+    """C1 to C6 of an MS5607, by the data sheet's names for them."""
+
+    sens: int
+    off: int
+    tcs: int
+    tco: int
+    tref: int
+    tempsens: int
+
+
+def ms5607(
+    pressure: Int[Integers, "record"], temperature: Int[Integers, "record"], c: Coefficients
+) -> tuple[Float[Array, "record"], Float[Array, "record"]]:
+    """Pressure [Pa] and temperature [K] from the counts of an MS5607, compensated as its data sheet says."""
+    d1, d2 = pressure.astype(np.int64), temperature.astype(np.int64)
+    dt = d2 - (c.tref << 8)
+    warmth = 2000 + ((dt * c.tempsens) >> 23)
+    off = (c.off << 17) + ((c.tco * dt) >> 6)
+    sens = (c.sens << 16) + ((c.tcs * dt) >> 7)
+    below, far_below = np.minimum(warmth - 2000, 0), np.minimum(warmth + 1500, 0)
+    off = off - ((61 * below**2) >> 4) - 15 * far_below**2
+    sens = sens - 2 * below**2 - 8 * far_below**2
+    warmth = warmth - np.where(below < 0, dt**2 >> 31, 0)
+    pascal = (((d1 * sens) >> 21) - off) >> 15
+    return pascal.astype(float), warmth / 100 + ZERO_CELSIUS
+
+
+def mp3h6115(counts: Int[Integers, "record"]) -> Float[Array, "record"]:
+    """Pressure from the counts of the MP3H6115A of TeleMetrum 1 and TeleMini 1. [Pa]
+
+    The sensor gives (0.009 p/kPa - 0.095) of its supply, the converter 16 * 2047 counts for all of it: every
+    pressure in exports of TeleMetrum 1 lies on a whole count of this.
+    """
+    return (counts / (16 * 2047) + 0.095) / 0.009 * 1000
+
+
+def net_acceleration(
+    counts: Int[Integers, "record"], ground: int | None, plus: int | None, minus: int | None
+) -> Float[Array, "record"] | None:
+    """Acceleration along the axis, net of gravity, from the counts of an accelerometer. [m/s^2]
+
+    `plus` and `minus` are its counts with the nose up and down, `ground` those on the pad. None if one is not
+    known, or if the first samples are not what they were on the pad: then these are not the counts meant.
+    """
+    if ground is None or plus is None or minus is None or plus == minus or not len(counts):
+        return None
+    gravities: Array = (counts - ground) / ((plus - minus) / 2)
+    return gravities * STANDARD_GRAVITY if abs(float(np.median(gravities[:10]))) < 0.5 else None
+
+
+def entered(
+    states: Float[Array, "row"] | Int[Integers, "row"],
+    time: Float[Array, "row"],
+    which: Mapping[str, Sequence[int]] = STATES,
+) -> dict[str, float]:
+    """When the first of the states of each event was entered; a state may return, or never come. [s]"""
+    firsts = {name: np.flatnonzero(np.isin(states, numbers)) for name, numbers in which.items()}
+    return {name: float(time[found[0]]) for name, found in firsts.items() if len(found)}

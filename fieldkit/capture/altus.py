@@ -1,0 +1,30 @@
+"""What flight computers and radios of Altus Metrum have in common: a command line with an echo, and a name.
+
+Source: AltosLink.java (Altus Metrum).
+"""
+
+from fieldkit.capture.link import Link, Talk
+
+ANSWER = 5.0
+"""How long a unit may take for a line. [s]"""
+NAMES = {"product": "model", "serial-number": "serial", "software-version": "firmware"}
+
+
+def silence_echo(link: Link) -> Talk[None]:
+    """Clear what was typed before, and ask for answers without echo."""
+    link.send(b"~\n")
+    link.send(b"E 0\n")
+    yield from link.drain(0.3)
+
+
+def version(link: Link) -> Talk[dict[str, str]]:
+    """The answer to `v`, key to value; nothing where it does not come to its end."""
+    found: dict[str, str] = {}
+    link.send(b"v\n")
+    while (line := (yield from link.text_line(ANSWER))) is not None:
+        key, _, value = line.strip().partition(" ")
+        found[key] = value.strip().strip('"')
+        if key == "software-version":
+            link.about.update({NAMES[key]: value for key, value in found.items() if key in NAMES})
+            return found
+    return {}

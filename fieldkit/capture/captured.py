@@ -1,0 +1,117 @@
+"""Captures read back: the bytes, what was sent when, and the logs in them that parsers read."""
+
+import json
+from bisect import bisect_right
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from pathlib import Path
+
+from fieldkit.capture.tape import BYTES, JOURNAL
+from fieldkit.errors import CaptureTrouble
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """A line of the journal: `at` bytes were on tape `time` seconds after the capture began."""
+
+    at: int
+    time: float
+    facts: Mapping[str, object]
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """What arrived between a command and the next one; the command is empty before the first."""
+
+    command: bytes
+    content: bytes
+
+
+@dataclass(frozen=True, slots=True)
+class Captured:
+    """A capture as it is on the disc, whatever happened to the program that wrote it."""
+
+    file: Path
+    raw: bytes
+    marks: tuple[Mark, ...] = ()
+
+    def fact(self, name: str) -> object:
+        """The newest value that the journal has for a name, None where it has none."""
+        return next((mark.facts[name] for mark in reversed(self.marks) if name in mark.facts), None)
+
+    @property
+    def device(self) -> str:
+        """The protocol that it was captured with, empty if that was never known."""
+        return str(self.fact("device") or "")
+
+    @property
+    def began(self) -> datetime | None:
+        """When it began, with its offset from UTC."""
+        try:
+            return datetime.fromisoformat(str(self.fact("began"))).astimezone()
+        except ValueError:
+            return None
+
+    @property
+    def whole(self) -> bool:
+        """Whether it ended because everything had come."""
+        return self.fact("whole") is True
+
+    def answers(self) -> list[Answer]:
+        """The bytes, cut where a command was sent."""
+        sent = [(min(mark.at, len(self.raw)), str(mark.facts["sent"]).encode("latin-1")) for mark in self._sent()]
+        starts = [(0, b""), *sent]
+        ends = [at for at, _ in sent] + [len(self.raw)]
+        return [Answer(command, self.raw[at:end]) for (at, command), end in zip(starts, ends, strict=True)]
+
+    def _sent(self) -> list[Mark]:
+        return [mark for mark in self.marks if "sent" in mark.facts]
+
+    def arrivals(self, offsets: Iterable[int]) -> list[float]:
+        """When the bytes at these offsets had arrived, since the capture began. [s]"""
+        counts = [mark.at for mark in self.marks]
+        places = (min(bisect_right(counts, offset), len(counts) - 1) for offset in offsets)
+        return [self.marks[place].time if counts else 0.0 for place in places]
+
+
+@dataclass(frozen=True, slots=True)
+class Log:
+    """A log as a parser reads it, taken out of a capture."""
+
+    name: str
+    content: bytes
+
+
+def is_capture(file: Path) -> bool:
+    """Whether a file is one of the two files of a capture."""
+    return file.suffix in (BYTES, JOURNAL) and file.with_suffix(BYTES).is_file() and file.with_suffix(JOURNAL).is_file()
+
+
+def read_capture(file: Path) -> Captured:
+    """A capture by either of its files. Raises CaptureTrouble; a torn journal is read as far as it goes."""
+    try:
+        raw = file.with_suffix(BYTES).read_bytes()
+        journal = file.with_suffix(JOURNAL).read_bytes()
+    except OSError as error:
+        raise CaptureTrouble(f"{file}: cannot be read ({error.strerror})") from error
+    marks = tuple(mark for line in journal.splitlines() if (mark := _mark(line)))
+    return Captured(file.with_suffix(BYTES), raw, marks)
+
+
+def _mark(line: bytes) -> Mark | None:
+    try:
+        facts = json.loads(line)
+        return Mark(int(facts.pop("at")), float(facts.pop("t")), facts)
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
+        return None
+
+
+def captures(folder: Path) -> list[Path]:
+    """The captures in a folder, newest last."""
+    return [file for file in sorted(folder.glob(f"*{BYTES}")) if is_capture(file)]
+
+
+def unfinished(folder: Path) -> Path | None:
+    """The newest capture that something is missing from, None where there is none."""
+    return next((file for file in reversed(captures(folder)) if not read_capture(file).whole), None)

@@ -1,0 +1,40 @@
+"""Every command that may leave this computer: what is not in this table is never sent.
+
+Loggers share a wire with commands that fire their outputs, erase their flights or write their settings, and a
+command of one may mean something else to another. So the table names the exact bytes, per protocol, and holds
+only what reads; a protocol that is not in it can listen and nothing else. `Line.send` is the one place that
+writes to a port, and asks here first.
+
+Sources: RocketFlightLogger (bdureau), AltosLink and AltosEepromDownload (Altus Metrum), Blue Raven USB
+Interface Guide, mawd (ukhpr).
+"""
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+ALLOWED: Mapping[str, re.Pattern[bytes]] = MappingProxyType(
+    {
+        # greeting, settings, number of flights, one of at most 25 flights, fast reading, telemetry
+        "altimulti": re.compile(rb"h;|b;|n;|r(?:1?[0-9]|2[0-4]);|[fg];|y[01];"),
+        # clear the line, echo off, settings, flash, version, flights, one block of 256 bytes
+        "altos": re.compile(rb"~\n|E 0\n|c s\n|f\n|v\n|l\n|e [0-9a-f]{1,6}\n"),
+        # the same, and: tune to a frequency in kHz, forward packets of 32 bytes, forward none
+        "teledongle": re.compile(rb"~\n|E 0\n|v\n|c F 4[0-9]{5}\n|m 20\n|m 0\n"),
+        # low-rate and high-rate flight data
+        "blue_raven": re.compile(rb"download [lh]\r\n"),
+        # model, firmware, statistics, last flight
+        "mawd": re.compile(rb"[IVSD]"),
+    }
+)
+"""What each protocol may send, as a pattern that the whole command has to match."""
+
+
+class ForbiddenCommand(Exception):
+    """Something tried to send what is not allowed: a fault of the program, and nothing was sent."""
+
+
+def allowed(protocol: str, command: bytes) -> bool:
+    """Whether a protocol may send exactly these bytes."""
+    pattern = ALLOWED.get(protocol)
+    return pattern is not None and pattern.fullmatch(command) is not None

@@ -1,0 +1,114 @@
+"""A serial port on which nothing is heard that is not kept first, and nothing is sent that is not allowed."""
+
+from dataclasses import dataclass
+from typing import Any
+
+from fieldkit.capture.commands import ForbiddenCommand, allowed
+from fieldkit.capture.tape import Tape
+from fieldkit.errors import PortLost, PortTrouble
+
+WAIT = 0.05
+"""The longest that one look for bytes takes. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """How a port is opened: 8 data bits, no parity, 1 stop bit, and these."""
+
+    baud: int = 9600
+    xonxoff: bool = False
+
+
+@dataclass(slots=True)
+class Line:
+    """An open port. `protocol` decides what may be sent, and is empty as long as it is only listened to."""
+
+    name: str
+    protocol: str
+    tape: Tape
+    _port: Any
+
+    def send(self, command: bytes) -> None:
+        """Send one command: the only place in fieldkit that writes to a port.
+
+        Raises ForbiddenCommand for anything that is not in the table of this protocol, PortLost.
+        """
+        if not allowed(self.protocol, command):
+            raise ForbiddenCommand(f"{self.protocol or 'a listener'} may not send {command!r}")
+        self.tape.note(sent=command.decode("latin-1"))
+        try:
+            self._port.write(command)
+        except _faults() as error:
+            raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+
+    def hear(self) -> bytes:
+        """What has arrived, after `WAIT` at most and perhaps nothing; it is on the tape already. Raises PortLost."""
+        try:
+            chunk: bytes = self._port.read(1)
+            if chunk:
+                chunk += self._port.read(self._port.in_waiting)
+        except _faults() as error:
+            self.tape.tick()
+            raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+        if chunk:
+            self.tape.heard(chunk)
+        else:
+            self.tape.tick()
+        return chunk
+
+    def retune(self, settings: Settings) -> None:
+        """Listen with other settings. Raises PortLost."""
+        try:
+            self._port.baudrate = settings.baud
+            self._port.xonxoff = settings.xonxoff
+        except _faults() as error:
+            raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+
+    def close(self) -> None:
+        """Let go of the port, also of one that is gone."""
+        try:
+            self._port.close()
+        except _faults():
+            return
+
+
+def open_line(name: str, protocol: str, settings: Settings, tape: Tape) -> Line:
+    """A port, opened for this program alone. Raises PortTrouble that says why it cannot be."""
+    import serial
+
+    try:
+        port = serial.Serial(
+            name,
+            baudrate=settings.baud,
+            xonxoff=settings.xonxoff,
+            timeout=WAIT,
+            write_timeout=5,
+            exclusive=True,
+        )
+    except _faults() as error:
+        raise PortTrouble(f"{name}: cannot be opened ({_reason(error)}); {_advice(error)}") from error
+    return Line(name, protocol, tape, port)
+
+
+def _faults() -> tuple[type[Exception], ...]:
+    """What pyserial lets out when a port fails: OSError mostly, on Unix the errors of its terminal too."""
+    try:
+        from termios import error
+    except ImportError:  # Windows
+        return (OSError, ValueError)
+    return (OSError, ValueError, TypeError, error)
+
+
+def _reason(error: Exception) -> str:
+    """The system's own words for a fault, in a few of them."""
+    texts = [str(part) for part in error.args if isinstance(part, str)]
+    return (getattr(error, "strerror", None) or (texts[-1] if texts else type(error).__name__)).splitlines()[0][:120]
+
+
+def _advice(error: Exception) -> str:
+    number = getattr(error, "errno", None)
+    if number == 13:
+        return "on Linux your account needs the group that owns the port, often dialout or uucp"
+    if number == 2:
+        return "`fieldkit capture --list` shows the ports there are"
+    return "is another program using it?"

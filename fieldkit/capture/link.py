@@ -1,0 +1,146 @@
+"""A line as protocols see it: pieces between marks, time-outs, counts for the flyer, and a way to stop.
+
+A protocol is a generator: it yields events, and waits with `yield from`, so that whatever shows the capture stays
+alive while nothing arrives. Silence is measured between bytes, never from the start of a wait that receives some.
+"""
+
+import time
+from collections.abc import Callable, Generator
+from dataclasses import dataclass, field
+from typing import TypeVar
+
+from fieldkit.capture.events import Event, Progress, Sample
+from fieldkit.capture.line import Line
+from fieldkit.errors import PortLost, PortTrouble
+
+LONGEST = 4096
+"""No piece between two marks is longer; what is longer is noise, and all but its end is passed over. [bytes]"""
+EVERY = 0.2
+"""How often progress is told. [s]"""
+
+T = TypeVar("T")
+Talk = Generator[Event, None, T]
+"""A conversation, or a part of one: events on the way, something at its end."""
+
+
+class Stopped(Exception):
+    """The flyer, or the clock they set, ends a capture."""
+
+
+def never() -> bool:
+    """Nobody wants to stop."""
+    return False
+
+
+@dataclass(slots=True)
+class Link:
+    """A conversation's end of a line, and the counts of a whole capture, which may outlive several lines."""
+
+    line: Line
+    stop: Callable[[], bool] = never
+    ends: float = float("inf")
+    """When to stop, on the monotonic clock. [s]"""
+    samples: int = 0
+    damaged: int = 0
+    open_ended: bool = False
+    """Whether only the flyer knows when it is over, so that stopping it is no loss."""
+    share: float | None = None
+    sample: Sample | None = None
+    about: dict[str, str] = field(default_factory=dict)
+    heard: int = 0
+    _pending: bytearray = field(default_factory=bytearray)
+    _searched: int = 0
+    _told: float = field(default=float("-inf"))
+
+    def send(self, command: bytes) -> None:
+        """Send a command of the table. Raises PortLost."""
+        self.line.send(command)
+
+    def farewell(self, command: bytes) -> None:
+        """Send a last command, if there still is somebody to send it to."""
+        try:
+            self.line.send(command)
+        except PortLost:
+            return
+
+    def progress(self) -> Progress:
+        """Where the capture is."""
+        return Progress(self.heard, self.samples, self.damaged, self.share, self.sample)
+
+    def hear(self) -> Talk[bytes]:
+        """What has arrived, perhaps nothing. Raises Stopped, PortLost."""
+        if self.stop():
+            raise Stopped("stopped")
+        if time.monotonic() >= self.ends:
+            raise Stopped("the time is up")
+        if self._pending:
+            chunk = bytes(self._pending)
+            self._pending.clear()
+            self._searched = 0
+            return chunk
+        chunk = self.line.hear()
+        self.heard += len(chunk)
+        if time.monotonic() - self._told >= EVERY:
+            self._told = time.monotonic()
+            yield self.progress()
+        return chunk
+
+    def push_back(self, chunk: bytes) -> None:
+        """Let bytes that were heard already be heard again, before others."""
+        self._pending[:0] = chunk
+        self._searched = 0
+
+    def forget(self) -> None:
+        """Drop what was heard and not looked at: the line it came on is gone."""
+        self._pending.clear()
+        self._searched = 0
+
+    def first_word(self, wait: float, asked: str) -> Talk[None]:
+        """Wait for anything at all. Raises PortTrouble after so long. [s]"""
+        began = time.monotonic()
+        while time.monotonic() - began < wait:
+            chunk = yield from self.hear()
+            if chunk:
+                self.push_back(chunk)
+                return
+        raise PortTrouble(f"{self.line.name}: heard nothing in {wait:.0f} s; {asked}")
+
+    def piece(self, mark: bytes, silence: float) -> Talk[bytes | None]:
+        """The bytes up to the next mark, without it; None after so many seconds of silence. [s]"""
+        quiet_since = time.monotonic()
+        while True:
+            at = self._pending.find(mark, max(0, self._searched - len(mark) + 1))
+            if at >= 0:
+                found = bytes(self._pending[:at])
+                del self._pending[: at + len(mark)]
+                self._searched = 0
+                return found[-LONGEST:]
+            held = bytes(self._pending)
+            if len(held) > 2 * LONGEST:
+                held = held[-LONGEST:]
+                self.damaged += 1
+            self._pending.clear()
+            chunk = yield from self.hear()
+            self._pending[:] = held + chunk
+            self._searched = len(held)
+            if chunk:
+                quiet_since = time.monotonic()
+            elif time.monotonic() - quiet_since >= silence:
+                return None
+
+    def text_line(self, silence: float) -> Talk[str | None]:
+        """The next line without its end, in which every byte is a character; None after silence. [s]"""
+        found = yield from self.piece(b"\n", silence)
+        return None if found is None else found.decode("latin-1").rstrip("\r")
+
+    def drain(self, silence: float) -> Talk[bytes]:
+        """All that arrives until there is silence for so long. [s]"""
+        heard = bytearray()
+        quiet_since = time.monotonic()
+        while time.monotonic() - quiet_since < silence:
+            chunk = yield from self.hear()
+            if chunk:
+                heard += chunk
+                del heard[:-LONGEST]
+                quiet_since = time.monotonic()
+        return bytes(heard)

@@ -1,0 +1,87 @@
+"""The serial ports of this computer, and what their vendor and product numbers say of what is behind them.
+
+Few loggers have numbers of their own; most sit behind a chip that says no more than who made it. Only numbers
+that one maker gave to one device choose a protocol; for the others the flyer does, or what is heard.
+Sources: AltosUSB product list (Altus Metrum), the USB ID repository (usb.ids) for the chips.
+"""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+ALTUS_METRUM = 0xFFFE
+ALTOS_PRODUCTS: Mapping[int, str] = {
+    0x0B: "TeleMetrum",
+    0x0C: "TeleDongle",
+    0x23: "TeleMega",
+    0x25: "TeleGPS",
+    0x26: "EasyMini",
+    0x27: "TeleMini",
+    0x28: "EasyMega",
+    0x2B: "MicroPeak USB adapter",
+    0x2C: "EasyMotor",
+}
+"""Product numbers of Altus Metrum; all from 0x0a to 0x2c are theirs."""
+CHIPS: Mapping[int, str] = {
+    0x0403: "FTDI chip",
+    0x0483: "STMicroelectronics chip (a Blue Raven has one)",
+    0x067B: "Prolific chip",
+    0x10C4: "Silicon Labs chip",
+    0x1A86: "WCH chip",
+    0x2341: "Arduino board",
+    0x303A: "Espressif chip",
+}
+"""Makers of USB serial chips, by vendor number."""
+MICROPEAK_ADAPTER = (0x0403, 0x6015)
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A serial port: its name, its numbers where it has any, and what they say."""
+
+    name: str
+    vendor: int | None = None
+    product: int | None = None
+    serial: str = ""
+    described: str = ""
+    """In the words of the system."""
+
+    @property
+    def about(self) -> str:
+        """What is known of the device, in a few words."""
+        if self.vendor == ALTUS_METRUM:
+            return ALTOS_PRODUCTS.get(self.product or 0, "Altus Metrum device")
+        if (self.vendor, self.product) == MICROPEAK_ADAPTER:
+            return "FTDI chip (the MicroPeak adapter has this one, others too)"
+        return CHIPS.get(self.vendor or 0, "")
+
+    @property
+    def device(self) -> str:
+        """The protocol that the numbers prove, empty where they do not."""
+        if self.vendor != ALTUS_METRUM or not 0x0A <= (self.product or 0) <= 0x2C:
+            return ""
+        return {0x0C: "teledongle", 0x2B: "micropeak"}.get(self.product or 0, "altos")
+
+    def same_unit(self, other: "Port") -> bool:
+        """Whether another port can be this unit, plugged in elsewhere: same numbers, same serial number."""
+        mine = (self.vendor, self.product, self.serial)
+        return self.vendor is not None and mine == (other.vendor, other.product, other.serial)
+
+
+def ports() -> list[Port]:
+    """The serial ports there are, those of known loggers first."""
+    from serial.tools import list_ports
+
+    found = [
+        Port(one.device, one.vid, one.pid, one.serial_number or "", one.description if one.description != "n/a" else "")
+        for one in list_ports.comports()
+    ]
+    return sorted(found, key=lambda port: (not port.device, not port.about, port.name))
+
+
+def again(unit: Port, here: Iterable[Port]) -> str | None:
+    """The port on which a unit is again, by its numbers or, where it has none, by its port's name."""
+    here = list(here)
+    same = [port.name for port in here if unit.same_unit(port)]
+    if unit.name in same or unit.name in [port.name for port in here if unit.vendor is None]:
+        return unit.name
+    return same[0] if len(same) == 1 else None

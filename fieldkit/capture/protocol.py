@@ -1,0 +1,111 @@
+"""What a protocol is, and the shelf of them: one file in `fieldkit/capture/protocols` each.
+
+A protocol that only listens is that one file. One that has to ask needs its commands in the table of
+`fieldkit/capture/commands.py` too, which is a place of its own on purpose.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from fieldkit.capture.captured import Captured, Log, read_capture
+from fieldkit.capture.events import Stored
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.errors import CaptureTrouble, PortTrouble
+from fieldkit.shelf import plugins
+
+
+def everything(flights: Sequence[Stored]) -> Sequence[int]:
+    """All flights of a logger."""
+    return [flight.number for flight in flights]
+
+
+@dataclass(frozen=True, slots=True)
+class Wishes:
+    """What the flyer asked for; None leaves a figure to the protocol."""
+
+    choose: Callable[[Sequence[Stored]], Sequence[int]] = everything
+    """Given the flights in memory, the numbers of those to read."""
+    live: bool = False
+    """Follow telemetry, of a unit that has memory and telemetry."""
+    frequency: float | None = None
+    """Of a radio. [Hz]"""
+    baud: int | None = None
+    wait: float | None = None
+    """How long a unit that talks by itself may take to say anything. [s]"""
+    silence: float | None = None
+    """How long a stream may pause before it is over. [s]"""
+    seconds: float | None = None
+    """How long the whole capture may take. [s]"""
+    reconnect: float = 20.0
+    """How long a lost port is waited for. [s]"""
+
+
+def as_it_came(captured: Captured) -> list[Log]:
+    """The whole capture as one log."""
+    return [Log(captured.file.name, captured.raw)] if captured.raw else []
+
+
+def unheard(heard: bytes) -> bool:
+    """Nothing tells this protocol from others before it is asked."""
+    return False
+
+
+@dataclass(frozen=True, slots=True)
+class Protocol:
+    """One kind of unit on a serial port.
+
+    `talk` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
+    it got, when a lost unit is back. `overhears` says whether bytes heard unasked can only be from it. `logs` takes
+    out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
+    """
+
+    title: str
+    settings: Settings
+    talk: Callable[[Link, Wishes, Captured], Talk[bool]]
+    logs: Callable[[Captured], list[Log]] = as_it_came
+    overhears: Callable[[bytes], bool] = unheard
+    invites: str = ""
+    """What the flyer has to do, said when the port is open."""
+
+
+NOT_PUBLIC: Mapping[str, str] = {
+    "pnut": "the download of Pnut and StratoLogger is not public; save the flight as .pf2 with PerfectFlite's "
+    "own program and import that file",
+    "rrc3": "the download of the RRC3 is not public; export the flight from Missile Works' mDACS and import that file",
+    "aim": "the download of the AIM is not public; export the flight as CSV from Entacore's own program and "
+    "import that file",
+}
+"""Units that can be asked for and not be captured, with the way that there is."""
+
+
+def known_devices() -> Mapping[str, Protocol]:
+    """Every protocol on the shelf, by the name that `--device` takes."""
+    found = plugins("capture.protocols", "PROTOCOL")
+    for name, protocol in found.items():
+        if not isinstance(protocol, Protocol):
+            raise TypeError(f"PROTOCOL of capture/protocols/{name}.py is not a Protocol")
+    return found  # type: ignore[return-value]
+
+
+def known_device(name: str) -> Protocol:
+    """The protocol of a name. Raises PortTrouble that says what there is instead."""
+    plain = name.strip().lower().replace("-", "_").replace(" ", "_")
+    if plain in known_devices():
+        return known_devices()[plain]
+    if plain in NOT_PUBLIC:
+        raise PortTrouble(f"{plain}: {NOT_PUBLIC[plain]}")
+    raise PortTrouble(f"no device is called {name!r}, expected one of {', '.join(known_devices())}")
+
+
+def logs_in(file: Path) -> list[Log]:
+    """The logs that a capture holds, ready for parsers, by either of its files. Raises CaptureTrouble."""
+    captured = read_capture(file)
+    found = known_devices().get(captured.device)
+    logs = found.logs(captured) if found else as_it_came(captured)
+    if not logs:
+        raise CaptureTrouble(
+            f"{captured.file.name}: found no flight in {len(captured.raw)} bytes, expected at least one"
+        )
+    return logs

@@ -1,0 +1,258 @@
+"""AltiMulti, AltiDuo, TTGO Bear, AltiGPS and their kin (bdureau): sentences asked for with one-letter commands.
+
+A sentence is `$name,field,...,checksum;`, the checksum being the sum of the characters from the name up to the
+comma before it, modulo 256. A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come between.
+Source: RocketFlightLogger.ino, config.cpp, logger_i2c_eeprom.cpp (bdureau/RocketFlightLogger).
+"""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.checks import sum_256
+from fieldkit.capture.events import Listed, Sample, Stored, Told
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.errors import PortTrouble
+
+MOST = 25
+"""Flights that a unit keeps."""
+GREETINGS, GREETING = 8, 1.5
+"""How often the unit is greeted, and how long it has to answer: opening the port restarts some boards. [s]"""
+ANSWER = 5.0
+"""How long a unit may pause within an answer. [s]"""
+REFUSALS = ("KO", "K0", "UNKNOWN")
+TRIES = 3
+STREAM = 60.0
+"""How long telemetry may pause. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Sentence:
+    """A sentence; `sound` when its checksum is right, or when it is one that has none."""
+
+    name: str
+    fields: tuple[str, ...]
+    sound: bool
+
+
+def sentence(piece: bytes) -> Sentence | None:
+    """The sentence at the end of what came before a semicolon, None where there is none."""
+    start = piece.rfind(b"$")
+    if start < 0:
+        return None
+    body = piece[start + 1 :]
+    name, *fields = body.decode("latin-1").split(",")
+    if not fields:
+        return Sentence(name.strip(), (), name.strip().isalnum())
+    right = str(sum_256(body[: body.rfind(b",") + 1])) == fields[-1].strip()
+    return Sentence(name, tuple(fields[:-1]), right)
+
+
+def sentences(content: bytes) -> Iterable[Sentence]:
+    """All sentences of bytes."""
+    for piece in content.split(b";")[:-1]:
+        if (one := sentence(piece)) is not None:
+            yield one
+
+
+def overhears(heard: bytes) -> bool:
+    """A telemetry sentence with its checksum."""
+    return any(one.sound and one.name in ("telemetry", "data") and one.fields for one in sentences(heard))
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """An answer to one command, from its `$start;` on."""
+
+    content: bytes
+    good: int
+    bad: int
+    ended: bool
+
+    @property
+    def whole(self) -> bool:
+        return self.ended and not self.bad
+
+
+def frames(captured: Captured) -> dict[int, Frame]:
+    """The best answer there is for each flight that was asked for."""
+    best: dict[int, Frame] = {}
+    for answer in captured.answers():
+        asked = re.fullmatch(rb"r(\d+);", answer.command)
+        if asked:
+            frame, number = _frame(answer.content), int(asked[1])
+            if number not in best or _worth(frame) > _worth(best[number]):
+                best[number] = frame
+    return best
+
+
+def _worth(frame: Frame) -> tuple[bool, int, bool]:
+    return frame.whole, frame.good, frame.ended
+
+
+def _frame(content: bytes) -> Frame:
+    start = max(content.find(b"$start;"), 0)
+    end = content.find(b"$end;", start)
+    content = content[start : end + len(b"$end;") if end >= 0 else None]
+    data = [one for one in sentences(content) if one.fields and one.name != "telemetry"]
+    good = sum(one.sound and one.name == "data" for one in data)
+    return Frame(content, good, len(data) - good, end >= 0)
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    yield from _greeted(link)
+    yield from _identified(link)
+    return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
+
+
+def _greeted(link: Link) -> Talk[None]:
+    for _ in range(GREETINGS):
+        link.send(b"h;")
+        while (one := (yield from _next(link, GREETING))) is not None:
+            if one.name == "OK":
+                return
+    raise PortTrouble(
+        f"{link.line.name}: no $OK; in answer to h; from an AltiMulti; is it on, and is --baud the one it is set to?"
+    )
+
+
+def _next(link: Link, silence: float) -> Talk[Sentence | None]:
+    """The next sentence that is no telemetry, None after silence. [s]"""
+    while (piece := (yield from link.piece(b";", silence))) is not None:
+        one = sentence(piece)
+        if one is None:
+            continue
+        if one.name == "telemetry" and one.fields:
+            _telemetry(link, one)
+        else:
+            return one
+    return None
+
+
+def _telemetry(link: Link, one: Sentence) -> None:
+    """Show what a telemetry sentence says; metres whatever the unit's display shows."""
+    if not one.sound:
+        link.damaged += 1
+        return
+    try:
+        altitude, lifted, apogee, _, main, _, landed, time = (float(text) for text in one.fields[:8])
+    except ValueError:
+        return
+    flags = (("landed", landed), ("main", main), ("drogue", apogee), ("flying", lifted))
+    state = next((name for name, flag in flags if flag > 0), "pad")
+    link.sample = Sample(altitude, time / 1000, state=state)
+
+
+def _identified(link: Link) -> Talk[None]:
+    """Take down the settings, whose eighth field is the name of the board."""
+    link.send(b"b;")
+    while (one := (yield from _next(link, ANSWER))) is not None and one.name not in ("end", *REFUSALS):
+        if one.name == "alticonfig" and one.sound and len(one.fields) > 9:
+            link.about["model"] = one.fields[7]
+            link.about["firmware"] = f"{one.fields[8]}.{one.fields[9]}"
+            link.about["settings"] = ",".join(one.fields)
+
+
+def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    count = yield from _counted(link)
+    _same_unit(link, count, captured)
+    flights = [Stored(number, f"flight {number + 1}") for number in range(min(count, MOST))]
+    wanted = set(wishes.choose(flights)) if flights else set()
+    chosen = [flight.number for flight in flights if flight.number in wanted]
+    yield Listed(tuple(flights), tuple(chosen))
+    have = {number for number, frame in frames(captured).items() if frame.whole}
+    link.send(b"f;")
+    try:
+        yield from link.drain(0.1)
+        whole = True
+        for place, number in enumerate(chosen):
+            link.share = place / len(chosen)
+            if number not in have:
+                whole = (yield from _flight(link, number)) and whole
+        link.share = 1.0
+    finally:
+        link.farewell(b"g;")
+    yield from link.drain(0.1)
+    return whole
+
+
+def _counted(link: Link) -> Talk[int]:
+    for _ in range(TRIES):
+        link.send(b"n;")
+        while (one := (yield from _next(link, ANSWER))) is not None and one.name != "end":
+            if one.name == "nbrOfFlight" and one.sound and one.fields and one.fields[0].strip().isdigit():
+                return int(one.fields[0])
+    raise PortTrouble(f"{link.line.name}: no number of flights in answer to n;, expected $nbrOfFlight,N,checksum;")
+
+
+def _same_unit(link: Link, count: int, captured: Captured) -> None:
+    """Raise PortTrouble where a capture that goes on is of another unit."""
+    told = [one for one in sentences(captured.raw) if one.sound]
+    counts = {one.fields[0] for one in told if one.name == "nbrOfFlight" and one.fields}
+    settings = {",".join(one.fields) for one in told if one.name == "alticonfig"}
+    mine = link.about.get("settings")
+    if (counts and str(count) not in counts) or (mine and settings and mine not in settings):
+        raise PortTrouble(f"{link.line.name}: this is another unit than that of the capture; begin a new capture")
+
+
+def _flight(link: Link, number: int) -> Talk[bool]:
+    """Read one flight, again where it arrived damaged."""
+    for attempt in range(1, TRIES + 1):
+        good, bad, ended = yield from _answer(link, number)
+        if ended and not bad:
+            return True
+        fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
+        again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
+        yield Told(f"flight {number + 1}: {fault}{again}")
+        yield from link.drain(0.3)
+    return False
+
+
+def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
+    good = bad = 0
+    link.send(b"r%d;" % number)
+    while (one := (yield from _next(link, ANSWER))) is not None:
+        if one.name == "end":
+            return good, bad, True
+        if one.name in REFUSALS:
+            break
+        if one.fields and one.sound and one.name == "data":
+            good += 1
+            link.samples += 1
+        elif one.fields:
+            bad += 1
+            link.damaged += 1
+    return good, bad, False
+
+
+def _followed(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    """Telemetry until it pauses, or until the flyer stops it."""
+    silence = STREAM if wishes.silence is None else wishes.silence
+    link.open_ended = True
+    link.send(b"y1;")
+    try:
+        while (piece := (yield from link.piece(b";", silence))) is not None:
+            one = sentence(piece)
+            if one is not None and one.name == "telemetry":
+                link.samples += one.sound
+                _telemetry(link, one)
+    finally:
+        link.farewell(b"y0;")
+    return True
+
+
+def logs(captured: Captured) -> list[Log]:
+    """The best answer for each flight, in one log; of a capture without answers, all as it came."""
+    best = frames(captured)
+    flown = [best[number].content for number in sorted(best) if best[number].good]
+    if not flown:
+        return [Log(captured.file.name, captured.raw)] if any(True for _ in sentences(captured.raw)) else []
+    settings = [answer.content for answer in captured.answers() if answer.command == b"b;"]
+    head = [replace(_frame(content)).content for content in settings[-1:] if b"$alticonfig" in content]
+    return [Log(captured.file.name, b"\n".join([*head, *flown]) + b"\n")]
+
+
+PROTOCOL = Protocol("bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", Settings(38_400), talk, logs, overhears)

@@ -1,0 +1,216 @@
+"""Altus Metrum flight computers over USB: who they are, which flights they hold, and those, block by block.
+
+A block is 256 bytes and comes as 32 lines of nine hex numbers: the offset in the block and eight bytes. A line that
+does not arrive whole leaves 0xff, as erased memory does; such a block is asked for again.
+Source: AltosLink.java, AltosEepromDownload.java, AltosEepromBlock.java (Altus Metrum).
+"""
+
+import json
+import re
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass
+
+from fieldkit.capture.altus import ANSWER, silence_echo, version
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.events import Listed, Stored, Told
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.errors import PortTrouble
+
+TRIES = 3
+BLOCK, ROW, LINE = 256, 8, 32
+"""Bytes of a block, of a line that a unit sends, and of a line of a file. [bytes]"""
+ERASED = b"\xff" * BLOCK
+MOST = 100_000
+"""No flight has more blocks; one that claims so has its line torn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Extent:
+    """Where a flight is in memory: blocks from `start` up to, not including, `end`."""
+
+    number: int
+    start: int
+    end: int
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """A block as it arrived, and how many of its lines did not."""
+
+    content: bytes
+    missing: int
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    yield from silence_echo(link)
+    identity = yield from _identity(link)
+    _same_unit(link, identity, captured)
+    flights = yield from _flights(link)
+    listed = [
+        Stored(one.number, f"flight {one.number}, {(one.end - one.start) * BLOCK // 1024} KiB") for one in flights
+    ]
+    wanted = set(wishes.choose(listed)) if listed else set()
+    chosen = [one for one in flights if one.number in wanted]
+    yield Listed(tuple(listed), tuple(one.number for one in chosen))
+    have = {number: block for number, block in blocks(captured).items() if not block.missing}
+    return (yield from _downloaded(link, chosen, have))
+
+
+def _identity(link: Link) -> Talk[dict[str, str]]:
+    """What a unit says of itself. Raises PortTrouble where it says nothing."""
+    for _ in range(TRIES):
+        link.send(b"c s\n")
+        link.send(b"f\n")
+        found = yield from version(link)
+        if found:
+            return found
+    raise PortTrouble(
+        f"{link.line.name}: no software-version in answer to v from an Altus Metrum unit; is it switched on?"
+    )
+
+
+def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None:
+    """Raise PortTrouble where a capture that goes on is of another unit."""
+    before = set(re.findall(rb"^serial-number +(\d+)", captured.raw, re.MULTILINE))
+    mine = identity.get("serial-number", "")
+    if before and mine and mine.encode("latin-1") not in before:
+        known = ", ".join(sorted(one.decode() for one in before))
+        raise PortTrouble(
+            f"{link.line.name}: found serial number {mine}, expected {known} of the capture; begin a new one"
+        )
+
+
+def _flights(link: Link) -> Talk[list[Extent]]:
+    for _ in range(TRIES):
+        link.send(b"l\n")
+        lines: list[str] = []
+        while (line := (yield from link.text_line(ANSWER))) is not None:
+            if line.strip() == "done":
+                return extents(lines)
+            lines.append(line)
+    raise PortTrouble(f"{link.line.name}: no list of flights in answer to l, expected lines and `done`")
+
+
+def extents(lines: Iterable[str]) -> list[Extent]:
+    """The flights of a list."""
+    found = []
+    for line in lines:
+        match = re.fullmatch(r"flight (\d+) start ([0-9a-fA-F]{1,6}) end ([0-9a-fA-F]{1,6})", line.strip())
+        if match and 0 < int(match[3], 16) - int(match[2], 16) <= MOST:
+            found.append(Extent(int(match[1]), int(match[2], 16), int(match[3], 16)))
+    return found
+
+
+def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -> Talk[bool]:
+    total = sum(one.end - one.start for one in flights)
+    done, whole = 0, True
+    for one in flights:
+        for number in range(one.start, one.end):
+            link.share = done / total
+            block = have.get(number) or (yield from _block(link, number))
+            whole = whole and not block.missing
+            done += 1
+            if block.content == ERASED and not block.missing:
+                break
+        done = sum(other.end - other.start for other in flights[: flights.index(one) + 1])
+    link.share = 1.0
+    return whole
+
+
+def _block(link: Link, number: int) -> Talk[Block]:
+    """Read a block, again where lines of it are missing."""
+    for attempt in range(1, TRIES + 1):
+        link.send(b"e %x\n" % number)
+        lines: list[str] = []
+        while len(lines) < BLOCK // ROW and (line := (yield from link.text_line(ANSWER))) is not None:
+            if line.strip():
+                lines.append(line)
+            if _row(line) and line.split()[0].lower() == "f8":
+                break
+        block = assembled(lines)
+        if not block.missing:
+            link.samples += 1
+            return block
+        link.damaged += 1
+        again = "; reading it again" if attempt < TRIES else "; they stay empty"
+        yield Told(f"block {number:x}: {block.missing} lines did not arrive whole{again}")
+        yield from link.drain(0.3)
+    return block
+
+
+def assembled(lines: Iterable[str]) -> Block:
+    """The block that lines make up; what none of them holds is 0xff."""
+    content = bytearray(ERASED)
+    missing = set(range(0, BLOCK, ROW))
+    for line in lines:
+        row = _row(line)
+        if row and row[0] in missing:
+            missing.discard(row[0])
+            content[row[0] : row[0] + ROW] = bytes(row[1:])
+    return Block(bytes(content), len(missing))
+
+
+def _row(line: str) -> list[int] | None:
+    """The nine numbers of a line, None where it has not nine that fit."""
+    tokens = line.split()
+    if len(tokens) != 1 + ROW or not all(re.fullmatch(r"[0-9a-fA-F]{1,2}", token) for token in tokens):
+        return None
+    return [int(token, 16) for token in tokens]
+
+
+def blocks(captured: Captured) -> dict[int, Block]:
+    """The best of each block that was asked for."""
+    best: dict[int, Block] = {}
+    for answer in captured.answers():
+        asked = re.fullmatch(rb"e ([0-9a-f]+)\n", answer.command)
+        if asked:
+            number, block = int(asked[1], 16), assembled(answer.content.decode("latin-1").splitlines())
+            if number not in best or block.missing < best[number].missing:
+                best[number] = block
+    return best
+
+
+def logs(captured: Captured) -> list[Log]:
+    """Each flight as the vendor's own program saves it: what the unit says of itself, then its memory in hex."""
+    answers = {answer.command: answer.content.decode("latin-1").splitlines() for answer in captured.answers()}
+    told = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
+    memory = blocks(captured)
+    found = []
+    for one in extents(answers.get(b"l\n", [])):
+        have = [number for number in range(one.start, one.end) if number in memory]
+        content = b"".join(
+            memory[number].content if number in memory else ERASED
+            for number in range(one.start, max(have, default=0) + 1)
+        )
+        if have and content.strip(b"\xff"):
+            name = f"{captured.file.name} flight {one.number}"
+            found.append(Log(name, _eeprom(settings(told) | {"flight": one.number}, content)))
+    return found
+
+
+def settings(lines: Iterable[str]) -> dict[str, str | int]:
+    """What a unit says of itself, by names as the vendor's program spells them in its files."""
+    found: dict[str, str | int] = {}
+    for line in lines:
+        if match := _CALIBRATION.match(line):
+            found |= {"accel_cal_plus": int(match[1]), "accel_cal_minus": int(match[2])}
+        elif match := _SETTING.match(line):
+            name = re.sub(r"[^a-z0-9]+", "_", (match[1] or match[2]).lower()).strip("_")
+            value = match[3].strip().strip('"')
+            found[_RENAMED.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,10}", value) else value
+    return found
+
+
+def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
+    rows = [content[place : place + LINE].hex(" ") for place in range(0, len(content), LINE)]
+    return "\n".join([json.dumps(told, indent=1), *rows, ""]).encode()
+
+
+_CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")
+_SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-z0-9_-]{0,40})\s+)(\S[^\r\n]{0,80})$")
+_RENAMED = {"serial_number": "serial", "current_flight": "last_flight"}
+
+
+PROTOCOL = Protocol("Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", Settings(9600), talk, logs)

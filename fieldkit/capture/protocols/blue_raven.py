@@ -1,0 +1,95 @@
+"""Blue Raven over USB: frames of text, `@ KIND length date time sync fields... CRC: XXXX`, asked for by rate.
+
+No mark ends a download, so silence does. A frame can be overprinted by the next one; it is lost, the next is not.
+Sources: Blue Raven USB Interface Guide (Revised), third party; the CRC is derived from a real capture, where it
+holds on every high-rate frame that was not overprinted.
+"""
+
+import re
+import time
+
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.checks import crc_buypass
+from fieldkit.capture.events import Told
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.errors import PortTrouble
+
+SILENCE = 5.0
+"""Without a frame of flight data for so long, a download is over: the slower rate has 50 a second. [s]"""
+DOWNLOADS = {"LOW": b"download l\r\n", "HIR": b"download h\r\n"}
+"""Commands by the kind of frame they bring. How a command has to end is not written down; CR LF is what frames have."""
+
+_CRC = re.compile(rb" CRC: ([0-9A-Fa-f]{4})\s*$")
+
+
+def frame(line: bytes) -> bytes | None:
+    """The frame that a line ends with, from its last `@ `, if its checksum is right."""
+    start = line.rfind(b"@ ")
+    match = _CRC.search(line)
+    if start < 0 or not match or crc_buypass(line[start : match.start()]) != int(match[1], 16):
+        return None
+    return line[start:].rstrip()
+
+
+def overhears(heard: bytes) -> bool:
+    """A frame with its checksum, such as the live status."""
+    return any(frame(line) for line in heard.splitlines()[:-1])
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    silence = SILENCE if wishes.silence is None else wishes.silence
+    done = _done(captured)
+    came = bool(done)
+    for place, (kind, command) in enumerate(DOWNLOADS.items()):
+        link.share = place / len(DOWNLOADS)
+        if kind not in done:
+            link.send(command)
+            frames = yield from _downloaded(link, kind, silence)
+            link.line.tape.note(done=kind)
+            came = came or frames > 0
+            if not frames:
+                yield Told(f"the unit sent no {'low' if kind == 'LOW' else 'high'}-rate data")
+    link.share = 1.0
+    if not came:
+        raise PortTrouble(f"{link.line.name}: no frame in answer to download l and download h from a Blue Raven")
+    return True
+
+
+def _done(captured: Captured) -> set[str]:
+    """The kinds of frames whose download came to its end."""
+    return {str(mark.facts["done"]) for mark in captured.marks if "done" in mark.facts}
+
+
+def _downloaded(link: Link, kind: str, silence: float) -> Talk[int]:
+    """Count frames of one kind until there are none for so long; live status in between is no data. [s]"""
+    wanted = f"@ LOG_{kind}".encode()
+    last, frames = time.monotonic(), 0
+    while time.monotonic() - last < silence:
+        line = yield from link.piece(b"\n", silence)
+        if line is None:
+            break
+        if wanted not in line:
+            continue
+        last = time.monotonic()
+        if frame(line):
+            frames += 1
+            link.samples += 1
+        else:
+            link.damaged += 1
+    return frames
+
+
+def logs(captured: Captured) -> list[Log]:
+    """The best answer to each download, in one log."""
+    kept = []
+    for command in DOWNLOADS.values():
+        answers = [answer.content for answer in captured.answers() if answer.command == command]
+        if answers:
+            kept.append(max(answers, key=len))
+    content = b"".join(kept) if kept else captured.raw
+    return [Log(captured.file.name, content)] if b"@ " in content else []
+
+
+PROTOCOL = Protocol("Featherweight Blue Raven (USB)", Settings(115_200), talk, logs, overhears)

@@ -1,0 +1,51 @@
+"""Eggtimer Classic and TRS: whatever text they print, kept as it came; a press of their button starts it.
+
+No handshake is documented and none is tried. The end of a record is silence, or the flyer's word.
+Sources: Serial_Connection.md (broofa/eggtimer_for_mac), Eggtimer manual release 1.48b.
+"""
+
+import re
+
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+
+WAIT = 180.0
+"""How long the flyer may take to press the button. [s]"""
+SILENCE = 30.0
+"""A pause of so long ends the capture; there is time to press the button again. [s]"""
+
+_HEADER = re.compile(rb"^T[,;\t ]Alt[,;\t ]", re.MULTILINE)
+_ROW = re.compile(r"[-+]?\d+(?:[.,]\d+)?(?:\s*[,;\t ]\s*[-+]?\d*(?:[.,]\d+)?){2,}\s*")
+
+
+def overhears(heard: bytes) -> bool:
+    """The header that its tables begin with."""
+    return _HEADER.search(heard) is not None
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    wait = WAIT if wishes.wait is None else wishes.wait
+    silence = SILENCE if wishes.silence is None else wishes.silence
+    link.open_ended = True
+    yield from link.first_word(wait, "press the unit's button; the Classic talks at --baud 19200, the TRS at 9600")
+    while (line := (yield from link.text_line(silence))) is not None:
+        link.samples += _ROW.fullmatch(line) is not None
+    return True
+
+
+def logs(captured: Captured) -> list[Log]:
+    """The text as it came, from its first table on where there is one."""
+    content = captured.raw.replace(b"\0", b"")
+    return [Log(captured.file.name, content)] if content.strip() else []
+
+
+PROTOCOL = Protocol(
+    "Eggtimer Classic, TRS (text, as printed)",
+    Settings(9600),
+    talk,
+    logs,
+    overhears,
+    invites="press the unit's button for its summary, again for the detail; half a minute of silence ends the capture",
+)

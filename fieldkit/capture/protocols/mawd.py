@@ -1,0 +1,98 @@
+"""PerfectFlite MAWD: model, firmware, statistics and the last flight, each asked for by one letter.
+
+No mark ends a flight; the statistics say how many samples it has. The letter F fires an output when D or M follows:
+it is in no table of commands, and no letter that is goes before or after it.
+Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author calls untested.
+"""
+
+import re
+
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.events import Told
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.errors import PortTrouble
+
+ANSWER = 3.0
+"""How long the unit may pause within an answer. [s]"""
+TRIES = 3
+STATISTICS = 5
+"""Lines of the answer to S: ground, apogee, number of samples, Mach delay, main altitude."""
+
+_SAMPLE = re.compile(r".\d{4}")
+_ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    model = yield from _lines(link, b"I", 2)
+    if not model:
+        raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
+    link.about["model"] = " ".join(model)
+    firmware = yield from _lines(link, b"V", 1)
+    link.about["firmware"] = " ".join(firmware)
+    count = yield from _count(link)
+    if not count:
+        yield Told("the unit holds no flight")
+        return True
+    return (yield from _flight(link, count))
+
+
+def _lines(link: Link, command: bytes, wanted: int) -> Talk[list[str]]:
+    """So many lines that are not blank in answer to a command; fewer, or none, where the unit does not answer."""
+    found: list[str] = []
+    for _ in range(TRIES):
+        yield from link.drain(0.2)
+        link.send(command)
+        found = []
+        while len(found) < wanted and (line := (yield from link.text_line(ANSWER))) is not None:
+            if line.strip():
+                found.append(line.strip())
+        if len(found) == wanted:
+            break
+    return found
+
+
+def _count(link: Link) -> Talk[int]:
+    """The number of samples in memory. Raises PortTrouble where the statistics cannot be read."""
+    for _ in range(TRIES):
+        lines = yield from _lines(link, b"S", STATISTICS)
+        found = {line[0]: int(line[1:]) for line in lines if re.fullmatch(r"[GANDM]\d{5}", line)}
+        if "N" in found:
+            return found["N"]
+    raise PortTrouble(f"{link.line.name}: no number of samples in answer to S, expected a line such as N00512")
+
+
+def _flight(link: Link, count: int) -> Talk[bool]:
+    """The interval and the samples; asked for again where they do not come to the end."""
+    for attempt in range(1, TRIES + 1):
+        yield from link.drain(0.2)
+        link.send(b"D")
+        good = seen = 0
+        while seen < count + 1 and (line := (yield from link.text_line(ANSWER))) is not None:
+            if not line.strip():
+                continue
+            seen += 1
+            if seen > 1:
+                good += _SAMPLE.fullmatch(line) is not None
+                link.samples += _SAMPLE.fullmatch(line) is not None
+                link.damaged += _SAMPLE.fullmatch(line) is None
+                link.share = good / count
+        if good == count:
+            return True
+        again = "; reading it again" if attempt < TRIES else ""
+        yield Told(f"{good} of {count} samples arrived{again}")
+    return False
+
+
+def logs(captured: Captured) -> list[Log]:
+    """The last answer to each letter, and of those to D the one with most samples."""
+    answers = captured.answers()
+    kept = [[answer.content for answer in answers if answer.command == command][-1:] for command in (b"I", b"V", b"S")]
+    flights = [answer.content for answer in answers if answer.command == b"D"]
+    best = max(flights, key=lambda content: len(_ROW.findall(content)), default=b"")
+    content = b"".join(b"".join(one) for one in kept) + best
+    return [Log(captured.file.name, content or captured.raw)] if captured.raw else []
+
+
+PROTOCOL = Protocol("PerfectFlite MAWD", Settings(38_400, xonxoff=True), talk, logs)

@@ -1,0 +1,170 @@
+"""MicroPeak, MicroKite and MicroPeak 2: an LED that blinks the flight once, at power-up, into a phototransistor.
+
+The host sends nothing. The stream is junk, `MP`, hex digits with white space anywhere, four digits of CRC-16/X-25;
+the header says how many samples come. A MicroPeak 2 adds a line with its chip's identity.
+Sources: MicroData.java and ao_log_micro.c (Altus Metrum).
+"""
+
+import time
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.checks import crc_x25
+from fieldkit.capture.events import Told
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+
+WAIT = 180.0
+"""How long the flyer may take to switch the unit on, again where need be. [s]"""
+PAUSE = 5.0
+"""A stream that stops for so long in the middle will not go on. [s]"""
+TAIL = 1.5
+"""How long the identity of a MicroPeak 2 may take to follow. [s]"""
+MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
+
+_HEX = frozenset(b"0123456789abcdefABCDEF")
+_WHITE = frozenset(b" \t\r\n")
+
+
+@dataclass(frozen=True, slots=True)
+class Record:
+    """A record of a stream, from its `MP` on; `sound` when its checksum is right."""
+
+    start: int
+    end: int
+    payload: bytes
+    sound: bool
+
+    @property
+    def model(self) -> int:
+        return self.payload[9] >> 4
+
+    @property
+    def count(self) -> int:
+        """How many samples it has."""
+        return (len(self.payload) - (12 if self.model == 2 else 10)) // 2
+
+
+@dataclass(slots=True)
+class Stream:
+    """Finds records, whatever the sizes of the chunks that it is fed."""
+
+    place: int = 0
+    start: int = -1
+    digits: bytearray = field(default_factory=bytearray)
+    _needed: int = 20
+    _last: int = 0
+
+    def feed(self, chunk: Iterable[int]) -> list[Record | None]:
+        """The records that end in a chunk, None for one that noise broke."""
+        found: list[Record | None] = []
+        for byte in chunk:
+            if self.start >= 0 and byte in _HEX:
+                self.digits.append(byte)
+                if len(self.digits) == self._needed and self._complete():
+                    found.append(self._record())
+            elif self.start >= 0 and byte not in _WHITE:
+                self.start = -1
+                found.append(None)
+            if self.start < 0 and self._last == ord("M") and byte == ord("P"):
+                self.start, self._needed = self.place - 1, 20
+                self.digits.clear()
+            self._last = byte
+            self.place += 1
+        return found
+
+    def _complete(self) -> bool:
+        """Whether all digits are there, now that the header says how many there are."""
+        needed = (_size(bytes.fromhex(self.digits[:24].decode())) + 2) * 2
+        self._needed = max(needed, self._needed)
+        return len(self.digits) >= needed
+
+    def _record(self) -> Record:
+        content = bytes.fromhex(self.digits.decode())
+        record = Record(
+            self.start, self.place + 1, content[:-2], crc_x25(content[:-2]) == int.from_bytes(content[-2:], "big")
+        )
+        self.start = -1
+        return record
+
+
+def _size(header: bytes) -> int:
+    """How many bytes a payload has, by as much of its header as is there; erased memory has no samples. [bytes]"""
+    word = int.from_bytes(header[8:10], "little")
+    if word == 0xFFFF:
+        return 10
+    if word >> 12 != 2:
+        return 10 + 2 * (word & 0xFFF)
+    return 12 + 2 * ((word & 0xFFF) | int.from_bytes(header[10:12], "little") << 12)
+
+
+def overhears(heard: bytes) -> bool:
+    """`MP` and a whole header."""
+    stream = Stream()
+    return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    stream = Stream()
+    useful = time.monotonic()
+    base = link.samples
+    wait = WAIT if wishes.wait is None else wishes.wait
+    yield from link.first_word(wait, "switch the unit on with its LED over the adapter")
+    while time.monotonic() - useful < wait:
+        chunk = yield from link.hear()
+        before = len(stream.digits) if stream.start >= 0 else 0
+        for record in stream.feed(chunk):
+            if record is not None and record.sound:
+                link.about["model"] = MODELS.get(record.model, "MicroPeak")
+                link.samples, link.share = base + record.count, 1.0
+                if not record.count:
+                    yield Told("the unit holds no flight")
+                yield from link.drain(TAIL)
+                return True
+            link.damaged += 1
+            yield Told("the record is damaged; switch the unit on again, it sends once each time")
+        if stream.start >= 0 and len(stream.digits) > before:
+            useful = time.monotonic()
+            link.samples = base + max(0, len(stream.digits) - 20) // 4
+            link.share = min(1.0, len(stream.digits) / stream._needed) if len(stream.digits) >= 24 else None
+        elif stream.start >= 0 and time.monotonic() - useful > PAUSE:
+            stream = Stream()
+            link.damaged += 1
+            yield Told("the record stopped in the middle; switch the unit on again, it sends once each time")
+    return False
+
+
+def logs(captured: Captured) -> list[Log]:
+    """Each flight once: records whose checksum is right, else what there is of one."""
+    raw = captured.raw
+    stream = Stream()
+    records = [record for record in stream.feed(raw) if record is not None]
+    sound = {record.payload: record for record in records if record.sound}
+    headers = {payload[:8] for payload in sound}
+    kept = list(sound.values()) + [one for one in records if not one.sound and one.payload[:8] not in headers]
+    slices = [raw[one.start : _end(raw, one)] for one in kept]
+    if not slices and (last := raw.rfind(b"MP")) >= 0:
+        slices = [raw[last:]]
+    names = [f" record {number}" if len(slices) > 1 else "" for number in range(1, len(slices) + 1)]
+    return [Log(captured.file.name + name, content) for name, content in zip(names, slices, strict=True)]
+
+
+def _end(raw: bytes, record: Record) -> int:
+    """Where a record ends, with the identity line of a MicroPeak 2."""
+    if record.model != 2:
+        return record.end
+    more = raw[record.end : record.end + 64]
+    line = more.lstrip(b"\r\n").split(b"\n", 1)[0]
+    return record.end + len(more) - len(more.lstrip(b"\r\n")) + len(line) if line.count(b"-") == 2 else record.end
+
+
+PROTOCOL = Protocol(
+    "Altus Metrum MicroPeak, MicroKite, MicroPeak 2",
+    Settings(9600),
+    talk,
+    logs,
+    overhears,
+    invites="hold the unit's LED over the adapter and switch the unit on",
+)

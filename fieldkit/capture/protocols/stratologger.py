@@ -1,0 +1,68 @@
+"""StratoLogger live telemetry: one altitude in feet a line, which the unit sends by itself in flight.
+
+The lines have no clock, so the time of each is that of its arrival. Where the unit sends on the pad already, its
+first line is the pad's elevation above sea level and the others are above the pad.
+How to read its memory is not public. Source: docs/telem.md (UND-ARC/StratoLogger).
+"""
+
+import re
+from itertools import accumulate
+
+from fieldkit.capture.captured import Captured, Log
+from fieldkit.capture.events import Sample
+from fieldkit.capture.line import Settings
+from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.units import FOOT
+
+WAIT = 3600.0
+"""How long a unit may wait on the pad before it says anything. [s]"""
+STREAM = 120.0
+"""How long it may pause then. [s]"""
+TITLE = "StratoLogger live telemetry, captured by fieldkit"
+
+_NUMBER = re.compile(r"-?\d{1,6}")
+
+
+def overhears(heard: bytes) -> bool:
+    """Six lines of one integer each, with the line ends that the unit has, and nothing else."""
+    whole = heard[: heard.rfind(b"\n") + 1]
+    return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
+
+
+def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    wait = WAIT if wishes.wait is None else wishes.wait
+    silence = STREAM if wishes.silence is None else wishes.silence
+    link.open_ended = True
+    yield from link.first_word(wait, "its telemetry has to be switched on in its settings")
+    while (line := (yield from link.text_line(silence))) is not None:
+        if _NUMBER.fullmatch(line):
+            link.samples += 1
+            link.sample = Sample(int(line) * FOOT) if link.samples > 1 else None
+        else:
+            link.damaged += 1
+    return True
+
+
+def logs(captured: Captured) -> list[Log]:
+    """A table of seconds and feet, times by arrival; a line that is no number keeps its place without one."""
+    rows = [TITLE]
+    if captured.began is not None:
+        rows.append(f"began,{captured.began.replace(tzinfo=None).isoformat(timespec='seconds')}")
+    rows.append("seconds,feet")
+    lines = captured.raw.split(b"\n")[:-1]
+    ends = list(accumulate(len(line) + 1 for line in lines))
+    for line, time in zip(lines, captured.arrivals(end - 1 for end in ends), strict=True):
+        text = line.decode("latin-1").rstrip("\r")
+        rows.append(f"{time:.3f},{text if _NUMBER.fullmatch(text) else ''}")
+    return [Log(captured.file.name, "\n".join([*rows, ""]).encode())] if lines else []
+
+
+PROTOCOL = Protocol(
+    "PerfectFlite StratoLogger live telemetry (its memory is read by the vendor's program only)",
+    Settings(9600),
+    talk,
+    logs,
+    overhears,
+    invites="switch the unit on; the capture goes on until it is stopped or the unit goes silent",
+)

@@ -1,0 +1,220 @@
+"""A capture from its first byte to its last, over lost and regained ports, as a stream of events."""
+
+import time
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from dataclasses import replace
+from pathlib import Path
+
+from fieldkit.capture.captured import read_capture
+from fieldkit.capture.events import Back, Ended, Event, Lost, Opened, Recognised, Told
+from fieldkit.capture.line import Line, Settings, open_line
+from fieldkit.capture.link import Link, Stopped, Talk, never
+from fieldkit.capture.port import Port, again, ports
+from fieldkit.capture.protocol import Wishes, known_device, known_devices
+from fieldkit.capture.tape import Tape, begin, go_on
+from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
+
+LISTENED = 16_384
+"""How much of the end of what is heard is looked at to recognise a unit. [bytes]"""
+RATES = (9600, 19_200, 38_400)
+"""Speeds at which units talk unasked, tried in turn where one makes no sense. [baud]"""
+PATIENCE = 300.0
+"""How long an unknown unit may stay silent. [s]"""
+
+AFTER_A_FAULT = 30.0
+"""Silence that ends a capture which nobody understands any more. [s]"""
+
+Look = Callable[[], list[Port]]
+"""Which ports there are now."""
+
+
+def capture(
+    port: Port,
+    device: str | None = None,
+    *,
+    folder: Path,
+    wishes: Wishes = Wishes(),  # noqa: B008  # frozen
+    stop: Callable[[], bool] = never,
+    look: Look = ports,
+) -> Iterator[Event]:
+    """Capture what is on a port into a folder; what happens comes as events, the last of them `Ended`.
+
+    Every byte is on the disc before it is looked at. Without a device, what the port's numbers prove is taken,
+    else what is recognised by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
+    named. Raises PortTrouble where a port cannot be opened or a unit does not answer; the capture is kept then too.
+    """
+    name = _name(device or port.device)
+    settings = _settings(name, wishes)
+    about = {"device": name, "port": port.name, "vendor": port.vendor, "product": port.product, "serial": port.serial}
+    with begin(folder, about | {"settings": {"baud": settings.baud, "xonxoff": settings.xonxoff}}) as tape:
+        try:
+            yield from _run(tape, port, name, settings, wishes, stop, look)
+        except PortTrouble:
+            tape.discard_if_empty()
+            raise
+
+
+def resume(
+    file: Path,
+    port: Port | None = None,
+    device: str | None = None,
+    *,
+    wishes: Wishes = Wishes(),  # noqa: B008  # frozen
+    stop: Callable[[], bool] = never,
+    look: Look = ports,
+) -> Iterator[Event]:
+    """Go on with a capture, on the port where its unit is now; what it has already is not read again.
+
+    Raises CaptureTrouble where there is no such capture or its unit is not found, and what `capture` raises.
+    """
+    captured = read_capture(file)
+    numbers = (captured.fact("vendor"), captured.fact("product"))
+    vendor, product = (number if isinstance(number, int) else None for number in numbers)
+    unit = Port(str(captured.fact("port") or ""), vendor, product, str(captured.fact("serial") or ""))
+    if port is None:
+        here = look()
+        found = again(unit, here)
+        if found is None:
+            known = ", ".join(one.name for one in here) or "none"
+            raise CaptureTrouble(f"{file.name}: its unit was on {unit.name} and is not found; ports now: {known}")
+        port = replace(unit, name=found)
+    name = _name(device or captured.device)
+    settings = _settings(name, wishes)
+    if captured.began is None:
+        raise CaptureTrouble(f"{file.name}: its journal is damaged; import it, and begin another capture")
+    with go_on(captured.file, captured.began) as tape:
+        tape.note(
+            device=name, port=port.name, vendor=port.vendor, product=port.product, serial=port.serial, whole=False
+        )
+        yield from _run(tape, port, name, settings, wishes, stop, look)
+
+
+def _name(device: str) -> str:
+    """The name of a protocol on the shelf, empty for none. Raises PortTrouble for another."""
+    if not device:
+        return ""
+    wanted = known_device(device)
+    return next(name for name, one in known_devices().items() if one is wanted)
+
+
+def _settings(name: str, wishes: Wishes) -> Settings:
+    settings = known_devices()[name].settings if name else Settings(RATES[0])
+    return replace(settings, baud=wishes.baud) if wishes.baud else settings
+
+
+def _run(
+    tape: Tape, port: Port, name: str, settings: Settings, wishes: Wishes, stop: Callable[[], bool], look: Look
+) -> Iterator[Event]:
+    line = open_line(port.name, name, settings, tape)
+    link = Link(line, stop)
+    if wishes.seconds is not None:
+        link.ends = time.monotonic() + wishes.seconds
+    why, whole = "all is read", False
+    try:
+        yield Opened(port.name, name, tape.file)
+        while True:
+            try:
+                if not link.line.protocol:
+                    yield from _recognise(link, wishes)
+                whole = yield from _converse(link, wishes)
+                why = why if whole else "it went silent"
+                break
+            except PortLost as lost:
+                tape.note(lost=str(lost))
+                yield Lost(link.line.name, str(lost))
+                link.line.close()
+                link.forget()
+                link.line = yield from _reopened(link, port, settings, wishes.reconnect, look, lost)
+                yield Back(link.line.name)
+    except Stopped as stopped:
+        why, whole = str(stopped), link.open_ended and link.samples > 0
+    except PortLost as lost:
+        why = str(lost)
+    except FieldkitError:
+        raise
+    except Exception:
+        yield Told("a fault of this program; what the unit still sends is kept all the same")
+        yield from _kept(link, wishes.silence)
+        raise
+    finally:
+        link.line.close()
+    tape.note(ended=why, whole=whole)
+    tape.close()
+    yield link.progress()
+    yield Ended(tape.file, link.line.protocol, tape.size, link.samples, link.damaged, why, whole, dict(link.about))
+
+
+def _converse(link: Link, wishes: Wishes) -> Talk[bool]:
+    """Talk to a known unit, with what the tape has of it."""
+    one = known_devices()[link.line.protocol]
+    if one.invites:
+        yield Told(one.invites)
+    return (yield from one.talk(link, wishes, read_capture(link.line.tape.file)))
+
+
+def _reopened(link: Link, unit: Port, settings: Settings, patience: float, look: Look, lost: PortLost) -> Talk[Line]:
+    """The line of a unit that is there again. Raises the loss again when it stays away."""
+    tape, name = link.line.tape, link.line.protocol
+    gives_up = time.monotonic() + patience
+    while time.monotonic() < gives_up:
+        if link.stop():
+            raise Stopped("stopped")
+        found = again(unit, look())
+        if found is not None:
+            try:
+                line = open_line(found, name, _settings(name, Wishes(baud=settings.baud)) if name else settings, tape)
+            except PortTrouble:
+                pass  # it may take a moment until the system lets it be opened
+            else:
+                tape.note(port=found)
+                return line
+        yield link.progress()
+        time.sleep(0.1)
+    raise lost
+
+
+def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
+    """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
+    yield Told("listening for a unit that talks by itself; one that has to be asked is named with --device")
+    rates = [wishes.baud] if wishes.baud else list(RATES)
+    patience = wishes.wait if wishes.wait is not None else PATIENCE
+    heard, began, at_rate, nonsense = b"", time.monotonic(), 0, 0
+    while time.monotonic() - began < patience:
+        chunk = yield from link.hear()
+        if not chunk:
+            continue
+        heard = (heard + chunk)[-LISTENED:]
+        names = _overheard(heard)
+        if len(names) == 1:
+            _become(link, names[0], rates[at_rate], heard)
+            yield Recognised(names[0])
+            return
+        nonsense += sum(byte in _NONSENSE for byte in chunk)
+        if nonsense > 64 and len(rates) > 1:
+            at_rate, nonsense, heard = (at_rate + 1) % len(rates), 0, b""
+            link.line.retune(Settings(rates[at_rate]))
+    what = "nothing" if not link.heard else f"{link.heard} bytes that no protocol knows"
+    names_of = ", ".join(known_devices())
+    raise PortTrouble(f"{link.line.name}: heard {what} in {patience:.0f} s; name the unit with --device: {names_of}")
+
+
+_NONSENSE = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
+"""Bytes that no text holds: what a wrong speed makes of one."""
+
+
+def _overheard(heard: bytes) -> list[str]:
+    return [name for name, one in known_devices().items() if one.overhears(heard)]
+
+
+def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
+    """Go on as a protocol, which gets to hear what was heard already."""
+    link.line.protocol = name
+    link.line.tape.note(device=name, settings={"baud": baud})
+    link.push_back(heard)
+
+
+def _kept(link: Link, silence: float | None) -> Talk[None]:
+    """Keep what comes without a look at it, until it stops."""
+    with suppress(Stopped, PortLost):
+        yield from link.drain(AFTER_A_FAULT if silence is None else silence)

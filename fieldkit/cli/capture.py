@@ -1,0 +1,261 @@
+"""`fieldkit capture`: a logger on a serial port, read out or listened to, and into the ledger."""
+
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+
+if TYPE_CHECKING:
+    from fieldkit.capture import Ended, Event, Port, Stored, Wishes
+    from fieldkit.intake import Receipt
+
+app = typer.Typer()
+
+
+@app.command()
+def capture(
+    context: typer.Context,
+    where: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[PORT]", help="The port; with --resume also the capture.", show_default=False),
+    ] = None,
+    list_: Annotated[bool, typer.Option("--list", help="List the ports, and the devices there are words for.")] = False,
+    device: Annotated[str | None, typer.Option(help="What is on the port, where it is not recognised.")] = None,
+    resume: Annotated[bool, typer.Option("--resume", help="Go on with a capture, the newest unfinished one.")] = False,
+    flight: Annotated[list[int] | None, typer.Option(help="Only this flight, as listed; can be repeated.")] = None,
+    live: Annotated[bool, typer.Option("--live", help="Follow telemetry, where a unit has memory too.")] = False,
+    frequency: Annotated[float | None, typer.Option(metavar="MHZ", help="Tune a TeleDongle.")] = None,
+    baud: Annotated[int | None, typer.Option(help="The port's speed, where the unit is set to another.")] = None,
+    wait: Annotated[float | None, typer.Option(metavar="SECONDS", help="For a unit's first word.")] = None,
+    silence: Annotated[float | None, typer.Option(metavar="SECONDS", help="That end a stream.")] = None,
+    seconds: Annotated[float | None, typer.Option(metavar="SECONDS", help="Stop after so many.")] = None,
+    reconnect: Annotated[float, typer.Option(metavar="SECONDS", help="To wait for a lost unit.")] = 20.0,
+    import_: Annotated[
+        bool | None, typer.Option("--import/--no-import", help="Into the ledger, without asking.", show_default=False)
+    ] = None,
+    given: Annotated[
+        list[str] | None, typer.Option("--set", metavar="COLUMN=VALUE", help="What logs leave open: rocket=Astra.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Read a logger on a serial port; Ctrl-C ends it. Every byte is kept; nothing in it is ever changed."""
+    from fieldkit.capture import Wishes
+    from fieldkit.cli.live import View
+
+    if list_:
+        _list(json)
+        return
+    defaults = read_settings(split_settings(given or ()), MotorCheck())
+    with _interrupt() as stop, View() as view:
+        hertz = None if frequency is None else frequency * 1e6
+        choose = _chooser(flight or (), view.pause, asks=sys.stdin.isatty() and not json)
+        wishes = Wishes(choose, live, hertz, baud, wait, silence, seconds, reconnect)
+        end = _followed(_events(where or (), device, resume, wishes, stop), view.show)
+    _tell(end)
+    receipt = _received(context, end, import_, defaults, json) if end.bytes else None
+    if json:
+        print_json(_document(end, receipt))
+    if not end.whole:
+        raise typer.Exit(1)
+
+
+def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "Ended":
+    """Show all events; the last of them."""
+    for event in events:
+        show(event)
+    return event  # type: ignore[return-value]  # a capture ends with it or raises
+
+
+def _events(
+    where: Sequence[str], device: str | None, resume: bool, wishes: "Wishes", stop: Callable[[], bool]
+) -> "Iterator[Event]":
+    """The events of the capture that was asked for. Raises PortTrouble, CaptureTrouble; wrong usage otherwise."""
+    from fieldkit import capture
+    from fieldkit.places import capture_folder
+
+    if not resume:
+        if len(where) > 1:
+            raise typer.BadParameter(f"found {len(where)} ports, expected one")
+        return capture.capture(_port(where, device), device, folder=capture_folder(), wishes=wishes, stop=stop)
+    files = [file for text in where if (file := _capture_of(text)) is not None]
+    names = [text for text in where if _capture_of(text) is None]
+    if len(files) > 1 or len(names) > 1:
+        raise typer.BadParameter(f"found {' '.join(where)!r}, expected one capture and one port at most")
+    file = files[0] if files else _unfinished()
+    return capture.resume(file, _port(names, device) if names else None, device, wishes=wishes, stop=stop)
+
+
+def _capture_of(text: str) -> Path | None:
+    """The capture that a text names, by its path or by its name in the user's folder, None for a port."""
+    from fieldkit.capture import is_capture
+    from fieldkit.places import capture_folder
+
+    return next((file for file in (Path(text), capture_folder() / text) if is_capture(file)), None)
+
+
+def _unfinished() -> Path:
+    from fieldkit.capture import unfinished
+    from fieldkit.errors import CaptureTrouble
+    from fieldkit.places import capture_folder
+
+    found = unfinished(capture_folder())
+    if found is None:
+        raise CaptureTrouble(f"{capture_folder()}: found no capture that is unfinished, expected one to go on with")
+    return found
+
+
+def _port(names: Sequence[str], device: str | None) -> "Port":
+    """The port of a name, or the one that there is. Raises PortTrouble that lists the ports."""
+    from fieldkit.capture import Port, ports
+    from fieldkit.errors import PortTrouble
+
+    here = ports()
+    if names:
+        real = str(Path(names[0]).resolve())
+        return next((port for port in here if port.name in (names[0], real)), Port(names[0]))
+    proven = [port for port in here if port.device and port.device == (device or port.device)]
+    likely = proven or [port for port in here if port.vendor is not None]  # others are sockets, with nothing in them
+    if len(likely) != 1:
+        found = ", ".join(port.name for port in likely) or "no serial port"
+        raise PortTrouble(f"found {found}, expected one; name the port, `fieldkit capture --list` shows what is known")
+    return likely[0]
+
+
+def _chooser(
+    wanted: Sequence[int], pause: Callable[[], None], asks: bool
+) -> "Callable[[Sequence[Stored]], Sequence[int]]":
+    """Which flights to read: those of the options, or those that a person types."""
+
+    def choose(flights: "Sequence[Stored]") -> Sequence[int]:
+        from fieldkit.errors import BadValue
+
+        there = [flight.number for flight in flights]
+        if wanted:
+            if missing := set(wanted) - set(there):
+                raise BadValue(
+                    f"found no flight {min(missing)} in memory, expected one of {', '.join(map(str, there))}"
+                )
+            return wanted
+        if not asks or len(flights) == 1:
+            return there
+        pause()
+        for flight in flights:
+            complain(f"  {flight.number:3d}  {flight.about}")
+        typed = typer.prompt("Which flights, by number? Enter takes all", default="", show_default=False, err=True)
+        return [int(text) for text in typed.replace(",", " ").split() if text.isdigit()] or there
+
+    return choose
+
+
+@contextmanager
+def _interrupt() -> "Iterator[Callable[[], bool]]":
+    """Whether Ctrl-C was pressed: once ends the capture in good order, twice at once."""
+    import signal
+    from threading import Event, current_thread, main_thread
+
+    pressed = Event()
+    if current_thread() is not main_thread():
+        yield pressed.is_set
+        return
+    before = signal.getsignal(signal.SIGINT)
+
+    def press(number: int, frame: object) -> None:
+        pressed.set()
+        signal.signal(signal.SIGINT, before)
+
+    signal.signal(signal.SIGINT, press)
+    try:
+        yield pressed.is_set
+    finally:
+        signal.signal(signal.SIGINT, before)
+
+
+def _tell(end: "Ended") -> None:
+    """Say how a capture ended and, where something is missing, how to go on."""
+    kept = f"{end.samples} samples, {end.bytes} bytes in {end.file}"
+    complain(f"{end.why}: {kept}" if end.bytes else f"{end.why}: nothing came")
+    if not end.whole and end.bytes:
+        complain(f"something is missing; `fieldkit capture --resume {end.file.name}` goes on with it")
+
+
+def _received(
+    context: typer.Context, end: "Ended", wanted: bool | None, defaults: dict[str, object], json: bool
+) -> "Receipt | None":
+    """Import a capture, where that is wanted; a damaged log stays in the capture, which the message names."""
+    from fieldkit.intake import bring_in
+
+    if wanted is None and end.whole and sys.stdin.isatty() and not json:
+        wanted = typer.confirm("Import it now?", default=True, err=True)
+    if not (end.whole if wanted is None else wanted):
+        complain(f"not imported; `fieldkit import {end.file}` does it")
+        return None
+    with open_ledger(context) as ledger:
+        receipt = bring_in(ledger, [end.file], MotorCheck(), defaults=defaults)
+    for row in receipt.rejected:
+        place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
+        complain(f"{', '.join(part for part in place if part)}: {row.error}")
+    for note in receipt.notes:
+        complain(f"note: {note}")
+    if not json:
+        say(f"{len(receipt.ids)} imported, {receipt.duplicates} there already, {len(receipt.rejected)} rejected")
+    return receipt
+
+
+def _document(end: "Ended", receipt: "Receipt | None") -> dict[str, object]:
+    from dataclasses import asdict
+
+    counts = {"bytes": end.bytes, "samples": end.samples, "damaged": end.damaged}
+    document: dict[str, object] = {"file": str(end.file), "device": end.device, **counts}
+    document |= {"whole": end.whole, "ended": end.why, "unit": dict(end.about)}
+    if receipt is not None:
+        rejected = [asdict(row) for row in receipt.rejected]
+        document |= {"imported": len(receipt.ids), "duplicates": receipt.duplicates}
+        document |= {"rejected": rejected, "flights": list(receipt.ids)}
+    return document
+
+
+def _list(json: bool) -> None:
+    """Ports, devices, and devices that no program but their vendor's can read."""
+    from fieldkit.capture import known_devices, ports
+    from fieldkit.capture.protocol import NOT_PUBLIC
+
+    here = ports()
+    if json:
+        print_json(
+            {
+                "ports": [
+                    {
+                        "port": port.name,
+                        "vendor": port.vendor,
+                        "product": port.product,
+                        "serial": port.serial,
+                        "described": port.described,
+                        "about": port.about,
+                        "device": port.device or None,
+                    }
+                    for port in here
+                ],
+                "devices": {name: one.title for name, one in known_devices().items()},
+                "not_public": dict(NOT_PUBLIC),
+            }
+        )
+        return
+    rows = [(port.name, _numbers(port), port.about or port.described, port.device) for port in here]
+    if rows:
+        print_table(("port", "numbers", "what is known of it", "device"), rows)
+    else:
+        say("no serial port is there; plug the logger or its adapter in")
+    say()
+    print_table(("device", "what it is"), [(name, one.title) for name, one in known_devices().items()])
+    for name, text in NOT_PUBLIC.items():
+        complain(f"{name}: {text}")
+
+
+def _numbers(port: "Port") -> str:
+    return "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"

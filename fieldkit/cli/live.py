@@ -1,0 +1,126 @@
+"""A capture while it runs: counts and altitude, drawn where there is a terminal, told in lines where there is none."""
+
+import sys
+from collections import deque
+from dataclasses import dataclass, field
+from types import TracebackType
+from typing import TYPE_CHECKING
+
+from fieldkit.cli.screen import complain, in_both_units
+from fieldkit.safe_text import printable
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+    from rich.live import Live
+
+    from fieldkit.capture import Event, Progress, Sample
+
+BARS = "▁▂▃▄▅▆▇█"
+WIDTH = 60
+"""How many of the last altitudes are drawn."""
+
+
+@dataclass(slots=True)
+class View:
+    """What is shown of a capture; a context that puts the terminal back as it was."""
+
+    device: str = ""
+    port: str = ""
+    highest: float = float("-inf")
+    heights: deque[float] = field(default_factory=lambda: deque(maxlen=WIDTH))
+    _live: "Live | None" = None
+
+    def __enter__(self) -> "View":
+        if sys.stderr.isatty():
+            from rich.console import Console
+            from rich.live import Live
+
+            self._live = Live(console=Console(stderr=True), auto_refresh=False, transient=True)
+            self._live.start()
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.pause()
+
+    def pause(self) -> None:
+        """Leave the terminal to somebody else until the next event."""
+        if self._live is not None:
+            self._live.stop()
+
+    def show(self, event: "Event") -> None:
+        """Show one event."""
+        from fieldkit import capture
+
+        match event:
+            case capture.Opened(port, device, file):
+                self.device, self.port = device, port
+                self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
+            case capture.Recognised(device):
+                self.device = device
+                self._say(f"this is {capture.known_devices()[device].title}")
+            case capture.Told(text):
+                self._say(text)
+            case capture.Listed(flights, chosen):
+                self._say(f"{len(flights)} in memory, reading {len(chosen)}")
+            case capture.Lost(_, why):
+                self._say(f"{why}; all that came is kept, waiting for it to come back")
+            case capture.Back(port):
+                self.port = port
+                self._say(f"it is back on {port}")
+            case capture.Progress():
+                self._draw(event)
+
+    def _say(self, text: str) -> None:
+        if self._live is None:
+            complain(text)
+        else:
+            self._live.console.print(printable(text), markup=False, highlight=False, soft_wrap=True)
+
+    def _draw(self, progress: "Progress") -> None:
+        if progress.sample is not None:
+            self.highest = max(self.highest, progress.sample.altitude)
+            self.heights.append(progress.sample.altitude)
+        if self._live is not None:
+            if not self._live.is_started:
+                self._live.start()
+            self._live.update(self._picture(progress), refresh=True)
+
+    def _picture(self, progress: "Progress") -> "RenderableType":
+        from rich.text import Text
+
+        lines = [f"{self.device or 'listening'} on {self.port}   {counts(progress)}"]
+        if progress.sample is not None:
+            lines += [altitude_line(progress.sample, self.highest), sparkline(self.heights)]
+        return Text(printable_lines(lines), no_wrap=True, overflow="ellipsis")
+
+
+def printable_lines(lines: list[str]) -> str:
+    """Lines made harmless for a terminal, one below the other."""
+    return "\n".join(map(printable, lines))
+
+
+def counts(progress: "Progress") -> str:
+    """How much has come: bytes, samples, what was damaged, the share of all."""
+    parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
+    if progress.damaged:
+        parts.append(f"{progress.damaged:,} damaged")
+    if progress.share is not None:
+        parts.append(f"{progress.share:.0%}")
+    return ", ".join(parts)
+
+
+def altitude_line(sample: "Sample", highest: float) -> str:
+    """The altitude now and the highest so far, with what else the stream says."""
+    parts = [f"altitude {in_both_units('apogee', sample.altitude)}", f"highest {in_both_units('apogee', highest)}"]
+    if sample.speed is not None:
+        parts.append(f"{sample.speed:+.1f} m/s")
+    return "   ".join([*parts, sample.state] if sample.state else parts)
+
+
+def sparkline(heights: "deque[float]") -> str:
+    """The last altitudes as bars, the lowest of them at the bottom. [m]"""
+    low, high = min(heights), max(heights)
+    scale = (len(BARS) - 1) / (high - low) if high > low else 0.0
+    return "".join(BARS[round((height - low) * scale)] for height in heights)

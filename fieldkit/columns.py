@@ -1,0 +1,405 @@
+"""Numbers out of the table of a log: block by block in C, and cell by cell only where a row is damaged.
+
+A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
+A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
+of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
+"""
+
+import hashlib
+import math
+import re
+from array import array
+from bisect import bisect_right
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
+from operator import length_hint
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.logtext import ENDLESS, blocks, is_cut, shown
+from fieldkit.parsing import Found, Note
+from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
+from fieldkit.units import Unit
+
+PATIENCE = 50
+"""A block with so many damaged rows is read cell by cell from there on. [1]"""
+MOST_TOLD = 20
+"""So many damaged rows are told of one by one. [1]"""
+MOST_NUMBERS = 3_000_000
+"""A table of more numbers loses every other row, and again, until it has no more. [1]"""
+MOST_WORDS = 1000
+"""So many different words a column of words may hold; what comes later is empty. [1]"""
+ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
+"""What stands in a cell, in any case, where the logger had no number."""
+SI = Unit(1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One column of numbers: what it becomes, and the place of its cells in a row, from 0.
+
+    `name` is a field of `Series` or a name of the parser's own, `header` the log's name for messages. A row whose
+    `needed` cell is no number is damaged, any other absent cell is nan. `suffix` ends every cell: `F` of `76.7F`.
+    """
+
+    name: str
+    place: int
+    unit: Unit = SI
+    needed: bool = False
+    header: str = ""
+    suffix: str = ""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """The rows of a log: SI arrays by channel, and of each row its number in the file, counted from 1.
+
+    `words` holds the columns of words: those there are, and for every row which of them. `remarks` are the
+    comment lines with their row, `found` what a parser hands on: damaged rows, and a note of a last one cut off.
+    """
+
+    values: Mapping[str, Float[Array, "row"]]
+    rows: Int[Integers, "row"]
+    words: Mapping[str, tuple[list[str], Int[Integers, "row"]]] = field(default_factory=dict)
+    remarks: tuple[tuple[int, str], ...] = ()
+    found: tuple[Found, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def get(self, name: str) -> Float[Array, "row"] | None:
+        """The values of a channel, or None where the log has none of it."""
+        values = self.values.get(name)
+        return None if values is None or np.isnan(values).all() else values
+
+    def where(self, name: str, word: str) -> Int[Integers, "match"]:
+        """The indices of the rows that say `word` in a column of words."""
+        known, which = self.words[name]
+        return np.flatnonzero(which == known.index(word)) if word in known else np.empty(0, np.int64)
+
+    def pick(self, rows: slice | Flags | Integers) -> "Table":
+        """The table with some of its rows; what was found in the file stays."""
+        words = {name: (known, which[rows]) for name, (known, which) in self.words.items()}
+        return replace(self, values={n: v[rows] for n, v in self.values.items()}, rows=self.rows[rows], words=words)
+
+    def series(self) -> Series:
+        """The channels that a `Series` has a field for; `time` must be one of them."""
+        names = {f.name for f in fields(Series)} & self.values.keys()
+        channels = {name: self.get(name) for name in names - {"time"}}
+        return Series(self.values["time"], **channels)
+
+    def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
+        """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
+
+        A part that says the same as an earlier one is a repetition and left out.
+        """
+        found = list(self.found)
+        parts: dict[bytes, Table] = {}
+        repeated: list[int] = []
+        starts = [0, *restarts(self.values[clock]).tolist(), len(self)]
+        for start, stop in pairwise(starts):
+            part = self.pick(slice(start, stop))
+            content = hashlib.blake2b(b"".join(values.tobytes() for values in part.values.values())).digest()
+            if content in parts:
+                repeated.append(int(part.rows[0]))
+                continue
+            kept = onward(part.values[clock])
+            found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
+            parts[content] = part.pick(kept)
+        if repeated:
+            times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
+            found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
+        return list(parts.values()), found
+
+
+def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
+    for row, value in zip(rows[:MOST_TOLD].tolist(), clock.tolist(), strict=False):
+        yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
+    if len(rows) > MOST_TOLD:
+        yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")
+
+
+def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
+    """Where a clock starts anew: three rows before, each of them, say later than three rows from there on."""
+    if len(clock) < 6:
+        return np.empty(0, np.int64)
+    three = np.lib.stride_tricks.sliding_window_view(clock, 3)
+    return np.flatnonzero(three[:-3].min(axis=1) > three[3:].max(axis=1)) + 3
+
+
+def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
+    """Which rows to keep so that a clock never runs backwards, as many as can be."""
+    if not (np.diff(clock) < 0).any():
+        return np.ones(len(clock), bool)
+    tails = array("d")  # the least last value of a run of each length, and the row that it is in
+    ends, before = array("q"), array("q", bytes(8 * len(clock)))
+    for row, value in enumerate(clock.tolist()):
+        length = bisect_right(tails, value)
+        before[row] = ends[length - 1] if length else -1
+        tails[length : length + 1] = array("d", [value])
+        ends[length : length + 1] = array("q", [row])
+    kept, row = np.zeros(len(clock), bool), ends[-1]
+    while row >= 0:
+        kept[row] = True
+        row = before[row]
+    return kept
+
+
+def read_columns(
+    log: bytes,
+    channels: Sequence[Channel],
+    *,
+    after: int,
+    separator: str | None = ",",
+    decimal: str = ".",
+    widths: Collection[int] | None = None,
+    words: Mapping[str, int] | None = None,
+    comment: str = "",
+) -> Table:
+    """The rows of a log below row `after` (0: all), as numbers in SI and as words.
+
+    `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the
+    needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
+    kept apart. Raises DamagedLog if not one row can be read.
+    """
+    reader = _Reader(channels, separator, widths, words or {})
+    for first, lines in blocks(log, after):
+        kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
+        if comment:
+            reader.remarks += [(first + i, lines[i]) for i in kept if lines[i].startswith(comment)]
+            kept = [i for i in kept if not lines[i].startswith(comment)]
+        rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
+        reader.read([first + i for i in kept], rows)
+    return reader.table(cut=is_cut(log))
+
+
+class _Reader:
+    """Takes lines, and keeps the numbers of those that are whole."""
+
+    def __init__(
+        self,
+        channels: Sequence[Channel],
+        separator: str | None,
+        widths: Collection[int] | None,
+        words: Mapping[str, int],
+    ) -> None:
+        self.channels, self.separator, self.widths, self.words = channels, separator, widths, words
+        self.needed = [i for i, channel in enumerate(channels) if channel.needed]
+        self.gaps = _gaps(separator)
+        self.vocabulary: list[dict[str, int]] = [{"": 0} for _ in words]
+        self.columns: list[list[np.ndarray[Any, Any]]] = [[] for _ in range(1 + len(words) + len(channels))]
+        self.remarks: list[tuple[int, str]] = []
+        self.told: list[DamagedLog] = []
+        self.damaged, self.last_damaged, self.last, self.kept, self.seen, self.step = 0, 0, 0, 0, 0, 1
+
+    def read(self, rows: list[int], lines: list[str]) -> None:
+        """Keep the rows of a block that are whole."""
+        if not lines:
+            return
+        self.last = rows[-1]
+        if self.widths is not None:
+            wrong = [i for i, line in enumerate(lines) if self._width(line) not in self.widths]
+            self._one_by_one([rows[i] for i in wrong], [lines[i] for i in wrong])
+            for i in reversed(wrong):
+                del rows[i], lines[i]
+        try:
+            self._quickly(rows, lines, iter(lines))
+        except ValueError:
+            self._around(rows, lines, self.gaps.sub(r"\1nan", "\n" + "\n".join(lines))[1:].split("\n"))
+
+    def _width(self, line: str) -> int:
+        return len(line.split()) if self.separator is None else line.count(self.separator) + 1
+
+    def _around(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
+        """Keep the rows of a block, whose gaps are `filled` with nan, up to each damaged one and from there on."""
+        start = 0
+        for _ in range(PATIENCE):
+            coming = iter(filled[start:])
+            try:
+                self._quickly(rows[start:], lines[start:], coming)
+                return
+            except ValueError:
+                stop = len(filled) - length_hint(coming)
+            sound = max(start, stop - 2)  # should numpy have looked further than the line that it cannot read
+            self._halve(rows[start:sound], lines[start:sound], filled[start:sound])
+            self._one_by_one(rows[sound:stop], lines[sound:stop])
+            start = stop
+        self._one_by_one(rows[start:], lines[start:])
+
+    def _halve(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
+        """Keep rows that ought to be whole: at once, or each half by itself."""
+        try:
+            self._quickly(rows, lines, iter(filled))
+        except ValueError:
+            middle = len(lines) // 2
+            if not middle:
+                self._one_by_one(rows, lines)
+            else:
+                self._halve(rows[:middle], lines[:middle], filled[:middle])
+                self._halve(rows[middle:], lines[middle:], filled[middle:])
+
+    def _quickly(self, rows: list[int], lines: list[str], coming: Iterator[str]) -> None:
+        """Keep the rows of lines that all hold numbers where they should. Raises ValueError if one does not."""
+        if not lines:
+            return
+        converters: dict[int | str, Callable[[str], float]] = {
+            c.place: _converter(c) for c in self.channels if c.suffix
+        }
+        numbers = self._load(coming, [channel.place for channel in self.channels], "f8", converters or None)
+        if len(numbers) != len(lines):
+            raise ValueError("a quotation mark spans lines")
+        said = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
+        if [len(cells) for cells in said] != [len(lines)] * len(said):
+            raise ValueError("a quotation mark spans lines")
+        bad = np.isinf(numbers).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
+        if bad.any():
+            self._one_by_one([rows[i] for i in np.flatnonzero(bad)], [lines[i] for i in np.flatnonzero(bad)])
+            good = np.flatnonzero(~bad)
+            rows, numbers, said = [rows[i] for i in good], numbers[good], [[cells[i] for i in good] for cells in said]
+        self._keep(rows, numbers, said)
+
+    def _load(
+        self,
+        lines: Iterable[str],
+        places: list[int],
+        dtype: str,
+        converters: Mapping[int | str, Callable[[str], float]] | None = None,
+    ) -> Array:
+        loaded: Array = np.loadtxt(
+            lines,
+            delimiter=self.separator,
+            usecols=places,
+            comments=None,
+            quotechar='"',
+            ndmin=2,
+            dtype=np.dtype(dtype),
+            converters=converters,
+        )
+        return loaded
+
+    def _one_by_one(self, rows: Sequence[int], lines: Sequence[str]) -> None:
+        for row, line in zip(rows, lines, strict=True):
+            cells = [cell.strip().strip('"').strip() for cell in line.split(self.separator)]
+            numbers = self._numbers(row, line, cells)
+            if isinstance(numbers, DamagedLog):
+                self.told += [numbers] if len(self.told) < MOST_TOLD else []
+                self.damaged, self.last_damaged = self.damaged + 1, max(row, self.last_damaged)
+            else:
+                said = [[cells[place] if place < len(cells) else ""] for place in self.words.values()]
+                self._keep([row], np.array([numbers]), said)
+
+    def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
+        """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""
+        if line.startswith(ENDLESS):
+            return DamagedLog("found a line without end, or NUL, expected a row", row=row)
+        if self.widths is not None and len(cells) not in self.widths:
+            expected = " or ".join(map(str, sorted(self.widths)[:3]))
+            return DamagedLog(f"found {len(cells)} cells, expected {expected}", row=row)
+        numbers = []
+        for channel in self.channels:
+            cell = cells[channel.place] if channel.place < len(cells) else ""
+            value = _number(cell, channel)
+            if value is None:
+                expected = f"a number with {channel.suffix}" if channel.suffix else "a number"
+                place = channel.header or channel.name
+                return DamagedLog(f"found {shown(cell)}, expected {expected}", row=row, column=place)
+            numbers.append(value)
+        return numbers
+
+    def _keep(self, rows: list[int], numbers: Float[Array, "row channel"], said: list[list[str]]) -> None:
+        """Put rows, row by row numbers and words, behind those that there are; of a long table not all."""
+        which = [_which(known, cells) for known, cells in zip(self.vocabulary, said, strict=True)]
+        kept = (self.seen + np.arange(len(rows))) % self.step == 0
+        for column, codes in zip(self.columns[1:], which, strict=False):
+            kept |= np.diff(codes, prepend=column[-1][-1:] if column else np.array([-1])) != 0
+        self.seen += len(rows)
+        if not kept.any():
+            return
+        si = [numbers[:, i] * channel.unit.factor + channel.unit.offset for i, channel in enumerate(self.channels)]
+        new: list[np.ndarray[Any, Any]] = [np.array(rows, np.int32), *which, *si]
+        for column, values in zip(self.columns, new, strict=True):
+            column.append(values[kept])
+        self.kept += int(kept.sum())
+        if self.kept * len(self.columns) > MOST_NUMBERS:
+            self._thin()
+
+    def _thin(self) -> None:
+        """Leave out every other row, from here on as well, but none where a word changes."""
+        self.step *= 2
+        kept = np.arange(self.kept) % 2 == 0
+        for column in self.columns[1 : 1 + len(self.words)]:
+            kept |= np.diff(np.concatenate(column), prepend=np.array([-1])) != 0
+        for i, column in enumerate(self.columns):
+            whole = np.concatenate(column)
+            column.clear()
+            self.columns[i] = [whole[kept]]
+        self.kept = int(kept.sum())
+
+    def table(self, *, cut: bool) -> Table:
+        """What was kept. Raises DamagedLog if that is nothing."""
+        if not self.kept:
+            raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
+        rows, *columns = [np.concatenate(column) for column in self.columns]
+        said, numbers = columns[: len(self.words)], columns[len(self.words) :]
+        values = {channel.name: column for channel, column in zip(self.channels, numbers, strict=True)}
+        known = zip(self.words, map(list, self.vocabulary), said, strict=True)
+        words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
+        found = tuple(self._found(cut))
+        return Table(values, rows.astype(np.int64), words, tuple(self.remarks), found)
+
+    def _found(self, cut: bool) -> Iterator[Found]:
+        torn = cut and self.damaged and self.last_damaged == self.last
+        told = [error for error in self.told if not (torn and error.row == self.last)]
+        yield from sorted(told, key=lambda error: error.row or 0)
+        if more := self.damaged - len(told) - bool(torn):
+            yield DamagedLog(f"found {more} more rows that are damaged")
+        if torn:
+            yield Note("is cut off where the file ends, left out", row=self.last)
+        if self.step > 1:
+            yield Note(f"found more than {MOST_NUMBERS} numbers, kept one row in {self.step}")
+
+
+def _which(known: dict[str, int], cells: list[str]) -> Int[Integers, "row"]:
+    """The place of each cell among the words that are known, to which new ones are added."""
+    for cell in dict.fromkeys(cells):
+        if len(known) < MOST_WORDS:
+            known.setdefault(cell, len(known))
+    return np.array([known.get(cell, 0) for cell in cells], np.int16)
+
+
+def _gaps(separator: str | None) -> re.Pattern[str]:
+    """What finds the cells without a number, and what is before each, in the lines of a table."""
+    words = "|".join(re.escape(word) for word in sorted(ABSENT - {"", "nan"}, key=len, reverse=True))
+    if separator is None:
+        return re.compile(rf"(\s)(?:{words})(?!\S)", re.IGNORECASE)
+    blank, before = r"[^\S\n\t]*" if separator == "\t" else r"[^\S\n]*", rf"[{re.escape(separator)}\n]"
+    return re.compile(rf"({before}){blank}(?:(?:{words}){blank})?(?={before}|$)", re.IGNORECASE)
+
+
+def _converter(channel: Channel) -> Callable[[str], float]:
+    """What numpy calls for each cell of a channel. Raises ValueError."""
+
+    def convert(cell: str) -> float:
+        value = _number(cell.strip().strip('"').strip(), channel)
+        if value is None:
+            raise ValueError(cell)
+        return value
+
+    return convert
+
+
+def _number(cell: str, channel: Channel) -> float | None:
+    """The number of a cell, nan if it is absent and may be, None if it is no number."""
+    if cell.lower() in ABSENT:
+        return None if channel.needed else math.nan
+    if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
+        return None
+    try:
+        value = float(cell[: len(cell) - len(channel.suffix)])
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None

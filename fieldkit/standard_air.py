@@ -1,0 +1,51 @@
+"""The standard atmosphere: what an altimeter makes a height of, and what a pad is given where nothing is known.
+
+Source: U.S. Standard Atmosphere 1976, troposphere and lower stratosphere.
+"""
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+from fieldkit.units import STANDARD_GRAVITY
+
+GAS_CONSTANT = 287.05287
+"""Specific gas constant of dry air. [J/(kg K)]"""
+LAPSE = 0.0065
+"""Temperature lost per metre of height. [K/m]"""
+STANDARD_TEMPERATURE = 288.15
+"""At sea level. [K]"""
+STANDARD_PRESSURE = 101325.0
+"""At sea level. [Pa]"""
+GRAVITY = STANDARD_GRAVITY
+"""Acceleration of free fall. [m/s^2]"""
+HYDROSTATIC = GRAVITY / (GAS_CONSTANT * LAPSE)
+"""Exponent of the pressure law of the troposphere. [1]"""
+TROPOPAUSE = 11_000.0
+"""Above it the temperature stays what it is. [m]"""
+_COLDEST = STANDARD_TEMPERATURE - LAPSE * TROPOPAUSE
+_TOP = STANDARD_PRESSURE * (_COLDEST / STANDARD_TEMPERATURE) ** HYDROSTATIC
+_FOLDING = GAS_CONSTANT * _COLDEST / GRAVITY
+
+
+def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
+    """Height above sea level at which the standard atmosphere has a pressure [Pa]; nan where it is not positive. [m]"""
+    share = np.asarray(pressure, float) / STANDARD_PRESSURE
+    share[~(share > 0)] = np.nan
+    height = STANDARD_TEMPERATURE / LAPSE * (1 - share ** (1 / HYDROSTATIC))
+    thin = share < _TOP / STANDARD_PRESSURE
+    height[thin] = TROPOPAUSE - _FOLDING * np.log(share[thin] * (STANDARD_PRESSURE / _TOP))
+    return height
+
+
+def height_pressure(height: Float[Array, "time"]) -> Float[Array, "time"]:
+    """Pressure of the standard atmosphere at a height above sea level [m]. [Pa]"""
+    height = np.asarray(height, float)
+    warmth = 1 - LAPSE / STANDARD_TEMPERATURE * np.minimum(height, TROPOPAUSE)
+    above = np.exp(-np.maximum(height - TROPOPAUSE, 0) / _FOLDING)
+    return np.asarray(STANDARD_PRESSURE * warmth**HYDROSTATIC * above)
+
+
+def standard_density(height: Float[Array, "time"]) -> Float[Array, "time"]:
+    """Density of the standard atmosphere at a height above sea level [m]. [kg/m^3]"""
+    warmth = np.maximum(STANDARD_TEMPERATURE - LAPSE * np.asarray(height, float), _COLDEST)
+    return np.asarray(height_pressure(height) / (GAS_CONSTANT * warmth))

@@ -1,0 +1,89 @@
+"""Entacore AIM XTRA, the CSV export: groups of columns, each begun by a `time` column of its own.
+
+Seconds from launch, from about -100; Pa, m, g and V. A group ends where its samples end, so the lower rows are
+empty on the right. Flags come with a clock of their own as well.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.shapes import Array, Float
+from fieldkit.tables import heading, heading_or_damage, in_order, marks
+from fieldkit.units import STANDARD_GRAVITY, Unit
+
+CHANNELS: Mapping[str, tuple[str, Unit]] = {
+    "pressure": ("pressure", Unit(1.0)),
+    "pressure msl": ("altitude_msl", Unit(1.0)),
+    "pressure agl": ("altitude", Unit(1.0)),
+    "acceleration": ("felt", Unit(STANDARD_GRAVITY)),
+    "comp. bat. voltage": ("voltage", Unit(1.0)),
+}
+FLAGS = {
+    "launch detect": "liftoff",
+    "apogee detect": "apogee",
+    "a on.": "output A",
+    "b on": "output B",
+    "c on": "output C",
+    "d on": "output D",
+}
+
+
+def _fits(names: Sequence[str]) -> bool:
+    return names[0] == "time" and names.count("time") > 2 and "pressure agl" in names
+
+
+def recognises(head: bytes) -> bool:
+    return heading(head, _fits) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, _fits, "groups of columns that begin with time, Pressure AGL among them")
+    starts = [place for place, name in enumerate(head.names) if name == "time"]
+    groups = [
+        (a, [p for p in range(a + 1, b) if head.names[p] in {*CHANNELS, *FLAGS}])
+        for a, b in pairwise([*starts, len(head.names)])
+    ]
+    groups = [(clock, places) for clock, places in groups if places]
+    wanted = []
+    for clock, places in groups:
+        wanted.append(Channel(str(clock), clock, header="time"))
+        wanted += [Channel(str(place), place, _unit(head.names[place]), header=head.names[place]) for place in places]
+    separator = head.separator
+    table = read_columns(log, wanted, after=head.row, separator=separator, widths={len(head.names)})
+    series: list[Series] = []
+    events: dict[str, float] = {}
+    notes: list[Found] = []
+    for clock, places in groups:
+        columns = in_order(table.values[str(clock)], *(table.values[str(place)] for place in places))
+        named = {head.names[place]: column for place, column in zip(places, columns[1:], strict=True)}
+        if (np.diff(_known(table, clock)) < 0).any():
+            notes.append(Note(f"has rows of {', '.join(named)} out of order, put in order"))
+        events |= marks(columns[0], {event: named[name] for name, event in FLAGS.items() if name in named})
+        channels = {
+            CHANNELS[name][0]: column
+            for name, column in named.items()
+            if name in CHANNELS and not np.isnan(column).all()
+        }
+        if channels:
+            series.append(Series(time=columns[0], **channels))
+    if not series:
+        raise DamagedLog("found a header and no samples, expected at least one")
+    return [Reading(series=tuple(series), events=events, device="AIM XTRA"), *notes, *table.found]
+
+
+def _unit(name: str) -> Unit:
+    return CHANNELS[name][1] if name in CHANNELS else Unit(1.0)
+
+
+def _known(table: Table, clock: int) -> Float[Array, "row"]:
+    time = table.values[str(clock)]
+    return time[np.isfinite(time)]
+
+
+PARSER = Parser("AIM XTRA", recognises, read)

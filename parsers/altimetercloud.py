@@ -1,0 +1,94 @@
+"""AltimeterCloud Nano and Mercury (Rocketry Limited): a block of labels and values, an empty row, then the table.
+
+The table begins with `time(ms)`; its names carry their units. Older logs begin with it at once. Labels and
+values stand side by side and are kept as they are; an apogee among them counts as stated if it bears a unit. Which
+axis points up is told by the rest before launch.
+"""
+
+import re
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import BadValue
+from fieldkit.flight import Series
+from fieldkit.logtext import decode
+from fieldkit.parsing import HEAD, Found, Parser, Reading
+from fieldkit.safe_text import printable
+from fieldkit.shapes import Array, Float
+from fieldkit.tables import Heading, heading, heading_or_damage, upright
+from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit, parse
+
+CHANNELS: Mapping[str, tuple[str, Unit]] = {
+    "time(ms)": ("time", Unit(1e-3)),
+    "altitude(m)": ("altitude", Unit(1.0)),
+    "velocity_pressure(m/s)": ("speed", Unit(1.0)),
+    "pressure(pa)": ("pressure", Unit(1.0)),
+    "pressure(hpa)": ("pressure", UNITS["pressure"]["hpa"]),
+    "acceleration_x(mg)": ("acceleration_x", Unit(STANDARD_GRAVITY / 1000)),
+    "acceleration_y(mg)": ("acceleration_y", Unit(STANDARD_GRAVITY / 1000)),
+    "acceleration_z(mg)": ("acceleration_z", Unit(STANDARD_GRAVITY / 1000)),
+}
+AXES = ("acceleration_x", "acceleration_y", "acceleration_z")
+LABELS = 40
+"""So many rows before the table may hold labels. [1]"""
+
+
+def _fits(names: Sequence[str]) -> bool:
+    return names[0] == "time(ms)" and "altitude(m)" in names
+
+
+def recognises(head: bytes) -> bool:
+    return heading(head, _fits) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, _fits, "time(ms),altitude(m),...")
+    channels: list[Channel] = head.channels(CHANNELS)
+    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
+    parts, found = table.flights()
+    labels = _labels(log, head)
+    serial = next((value for label, value in labels.items() if "serial" in label.lower()), "")
+    firmware = next((value for label, value in labels.items() if "firmware" in label.lower()), "")
+    readings = [
+        Reading(series=_series(part), device="AltimeterCloud", firmware=firmware, serial=serial) for part in parts
+    ]
+    if len(readings) == 1:
+        readings = [replace(readings[0], stated=_stated(labels), extra=labels)]
+    return [*readings, *found]
+
+
+def _series(table: Table) -> Series:
+    series = table.series()
+    axes = [table.values[name] for name in AXES if name in table.values]
+    if len(axes) == 3:
+        together: Float[Array, "axis row"] = np.array(axes)
+        felt = upright(together, table.values["time"] < 0)
+        series = replace(series, felt=felt, felt_total=np.sqrt((together**2).sum(axis=0)))
+    return series
+
+
+def _labels(log: bytes, head: Heading) -> dict[str, str]:
+    """The labels before the table with their values, which stand side by side."""
+    labels: dict[str, str] = {}
+    for line in decode(log[:HEAD]).splitlines()[: min(head.row - 1, LABELS)]:
+        cells = [printable(cell.strip().strip('"')) for cell in line.split(head.separator)]
+        labels |= {label: value for label, value in zip(cells[::2], cells[1::2], strict=False) if label and value}
+    return labels
+
+
+def _stated(labels: Mapping[str, str]) -> dict[str, object]:
+    """The apogee that the altimeter states, if its label or its value names the unit. [m]"""
+    for label, value in labels.items():
+        match = re.fullmatch(r"(?:max(?:imum)? )?apogee(?: altitude)?\s*[(\[]?(m|ft|feet)?[)\]]?", label.lower())
+        if match and (match[1] or value[-1:].isalpha()):
+            try:
+                return {"apogee": parse(value, "length", match[1] or "m")}
+            except BadValue:
+                continue
+    return {}
+
+
+PARSER = Parser("AltimeterCloud (Nano, Mercury)", recognises, read)

@@ -1,0 +1,177 @@
+"""AltOS CSV, every generation: what Altus Metrum's software writes of a log or of a radio flight, in SI.
+
+Comment lines, a header that begins `#version,serial,flight`, padded cells; `time` is 0 at boost. The second column
+called `altitude` is the satellites'. Version 5 (2012-2013) has headers that do not fit their rows: then only the
+columns up to `main_voltage` are where their names say. The radio form begins `serial,tick,ptype`.
+Source: altoslib/AltosCSV.java of AltOS; five files of two generations.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.altos import NONE, TICK, entered
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.logtext import first_lines
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.units import UNITS, Unit
+
+CERTAIN = "main_voltage"
+"""The last column of a version 5 header that is where its name says."""
+MOST_HEADER = 200
+FIRST_ROWS = 200
+BAROMETER = {
+    "height": "altitude",
+    "altitude": "altitude_msl",
+    "pressure": "pressure",
+    "speed": "speed",
+    "baro_speed": "speed",
+    "accel_speed": "inertial_speed",
+    "acceleration": "acceleration",
+    "temperature": "temperature",
+    "battery_voltage": "voltage",
+    "tilt": "tilt",
+}
+SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
+IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
+WRAP = 65536 * TICK
+"""After which the clock of the radio form starts anew. [s]"""
+
+
+def recognises(head: bytes) -> bool:
+    return _header(head) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    header = _header(log)
+    if header is None:
+        raise DamagedLog("found no header, expected one that begins #version,serial,flight", row=1)
+    row, names = header
+    widths = _widths(log, row)
+    common = widths.most_common(1)[0][0] if widths else len(names)
+    remarks: list[Found] = []
+    if common != len(names):
+        names = _certain(names, row)
+        remarks.append(Note(f"header does not fit its rows of {common} cells, read up to {CERTAIN}", row))
+    table = _present(read_columns(log, _channels(names, row), after=row, comment="#", widths={common}))
+    about = _about(log, row)
+    found: list[Found] = []
+    for flight in _by_flight(table):
+        parts, more = _unwrapped(flight).flights() if "tick" in names else flight.flights()
+        found += [_reading(part, about) for part in parts]
+        remarks += more
+    return [*found, *remarks, *table.found]
+
+
+def _header(log: bytes) -> tuple[int, list[str]] | None:
+    """The row and the names of the header, None if it is none of AltOS."""
+    for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
+        names = [name.strip().lower() for name in line.lstrip("# ").split(",")]
+        if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
+            return row, names
+        if line.strip() and not line.startswith("#"):
+            return None
+    return None
+
+
+def _widths(log: bytes, header_row: int) -> Counter[int]:
+    """How many cells the first rows have."""
+    lines = first_lines(log, after=header_row, most=FIRST_ROWS)
+    return Counter(line.count(",") + 1 for line in lines if line.strip() and not line.startswith("#"))
+
+
+def _certain(names: Sequence[str], row: int) -> list[str]:
+    """The names up to the last that is surely where it stands; a comma may be lost right behind it."""
+    for place, name in enumerate(names):
+        if name.startswith(CERTAIN):
+            return [*names[:place], CERTAIN]
+    raise DamagedLog(f"found a header that does not fit its rows, expected {CERTAIN} in it", row=row)
+
+
+def _channels(names: Sequence[str], row: int) -> list[Channel]:
+    """The columns worth reading; of several of one name the first, but the second altitude is the satellites'."""
+    clock = "time" if "time" in names else "tick"
+    if clock not in names or not {"height", "pressure", "altitude"} & {*names}:
+        raise DamagedLog("found no time and no height, expected both", row=row)
+    channels = [
+        Channel("time", names.index(clock), Unit(TICK) if clock == "tick" else Unit(1.0), needed=True, header=clock)
+    ]
+    for name, channel in (BAROMETER | SATELLITES).items():
+        if name in names and not (name == "baro_speed" and "speed" in names):
+            channels.append(Channel(channel, names.index(name), IN_SI.get(name, Unit(1.0)), header=name))
+    if "longitude" in names and "altitude" in names[names.index("longitude") :]:
+        place = names.index("altitude", names.index("longitude"))
+        channels = [c for c in channels if c.place != place] + [Channel("gps_altitude_msl", place, header="altitude")]
+    channels += [Channel(name, names.index(name)) for name in ("state", "serial", "flight") if name in names]
+    return channels
+
+
+def _present(table: Table) -> Table:
+    """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
+    for values in table.values.values():
+        values[np.abs(values) >= NONE] = np.nan
+    if "nsat" in table.values:
+        lost = table.values["nsat"] == 0
+        for name in ("latitude", "longitude", "gps_altitude_msl"):
+            if name in table.values:
+                table.values[name][lost] = np.nan
+    return table
+
+
+def _by_flight(table: Table) -> list[Table]:
+    """A table for each serial number and flight, in the order in which they come."""
+    keys = [table.values[name] for name in ("serial", "flight") if name in table.values]
+    marks = np.nan_to_num(np.column_stack(keys), nan=-1.0) if keys else np.zeros((len(table), 1))
+    _, first, which = np.unique(marks, axis=0, return_index=True, return_inverse=True)
+    which = which.reshape(-1)
+    return [replace(table.pick(which == which[start]), found=()) for start in sorted(first.tolist())]
+
+
+def _unwrapped(table: Table) -> Table:
+    """The table with a clock that goes on where its 16 bits start anew."""
+    time = table.values["time"]
+    fallen = np.diff(time, prepend=time[:1]) < -WRAP / 2
+    table.values["time"][:] = time + WRAP * np.cumsum(fallen)
+    return table
+
+
+def _about(log: bytes, header_row: int) -> dict[str, str]:
+    """What the comment lines say, by name in lower case."""
+    lines = first_lines(log, most=header_row - 1)
+    pairs = (re.match(r"#\s*([^:]{1,40}):\s*(.*)", line) for line in lines)
+    return {pair[1].strip().lower(): pair[2].strip() for pair in pairs if pair}
+
+
+def _reading(part: Table, about: dict[str, str]) -> Reading:
+    serial, flight = (_number(part, name) for name in ("serial", "flight"))
+    return Reading(
+        extra={"flight": flight} if flight else {},
+        series=part.series(),
+        events=_events(part),
+        serial=serial or about.get("serial number", ""),
+        device=about.get("product", ""),
+        firmware=about.get("software version", ""),
+    )
+
+
+def _number(part: Table, name: str) -> str:
+    """A whole number that every row of a flight repeats, as text."""
+    values = part.get(name)
+    return "" if values is None or not abs(values[0]) < NONE else f"{values[0]:.0f}"
+
+
+def _events(part: Table) -> dict[str, float]:
+    """When each state was first entered; one that the log begins in tells nothing but that time 0 is boost. [s]"""
+    states = part.get("state")
+    if states is None:
+        return {}
+    time = part.values["time"]
+    events = {name: when for name, when in entered(states, time).items() if when > time[0]}
+    return {"liftoff": 0.0, **events} if "liftoff" not in events and time[0] < 0 < time[-1] else events
+
+
+PARSER = Parser("AltOS CSV", recognises, read)

@@ -1,0 +1,215 @@
+"""AltOS .telem: what a ground station heard, `TELEM` and a line of hex for each packet of 32 bytes.
+
+Only packets whose line has its checksum and whose radio checksum was good are taken. Rockets on one channel are
+told apart by their serial numbers, and each becomes a reading; where nothing was heard there is a gap. Lines of
+other kinds, and the packets of 94 and 95 bytes of versions before 1.0, are counted and left out.
+Source: altoslib/AltosLink.java and the AltOS telemetry document (places of fields within a packet).
+"""
+
+from collections import Counter
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.altos import SEED, entered, mp3h6115, seconds
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.logtext import blocks, is_cut, shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.units import ZERO_CELSIUS
+
+LARGEST = 64 << 20
+"""More than a day of packets. [bytes]"""
+MOST_TOLD = 20
+PACKET, FRAME = 32, 36
+"""A packet, and a line of one: its length before it, signal strength, status and checksum behind it. [bytes]"""
+OLD_FRAMES = (94, 95)
+GOOD = 0x80
+"""The bit of the status that says that the radio's own checksum was good."""
+SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
+"""Without one of these a clock tells nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Field:
+    """A number in a packet: its place, how it is written, and what one of it is in SI."""
+
+    place: int
+    kind: str
+    scale: float = 1.0
+    offset: float = 0.0
+    convert: Callable[[Integers], Array] | None = None
+
+
+FLIGHT_STATE = {"state": Field(5, "u1")}
+
+
+def _kalman(place: int) -> Mapping[str, Field]:
+    """Acceleration, speed and height, as every device sends them. [m/s^2, m/s, m]"""
+    return {
+        "acceleration": Field(place, "<i2", 1 / 16),
+        "speed": Field(place + 2, "<i2", 1 / 16),
+        "altitude": Field(place + 4, "<i2"),
+    }
+
+
+def _air(pressure: int, temperature: int) -> Mapping[str, Field]:
+    """Pressure and temperature, as devices with a digital sensor send them. [Pa, K]"""
+    return {
+        "pressure": Field(pressure, "<i4"),
+        "temperature": Field(temperature, "<i2", 0.01, ZERO_CELSIUS),
+    }
+
+
+ANALOGUE = {**FLIGHT_STATE, "pressure": Field(8, "<i2", convert=mp3h6115), **_kalman(18)}
+MINI = {**FLIGHT_STATE, **_air(12, 16), **_kalman(18)}
+SATELLITES = {
+    "fixed": Field(5, "u1"),
+    "gps_altitude_msl": Field(6, "<i2"),
+    "height_low": Field(6, "<u2"),
+    "height_high": Field(31, "i1"),
+    "mode": Field(25, "u1"),
+    "latitude": Field(8, "<i4", 1e-7),
+    "longitude": Field(12, "<i4", 1e-7),
+}
+PACKETS: Mapping[int, tuple[str, Mapping[str, Field]]] = {
+    1: ("TeleMetrum 1", ANALOGUE),
+    2: ("TeleMini 1", ANALOGUE),
+    3: ("TeleNano", ANALOGUE),
+    5: ("", SATELLITES),
+    8: ("TeleMega", _air(8, 12)),
+    9: ("TeleMega", {**FLIGHT_STATE, **_kalman(26)}),
+    10: ("TeleMetrum 2", {**FLIGHT_STATE, **_air(8, 12), **_kalman(14)}),
+    16: ("TeleMini 2", MINI),
+    17: ("TeleMini 3", MINI),
+}
+"""The packets that are read, by their type: whose they are, and what they hold."""
+POSITION = 5
+FIX, HIGH = 0x10, 0x01
+"""The bits of a position that say that it is one, and that its height has a third byte."""
+
+
+def recognises(head: bytes) -> bool:
+    return any(line.startswith("TELEM ") for _, lines in blocks(head) for line in lines)
+
+
+def read(log: bytes) -> list[Found]:
+    if len(log) > LARGEST:
+        raise DamagedLog(f"found {len(log)} bytes, expected at most {LARGEST}")
+    packets, found = _packets(log)
+    if not len(packets):
+        raise found[0] if found and isinstance(found[0], DamagedLog) else DamagedLog("found no packet to read", row=1)
+    serials = packets[:, 0] + (packets[:, 1] << 8)
+    readings = [_reading(int(serial), packets[serials == serial]) for serial in dict.fromkeys(serials.tolist())]
+    unread = Counter(packets[:, 4].tolist()) - Counter({kind: len(packets) for kind in (*PACKETS, 4, 6, 7, 11)})
+    if unread:
+        found.append(Note(f"packets of types {', '.join(map(str, sorted(unread)))} are not read"))
+    heard = [reading for reading in readings if reading.series]
+    if not heard:
+        raise DamagedLog("found no packet with a height, a pressure or a position", row=1)
+    return [*heard, *found]
+
+
+def _packets(log: bytes) -> tuple[Int[Integers, "packet byte"], list[Found]]:
+    """Packets that came whole, and what is to be said of the others."""
+    good, damaged, left_out = bytearray(), list[DamagedLog](), Counter[str]()
+    row = 0
+    for first, lines in blocks(log):
+        for row, line in enumerate(lines, start=first):
+            if line.startswith("TELEM "):
+                frame = _bytes(line[6:])
+                if frame is None or not _is_frame(frame):
+                    damaged.append(DamagedLog(_complaint(line, frame), row=row))
+                elif len(frame) != FRAME:
+                    form = "of a version before 1.0" if len(frame) - 4 in OLD_FRAMES else f"of {len(frame) - 4} bytes"
+                    left_out[f"packets {form} are not read"] += 1
+                elif not frame[-2] & GOOD:
+                    left_out["packets came with a bad radio checksum"] += 1
+                else:
+                    good += frame[1 : 1 + PACKET]
+            elif line.strip():
+                left_out["lines are no packets"] += 1
+    cut = is_cut(log) and bool(damaged) and damaged[-1].row == row
+    told: list[Found] = [*damaged[: len(damaged) - cut][:MOST_TOLD]]
+    if len(damaged) - cut > MOST_TOLD:
+        told.append(DamagedLog(f"found {len(damaged) - cut - MOST_TOLD} more packets that are damaged"))
+    notes = [Note("is cut off where the file ends, left out", row)] if cut else []
+    notes += [Note(f"{count} {what}, left out") for what, count in left_out.items()]
+    packets = np.frombuffer(bytes(good), np.uint8).reshape(-1, PACKET)
+    return packets.astype(np.int64), [*told, *notes]
+
+
+def _bytes(text: str) -> bytes | None:
+    try:
+        return bytes.fromhex(text)
+    except ValueError:
+        return None
+
+
+def _is_frame(frame: bytes) -> bool:
+    return len(frame) > 4 and frame[0] == len(frame) - 2 and frame[-1] == (SEED + sum(frame[1:-1])) % 256
+
+
+def _complaint(line: str, frame: bytes | None) -> str:
+    if frame is None:
+        return f"found {shown(line)}, expected TELEM and hex"
+    if len(frame) < 5 or frame[0] != len(frame) - 2:
+        return f"found a packet of {len(frame)} bytes, expected {frame[0] + 2 if frame else FRAME}"
+    return f"found checksum {frame[-1]:02x}, expected {(SEED + sum(frame[1:-1])) % 256:02x}"
+
+
+def _reading(serial: int, packets: Int[Integers, "packet byte"]) -> Reading:
+    """What was heard of one rocket: a clock for each type of packet, the one with its states first."""
+    time = seconds(packets[:, 2] + (packets[:, 3] << 8))
+    kinds = packets[:, 4]
+    states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
+        packets[:, 5] <= 10
+    )
+    events = entered(packets[states, 5], time[states])
+    events = {name: when for name, when in events.items() if when > time[states][0]}
+    start = events.get("liftoff", float(time[0]))
+    order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
+    series = [_series(kind, packets[kinds == kind], time[kinds == kind] - start) for kind in order]
+    device = next((PACKETS[kind][0] for kind in order if PACKETS[kind][0]), "")
+    return Reading(
+        series=tuple(one for one in series if one is not None),
+        events={name: when - start for name, when in events.items()},
+        device=device,
+        serial=str(serial),
+    )
+
+
+def _series(kind: int, packets: Int[Integers, "packet byte"], time: Float[Array, "packet"]) -> Series | None:
+    """What packets of one type hold; None if they hold nothing that a flight could have."""
+    values: dict[str, Any] = {name: _values(packets, field) for name, field in PACKETS[kind][1].items()}
+    values.pop("state", None)
+    if "pressure" in values:
+        pressure = values["pressure"]
+        values["pressure"] = np.where((pressure > 0) & (pressure < 130_000), pressure, np.nan)
+    if kind == POSITION:
+        values = _position(values)
+    if not any(np.isfinite(values[name]).any() for name in SUBSTANCE if name in values):
+        return None
+    return Series(time, **values)
+
+
+def _position(values: dict[str, Any]) -> dict[str, Any]:
+    """Positions with nan where there was no fix, and heights with all the bytes they have. [deg, m]"""
+    fixed = values.pop("fixed").astype(int) & FIX == FIX
+    high = values.pop("mode").astype(int) & HIGH == HIGH
+    whole = values.pop("height_low") + values.pop("height_high") * 65536.0
+    values["gps_altitude_msl"] = np.where(high, whole, values["gps_altitude_msl"])
+    return {name: np.where(fixed, each, np.nan) for name, each in values.items()}
+
+
+def _values(packets: Int[Integers, "packet byte"], field: Field) -> Float[Array, "packet"]:
+    size = np.dtype(field.kind).itemsize
+    raw = packets[:, field.place : field.place + size].astype(np.uint8)
+    counts = np.frombuffer(raw.tobytes(), field.kind).astype(np.int64)
+    return counts.astype(float) * field.scale + field.offset if field.convert is None else field.convert(counts)
+
+
+PARSER = Parser("AltOS .telem", recognises, read)

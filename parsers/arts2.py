@@ -1,0 +1,74 @@
+"""ARTS2 of Loki Research: text, 50 samples a second, in two exports.
+
+The interpreted one has `# MET Acc Vel iAlt pAlt`: seconds, g, ft/s, ft from acceleration, ft from pressure.
+The raw one, `MET,Acc(HI),Acc/Baro(LO),Baro(HI),State`, holds counts of a converter whose scale is in no public
+document, so it is refused. Whether `Acc` counts gravity in is told by the rest on the pad.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.logtext import decode
+from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.tables import heading
+from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
+
+NAMES = ("met", "acc", "vel", "ialt", "palt")
+RAW = ("met", "acc(hi)")
+_INTERPRETED = re.compile(r"^\s*#?\s*MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
+RESTING = 25
+"""So many samples at the start, half a second, are taken to be on the pad. [1]"""
+
+
+def _interpreted(head: bytes) -> tuple[int, str | None] | None:
+    """The row of the interpreted header and what parts its cells (None: blanks), or None."""
+    for row, line in enumerate(decode(head[:HEAD]).splitlines(), start=1):
+        if match := _INTERPRETED.match(line):
+            return row, match[1].strip() or None
+    return None
+
+
+def _raw(names: Sequence[str]) -> bool:
+    return tuple(name.lstrip("# ") for name in names[:2]) == RAW
+
+
+def recognises(head: bytes) -> bool:
+    return _interpreted(head) is not None or heading(head, _raw) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = _interpreted(log)
+    if head is None:
+        if raw := heading(log, _raw):
+            hint = "found raw counts of an ARTS2, expected the interpreted export (MET Acc Vel iAlt pAlt)"
+            raise DamagedLog(hint, row=raw.row)
+        raise DamagedLog("found no header, expected # MET Acc Vel iAlt pAlt")
+    units = (Unit(1.0), Unit(STANDARD_GRAVITY), Unit(FOOT), Unit(FOOT), Unit(FOOT))
+    fields = ("time", "acc", "inertial_speed", "inertial_altitude", "altitude")
+    channels = [
+        Channel(field, place, unit, field == "time", NAMES[place])
+        for place, (field, unit) in enumerate(zip(fields, units, strict=True))
+    ]
+    table = read_columns(log, channels, after=head[0], separator=head[1], widths={len(NAMES)}, comment="#")
+    parts, found = table.flights()
+    return [*(Reading(series=_series(part, found), device="ARTS2") for part in parts), *found]
+
+
+def _series(table: Table, notes: list[Found]) -> Series:
+    series = table.series()
+    level = float(np.median(table.values["acc"][:RESTING])) / STANDARD_GRAVITY
+    if abs(level - 1) < 0.2:
+        return replace(series, felt=table.values["acc"])
+    if abs(level) < 0.2:
+        return replace(series, acceleration=table.values["acc"])
+    notes.append(Note(f"begins at {level:.3g} g, neither at rest nor weightless: acceleration is left out"))
+    return series
+
+
+PARSER = Parser("ARTS2", recognises, read)

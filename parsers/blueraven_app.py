@@ -1,0 +1,122 @@
+"""Blue Raven, the CSV files of its app: low rate (50 a second, barometer) and high rate (500 a second, no barometer).
+
+Flag columns share their names; the first of a name is meant. The velocity and the altitude that the logger
+integrated run away after the landing and are kept apart from what its barometer says. `..._fired` flags
+are kept under their own names, for they come more than a second after the times that the summary states.
+One file may hold the same flight twice. No public document names the columns of the high rate: those that
+speak of acceleration are used if they show one g before launch.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.flight import Series
+from fieldkit.logtext import decode
+from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.shapes import Array, Float
+from fieldkit.tables import Heading, heading, heading_or_damage, marks, scale_at_rest, upright
+from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS, Unit
+
+CLOCK = "flight_time_(s)"
+CHANNELS: Mapping[str, tuple[str, Unit]] = {
+    CLOCK: ("time", Unit(1.0)),
+    "temperature_(f)": ("temperature", UNITS["temperature"]["f"]),
+    "baro_press_(atm)": ("pressure", UNITS["pressure"]["atm"]),
+    "baro_altitude_agl_(feet)": ("altitude", Unit(FOOT)),
+    "baro_altitude_asl_(feet)": ("altitude_msl", Unit(FOOT)),
+    "batt_volts": ("voltage", Unit(1.0)),
+    "velocity_up": ("inertial_speed", Unit(FOOT)),
+    "inertial_altitude": ("inertial_altitude", Unit(FOOT)),
+    "tilt_angle_(deg)": ("tilt", Unit(DEGREE)),
+}
+FLAGS = {
+    "liftoff": "liftoff",
+    "burnout_coast": "burnout",
+    "apogee": "apogee",
+    "apo_fired": "apo_fired",
+    "main_fired": "main_fired",
+    "3rd_fired": "3rd_fired",
+    "4th_fired": "4th_fired",
+}
+AXES = ("axis 0", "axis 1", "axis 2")
+SCALES = (STANDARD_GRAVITY, 1.0, STANDARD_GRAVITY / 1000)
+"""An acceleration may be in g, m/s^2 or thousandths of a g: on the pad only one of them is one g."""
+
+
+def _is_low(names: Sequence[str]) -> bool:
+    return CLOCK in names and ("baro_altitude_agl_(feet)" in names or "baro_press_(atm)" in names)
+
+
+def _is_high(names: Sequence[str]) -> bool:
+    return CLOCK in names and not _is_low(names) and sum("acc" in name for name in names) >= 3
+
+
+def _is_either(names: Sequence[str]) -> bool:
+    return _is_low(names) or _is_high(names)
+
+
+def recognises(head: bytes) -> bool:
+    return heading(head, _is_either) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, _is_either, f"{CLOCK} with a barometer or three accelerations")
+    low = _is_low(head.names)
+    channels = head.channels(CHANNELS)
+    if low:
+        channels += [Channel(f"flag {event}", head.names.index(n)) for n, event in FLAGS.items() if n in head.names]
+    else:
+        places = [i for i, name in enumerate(head.names) if "acc" in name][:3]
+        channels += [Channel(name, place) for name, place in zip(AXES, places, strict=True)]
+    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
+    parts, found = table.flights()
+    return [*(_low(part, head, log) if low else _high(part, head, log, found) for part in parts), *found]
+
+
+def _low(table: Table, head: Heading, log: bytes) -> Reading:
+    time = table.values["time"]
+    events = marks(time, {name: table.values.get(f"flag {name}") for name in FLAGS.values()})
+    return replace(_reading(table.series(), table, head, log), events=events, part="low")
+
+
+def _high(table: Table, head: Heading, log: bytes, notes: list[Found]) -> Reading:
+    time = table.values["time"]
+    axes: Float[Array, "axis row"] = np.array([table.values[name] for name in AXES])
+    total: Float[Array, "row"] = np.sqrt((axes**2).sum(axis=0))
+    scale = scale_at_rest(total[time < 0], SCALES)
+    series = Series(time=time)
+    if scale is None:
+        notes.append(Note("holds accelerations that are not one g before launch, in whatever unit; left out"))
+    else:
+        series = Series(time=time, felt=upright(axes * scale, time < 0), felt_total=total * scale)
+    return replace(_reading(series, table, head, log), part="high")
+
+
+def _reading(series: Series, table: Table, head: Heading, log: bytes) -> Reading:
+    lift_off = _lift_off(table, head, log)
+    return Reading({"date_time": lift_off} if lift_off else {}, series=series, device="Blue Raven")
+
+
+def _lift_off(table: Table, head: Heading, log: bytes) -> datetime | None:
+    """When the clock of a flight was zero; the day alone where a spreadsheet has spoilt the time of day."""
+    lines = decode(log[:HEAD]).splitlines()
+    row = int(table.rows[0])
+    places = [head.place(name) for name in ("year", "month", "day", "time")]
+    if row > len(lines) or None in places:
+        return None
+    cells = lines[row - 1].split(head.separator)
+    year, month, day, clock = (cells[place].strip() for place in places if place is not None)
+    try:
+        date = datetime(int(year), int(month), int(day))
+        if clock.count(":") < 2:
+            return date
+        return datetime.fromisoformat(f"{date:%Y-%m-%d}T{clock}") - timedelta(seconds=float(table.values["time"][0]))
+    except (ValueError, OverflowError):
+        return None
+
+
+PARSER = Parser("Blue Raven app (low or high rate)", recognises, read)

@@ -1,0 +1,175 @@
+"""Blue Raven over USB: what `download l` and `download h` print, a frame a line, each with its own checksum.
+
+`@ LOG_LOW 212 2024 5 11 14:09:44.602 ... Bo: ... Vel: ... CRC: FEE8`, 50 a second, and `@ LOG_HIR`, 500 a second.
+A line may be overprinted by the next (`...0@ LOG_LOW   @ LOG_LOW  212 ...`): the last `@ LOG_` of it is tried.
+Frames without a good checksum are lost and counted. Numbers are scaled integers; acceleration is read
+from a label that speaks of it, if some scale makes it one g at the start. Time starts at the first frame.
+"""
+
+import math
+import re
+from array import array
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.shapes import Array, Float
+from fieldkit.tables import lines, scale_at_rest, upright
+from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
+
+KINDS = (b"@ LOG_LOW", b"@ LOG_HIR")
+LINE = 4096
+"""The longest line that is looked at; frames have about 200 characters. [bytes]"""
+APART = 60.0
+"""Frames that lie further apart belong to two flights. [s]"""
+EPOCH = datetime(2000, 1, 1)
+LOW = (("bo", 0), ("bo", 1), ("v", 0), ("vel", 0), ("ang", 0))
+"""The numbers used of a low-rate frame: label and place under it."""
+SCALES = (STANDARD_GRAVITY / 100, STANDARD_GRAVITY / 1000, STANDARD_GRAVITY / 10_000)
+PAD = 0.5
+"""So long from the first frame on the rocket is taken to stand on its pad. [s]"""
+_HEAD = re.compile(
+    rb"@ LOG_(LOW|HIR)\s+\d+"
+    rb"\s+(\d{4})[\s\-/,]+(\d{1,2})[\s\-/,]+(\d{1,2})[\s,]+(\d{1,2}):(\d{1,2}):(\d{1,2})\.(\d{1,6})"
+)
+_CHECKED = re.compile(rb"(@ LOG_.*) CRC:\s*([0-9A-Fa-f]{4})\s*$")
+_FIELD = re.compile(rb"([A-Za-z]\w*):((?:\s*,?\s*[-+]?\d+(?![\w:.]))+)")
+
+
+def crc(frame: bytes) -> int:
+    """CRC-16/BUYPASS: polynomial 0x8005, from zero, not reflected; 0xFEE8 for `123456789`."""
+    value = 0
+    for byte in frame:
+        value = (value << 8 & 0xFF00) ^ _TABLE[value >> 8 ^ byte]
+    return value
+
+
+def _table() -> Iterator[int]:
+    for byte in range(256):
+        value = byte << 8
+        for _ in range(8):
+            value = (value << 1 ^ (0x8005 if value & 0x8000 else 0)) & 0xFFFF
+        yield value
+
+
+_TABLE = tuple(_table())
+
+
+@dataclass(frozen=True, slots=True)
+class Frame:
+    """One sample: its kind, the logger's clock, and the numbers under each label."""
+
+    kind: str
+    clock: datetime
+    fields: Mapping[str, tuple[int, ...]]
+
+    def numbers(self) -> list[float]:
+        """The clock [s from `EPOCH`] and what is used of the sample, nan for what is missing."""
+        wanted: tuple[tuple[str, int], ...] = LOW
+        if self.kind == "HIR":
+            label = next((name for name, values in self.fields.items() if "acc" in name and len(values) >= 3), "")
+            wanted = tuple((label, place) for place in range(3))
+        cells = (self.fields.get(label, ())[place : place + 1] for label, place in wanted)
+        return [(self.clock - EPOCH) / timedelta(seconds=1), *(float(cell[0]) if cell else math.nan for cell in cells)]
+
+
+def recognises(head: bytes) -> bool:
+    return any(kind in head for kind in KINDS)
+
+
+def frame_of(line: bytes) -> Frame | None:
+    """The frame of a line, the last one if several were printed over each other; None if none is sound."""
+    start = line.rfind(b"@ LOG_")
+    checked = _CHECKED.match(line, start) if start >= 0 else None
+    head = _HEAD.match(line, start) if checked else None
+    if not checked or not head or crc(checked[1]) != int(checked[2], 16):
+        return None
+    year, month, day, hour, minute, second = map(int, head.groups()[1:7])
+    try:
+        moment = datetime(year, month, day, hour, minute, second, int(head[8].ljust(6, b"0")))
+    except ValueError:
+        return None
+    fields = {
+        field[1].decode().lower(): tuple(map(int, re.findall(rb"[-+]?\d{1,9}", field[2])))
+        for field in _FIELD.finditer(line, head.end())
+    }
+    return Frame(head[1].decode(), moment, fields)
+
+
+def read(log: bytes) -> list[Found]:
+    samples = {"LOW": array("d"), "HIR": array("d")}
+    lost, first_lost, cut = 0, 0, False
+    last = log.count(b"\n") + 1
+    for row, line in enumerate(lines(log, LINE), start=1):
+        frame = frame_of(line)
+        if frame:
+            samples[frame.kind].extend(frame.numbers())
+        elif b"@ LOG_" in line:
+            cut = row == last
+            first_lost, lost = first_lost or row, lost + (not cut)
+    low = np.array(samples["LOW"]).reshape(-1, 1 + len(LOW))
+    high = np.array(samples["HIR"]).reshape(-1, 4)
+    if not len(low) + len(high):
+        raise DamagedLog("found no frame with a good checksum, expected lines of @ LOG_LOW or @ LOG_HIR")
+    found: list[Found] = []
+    if lost:
+        found.append(Note(f"is the first of {lost} lines whose frames have a bad checksum and are lost", first_lost))
+    if cut:
+        found.append(Note("ends within a frame, left out", last))
+    return [*_readings(low, high, found), *found]
+
+
+def _readings(
+    low: Float[Array, "frame number"], high: Float[Array, "frame axis"], notes: list[Found]
+) -> Iterator[Reading]:
+    """A reading for each flight: frames of either kind that no gap in the clock parts."""
+    clock = np.unique(np.concatenate([low[:, 0], high[:, 0]]))
+    starts = clock[np.concatenate([[True], np.diff(clock) > APART])]
+    for zero, end in zip(starts, [*starts[1:], np.inf], strict=True):
+        parts = [_ordered(part[(part[:, 0] >= zero) & (part[:, 0] < end)], zero) for part in (low, high)]
+        makers: tuple[Callable[[Array, list[Found]], Series], ...] = (_low, _high)
+        series = tuple(make(part, notes) for make, part in zip(makers, parts, strict=True) if len(part))
+        first = f"{EPOCH + timedelta(seconds=float(zero)):%Y-%m-%d %H:%M:%S}"
+        yield Reading({}, {"clock at the first sample": first}, series=series, device="Blue Raven")
+
+
+def _ordered(part: Float[Array, "frame number"], zero: float) -> Float[Array, "frame number"]:
+    ordered = part[np.argsort(part[:, 0], kind="stable")]
+    ordered[:, 0] = np.round(ordered[:, 0] - zero, 3)
+    return ordered
+
+
+def _low(part: Float[Array, "frame number"], _: list[Found]) -> Series:
+    time, fahrenheit, pressure, battery, up, tilt = part.T
+    scale = UNITS["temperature"]["f"]
+    return Series(
+        time=time,
+        temperature=_known(fahrenheit / 100 * scale.factor + scale.offset),
+        pressure=_known(pressure / 50_000 * UNITS["pressure"]["atm"].factor),
+        voltage=_known(battery / 1000),
+        inertial_speed=_known(up * FOOT),
+        tilt=_known(tilt / 10 * DEGREE),
+    )
+
+
+def _known(values: Float[Array, "frame"]) -> Float[Array, "frame"] | None:
+    return None if np.isnan(values).all() else values
+
+
+def _high(part: Float[Array, "frame axis"], notes: list[Found]) -> Series:
+    time, axes = part[:, 0], part[:, 1:].T
+    total: Float[Array, "frame"] = np.sqrt((axes**2).sum(axis=0))
+    rest = time - time[0] < PAD
+    scale = scale_at_rest(total[rest], SCALES)
+    if scale is None:
+        notes.append(Note("holds high-rate frames whose acceleration has no certain scale, left out"))
+        return Series(time=time)
+    return Series(time=time, felt=upright(axes * scale, rest), felt_total=total * scale)
+
+
+PARSER = Parser("Blue Raven over USB", recognises, read)

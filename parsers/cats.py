@@ -1,0 +1,97 @@
+"""CATS flight computer: one CSV file for each kind of record of a flight, the clock `ts` in its first column.
+
+`flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its filtered
+barometer and accelerometer, `baro` and `imu` raw samples of several sensors told apart by `id`, `gnssInfo`
+positions. Files of one flight bear neither a date nor a serial number; those read together are one flight.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.tables import heading, heading_or_damage, scale_at_rest
+from fieldkit.units import STANDARD_GRAVITY, Unit
+
+SI = Unit(1.0)
+CHANNELS: Mapping[str, tuple[str, Unit]] = {
+    "ts": ("time", SI),
+    "height": ("altitude", SI),
+    "velocity": ("speed", SI),
+    "acceleration": ("acceleration", SI),
+    "filteredaltitudeagl": ("altitude", SI),
+    "filteredacceleration": ("acceleration", SI),
+    "latitude": ("latitude", SI),
+    "longitude": ("longitude", SI),
+    "satellites": ("satellites", SI),
+    "id": ("id", SI),
+    "p": ("raw pressure", SI),
+}
+KINDS: Mapping[str, tuple[str, ...]] = {
+    "flightInfo": ("height", "velocity"),
+    "filteredDataInfo": ("filteredaltitudeagl",),
+    "gnssInfo": ("latitude", "longitude", "satellites"),
+    "baro": ("id", "t", "p"),
+    "imu": ("id", "ax", "ay", "az"),
+}
+"""Each kind of file, by columns that it has after `ts`."""
+PASCAL = (1_000.0, 115_000.0)
+"""What air a rocket flies in may measure. [Pa]"""
+
+
+def kind_of(names: Sequence[str]) -> str:
+    """The kind of file that a header belongs to, empty if to none."""
+    if names[0] != "ts":
+        return ""
+    return next((kind for kind, columns in KINDS.items() if set(columns) <= set(names)), "")
+
+
+def recognises(head: bytes) -> bool:
+    found = heading(head, lambda names: bool(kind_of(names)), (",",))
+    return found is not None and found.row <= 2
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts", (",",))
+    axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
+    wanted = head.channels(CHANNELS) + axes
+    parts, found = read_columns(log, wanted, after=head.row, widths={len(head.names)}).flights()
+    clocks = [tuple(one for sensor in _sensors(part) for one in _series(sensor, found)) for part in parts]
+    if not any(clocks):
+        raise DamagedLog("found no channel whose unit is certain, expected pressure in Pa or acceleration")
+    return [*(Reading(series=series, device="CATS", part=kind_of(head.names)) for series in clocks if series), *found]
+
+
+def _sensors(table: Table) -> list[Table]:
+    """The rows of each sensor by itself: a file of raw samples mixes those of several."""
+    sensors = table.get("id")
+    if sensors is None:
+        return [table]
+    return [table.pick(sensors == one) for one in np.unique(sensors[np.isfinite(sensors)])[:16]]
+
+
+def _series(table: Table, notes: list[Found]) -> list[Series]:
+    """The samples of one sensor, none if it is not certain what they mean."""
+    time, values = table.values["time"], dict(table.values)
+    if (pressure := table.get("raw pressure")) is not None:
+        if not PASCAL[0] <= np.nanmedian(pressure) <= PASCAL[1]:
+            notes.append(Note("holds pressures that are not in Pa, left out"))
+            return []
+        return [Series(time=time, pressure=pressure)]
+    if "ax" in values:
+        felt = np.sqrt(values["ax"] ** 2 + values["ay"] ** 2 + values["az"] ** 2)
+        scale = scale_at_rest(felt[time < 0], (1.0, STANDARD_GRAVITY))
+        if scale is None:
+            notes.append(Note("holds accelerations that are not one g before launch, in whatever unit; left out"))
+            return []
+        return [Series(time=time, felt_total=felt * scale)]
+    if (satellites := table.get("satellites")) is not None:
+        for name in ("latitude", "longitude"):
+            values[name] = np.where(satellites > 0, values[name], np.nan)
+    return [Table(values, table.rows).series()]
+
+
+PARSER = Parser("CATS", recognises, read)

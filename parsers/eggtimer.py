@@ -1,0 +1,215 @@
+"""Eggtimer (Classic, TRS, Quantum): the text that it prints, a summary and a table `T,Alt,...` for each flight.
+
+Neither text names its units. The Classic (`T,Alt,VRaw,VFilt`) prints feet. For the others the fall settles it:
+near the top of an undisturbed flight the height changes by 9.8 m/s^2 or by 32 ft/s^2. Where that is not to be
+seen the log is refused, and a unit in the header (`Alt_ft`, `Alt_m`) mends it. `T` is in ms or in s, as its
+steps of a tenth or a twentieth of a second show. A column of events holds the altitude at its event, else zero.
+"""
+
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.logtext import decode
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.safe_text import printable
+from fieldkit.shapes import Array, Float
+from fieldkit.tables import Heading, heading_of, lines, marks
+from fieldkit.units import UNITS, Unit
+
+EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "drogue", "main": "main"}
+ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
+CLASSIC = ("t", "alt", "vraw", "vfilt")
+SPEEDS = ("fveloc", "veloc", "vfilt")
+EARLY, LATE = (-3.0, -1.0), (-2.0, -0.4)
+"""Where before the top the fall is looked at. [s]"""
+FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
+"""What it may be early and late, with some drag, and as what follows of them at no speed: gravity. [m/s^2]"""
+OFF = 0.4
+"""How far from the top the curve may have its own: a parachute that opens early cuts a flight short. [s]"""
+SLOW_STEP = 2.0
+"""A step of the clock above this is in ms: no Eggtimer takes so long in s. [1]"""
+MOST_LABELS, MOST_FLIGHTS = 60, 64
+_LABEL = re.compile(r"\s*([A-Za-z@][A-Za-z @.\-]{2,30}?)\s*[:=,;\t]\s*(\S[^\r\n]{0,60}?)\s*$")
+
+
+def _fits(names: Sequence[str]) -> bool:
+    if len(names) < 3 or names[0] != "t" or names[1] not in ALTITUDES:
+        return False
+    return tuple(names[:4]) == CLASSIC or ("veloc" in names and bool({"lda", "n-o", "apogee"} & set(names)))
+
+
+def recognises(head: bytes) -> bool:
+    return any(_fits(found.names) for line in decode(head).splitlines() if (found := heading_of(line, 0, _fits)))
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """One table of a text: its header, the labels above it, and where its rows begin and end. [bytes]"""
+
+    head: Heading
+    summary: Mapping[str, str]
+    start: int
+    stop: int
+
+
+def read(log: bytes) -> list[Found]:
+    if b"\0" in log[:200]:
+        log = decode(log).encode()
+    found: list[Found] = []
+    parts = list(islice(_parts(log), MOST_FLIGHTS))
+    if not parts:
+        raise DamagedLog("found no header, expected T,Alt,...")
+    troubles: list[DamagedLog] = []
+    for part in parts:
+        try:
+            found += _flights(log, part)
+        except DamagedLog as error:
+            troubles.append(error)
+    if not found:
+        raise troubles[0]
+    return [*found, *troubles]
+
+
+def _parts(log: bytes) -> Iterator[_Part]:
+    """The tables of a text: each ends where the labels of the next begin, or its header."""
+    part: _Part | None = None
+    labels: dict[str, str] = {}
+    place = 0
+    for row, line in enumerate(lines(log), start=1):
+        begin, place = place, place + len(line) + 1
+        if line[:1].isdigit() or not line.strip():
+            continue
+        text = line[:400].decode("cp1252", "replace")
+        if head := heading_of(text, row, _fits):
+            if part:
+                yield replace(part, stop=min(part.stop, begin))
+            part, labels = _Part(head, labels, place, len(log)), {}
+        elif (label := _LABEL.match(text)) and len(labels) < MOST_LABELS:
+            labels[printable(label[1])] = printable(label[2])
+            part = replace(part, stop=min(part.stop, begin)) if part else None
+    if part:
+        yield replace(part, summary=part.summary or labels)
+
+
+def _flights(log: bytes, part: _Part) -> list[Found]:
+    """The flight of one table, or several where its clock starts anew."""
+    head, body = part.head, log[part.start : part.stop]
+    flags = [Channel(event, head.names.index(name)) for name, event in EVENTS.items() if name in head.names]
+    speed = head.place(*SPEEDS)
+    channels = [Channel("time", 0, needed=True, header="T"), Channel("altitude", 1, needed=True, header="Alt"), *flags]
+    if speed is not None:
+        channels.append(Channel("speed", speed))
+    decimal = "," if head.separator != "," and b"," in body[:2000] else "."
+    widths = {len(head.names), len(head.names) + 1}
+    table = read_columns(body, channels, after=0, separator=head.separator, decimal=decimal, widths=widths)
+    parts, remarks = table.flights()
+    found: list[Found] = []
+    for one in parts:
+        reading = _reading(one, part)
+        found += [reading] if ALTITUDES[head.names[1]] else [reading, Note(_why(one, head), row=head.row)]
+    return [*found, *(_below(remark, head.row) for remark in remarks)]
+
+
+def _unit(table: Table, head: Heading) -> str:
+    """The unit of the heights of a table. Raises DamagedLog where nothing settles it."""
+    settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
+    settled = settled or unit_of_fall(_seconds(table), table.values["altitude"])
+    if not settled:
+        found = "found altitudes whose unit no fall settles, expected a header such as Alt_ft or Alt_m"
+        raise DamagedLog(found, row=head.row, column="Alt")
+    return settled
+
+
+def _seconds(table: Table) -> Float[Array, "row"]:
+    time = table.values["time"]
+    steps = np.diff(time[:40])
+    return time * (1e-3 if len(steps) and np.median(steps) > SLOW_STEP else 1.0)
+
+
+def _reading(table: Table, part: _Part) -> Reading:
+    time, length, velocity = _seconds(table), UNITS["length"][_unit(table, part.head)], table.get("speed")
+    series = Series(
+        time=time,
+        altitude=table.values["altitude"] * length.factor,
+        speed=None if velocity is None else velocity * length.factor,
+    )
+    events = marks(time, {event: np.abs(table.values[event]) for event in EVENTS.values() if event in table.values})
+    stated = _stated(part.summary, length)
+    return Reading(stated, part.summary, series=series, events=events, device="Eggtimer")
+
+
+def _why(table: Table, head: Heading) -> str:
+    why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as its fall near the top shows"
+    return f"bears no units; altitude is taken in {_unit(table, head)}, {why}"
+
+
+def _below(item: Found, rows: int) -> Found:
+    """A remark whose row is counted from the start of the file."""
+    if isinstance(item, Note) and item.row is not None:
+        return replace(item, row=item.row + rows)
+    if isinstance(item, DamagedLog) and item.row is not None:
+        return DamagedLog(item.found, row=item.row + rows, column=item.column)
+    return item
+
+
+def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> str:
+    """`m` or `ft`, by how the height changes in the last seconds before its top; empty where neither is sure."""
+    middle = np.median([altitude[:-4], altitude[1:-3], altitude[2:-2], altitude[3:-1], altitude[4:]], axis=0)
+    clock = time[2:-2]
+    if len(middle) < 40:
+        return ""
+    top = int(np.argmax(middle))
+    if top > len(middle) - 5 or middle[top] - middle[-1] < 0.02 * (middle[top] - middle[0]):
+        return ""
+    fall, speed, peak = _fall(clock - clock[top], middle, *LATE)
+    before, faster, _ = _fall(clock - clock[top], middle, *EARLY)
+    if not (abs(peak) < OFF and faster > speed):
+        return ""
+    still = fall - (before - fall) / (faster**2 - speed**2) * speed**2
+    for unit in ("m", "ft"):
+        factor = UNITS["length"][unit].factor
+        seen = zip((before, fall, still), FALLS, strict=True)
+        if all(low <= change * factor <= high for change, (low, high) in seen):
+            return unit
+    return ""
+
+
+def _fall(
+    clock: Float[Array, "row"], height: Float[Array, "row"], start: float, stop: float
+) -> tuple[float, float, float]:
+    """By what the speed changes between two times, the speed amid them, and when it would be zero; nan if not evenly.
+
+    [1/s^2], [1/s], [s]
+    """
+    inside = (clock >= start) & (clock <= stop)
+    nothing = (float("nan"),) * 3
+    if inside.sum() < 12:
+        return nothing
+    middle = float(clock[inside].mean())
+    curve = np.polynomial.polynomial.polyfit(clock[inside] - middle, height[inside], 2)
+    rough = height[inside] - np.polynomial.polynomial.polyval(clock[inside] - middle, curve)
+    fall, speed = -2 * float(curve[2]), float(curve[1])
+    if np.sqrt((rough**2).mean()) > 0.01 * np.ptp(height[inside]) + 1 or fall <= 0:
+        return nothing
+    return fall, speed, middle + speed / fall
+
+
+def _stated(summary: Mapping[str, str], length: Unit) -> dict[str, object]:
+    """The apogee that a summary states, in the unit of its table. [m]"""
+    for label, value in summary.items():
+        if label.strip().lower() == "apogee" and (
+            match := re.match(r"(\d{1,6}(?:\.\d+)?)\s*(ft|feet|m)?\W*$", value.lower())
+        ):
+            unit = UNITS["length"][match[2]] if match[2] else length
+            return {"apogee": float(match[1]) * unit.factor}
+    return {}
+
+
+PARSER = Parser("Eggtimer", recognises, read)

@@ -1,0 +1,116 @@
+"""Featherweight GPS: what its tracker recorded, what the ground station heard, and copies with fewer columns.
+
+`ALT` is in feet above sea level. Rows can be out of order, and some come twice. The stated Unix time has been
+seen seven hours off beside the UTC of the same row, so only its differences are used, from the first sample
+on. A ground station hears several trackers, each of which is a reading of its own.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+
+import numpy as np
+
+from fieldkit.columns import Table, read_columns
+from fieldkit.flight import Series
+from fieldkit.logtext import decode
+from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.safe_text import printable
+from fieldkit.tables import Heading, heading, heading_or_damage, in_order, lines
+from fieldkit.units import FOOT, Unit
+
+CHANNELS: Mapping[str, tuple[str, Unit]] = {
+    "unixtime": ("time", Unit(1.0)),
+    "time": ("time", Unit(1.0)),
+    "alt": ("gps_altitude_msl", Unit(FOOT)),
+    "lat": ("latitude", Unit(1.0)),
+    "lon": ("longitude", Unit(1.0)),
+    "vertv": ("gps_speed", Unit(FOOT)),
+    "fix": ("fix", Unit(1.0)),
+}
+GROUND = ("tracker", "date", "time")
+DAY = 86_400.0
+"""[s]"""
+
+
+def _fits(names: Sequence[str]) -> bool:
+    if not {"alt", "lat", "lon"} <= set(names):
+        return False
+    return "unixtime" in names or tuple(names[:3]) == GROUND or {"time", "horzv", "vertv"} <= set(names)
+
+
+def recognises(head: bytes) -> bool:
+    return heading(head, _fits) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
+    ground = head.names[:3] == GROUND
+    text = b"\n".join(_seconds(log, head)) if ground else log
+    table = read_columns(
+        text,
+        head.channels(CHANNELS),
+        after=head.row,
+        separator=head.separator,
+        widths={len(head.names)},
+        words={"tracker": 0} if ground else {},
+    )
+    readings: list[Found] = []
+    notes: list[Found] = []
+    for name, part in _trackers(table):
+        time = part.values["time"]
+        if ground:
+            time = time + DAY * np.concatenate([[0], np.cumsum(np.diff(time) < -DAY / 2)])
+        names = [name for name in part.values if name != "time"]
+        ordered = in_order(time, *(part.values[channel] for channel in names))
+        if (np.diff(time) < 0).any():
+            notes.append(Note(f"has {int((np.diff(time) < 0).sum())} rows out of order, put in order"))
+        extra = _utc(log, head, part, time)
+        zero = 0.0 if head.place("unixtime") is None and not ground else ordered[0][0]
+        series = _series(np.round(ordered[0] - zero, 3), dict(zip(names, ordered[1:], strict=True)))
+        readings.append(Reading({}, extra, series=series, device="Featherweight GPS", serial=name))
+    return [*readings, *notes, *table.found]
+
+
+def _seconds(log: bytes, head: Heading) -> Iterator[bytes]:
+    """The lines of a ground station's log, with the time of day in seconds where it was `14:09:44.6`."""
+    mark = head.separator.encode()
+    for row, line in enumerate(lines(log), start=1):
+        cells = line.rstrip(b"\r").split(mark)
+        clock = cells[2].split(b":") if len(cells) > 2 and row > head.row else []
+        if len(clock) == 3:
+            try:
+                hours, minutes, seconds = map(float, clock)
+            except ValueError:
+                pass
+            else:
+                cells[2] = b"%.3f" % (hours * 3600 + minutes * 60 + seconds)
+        yield mark.join(cells)
+
+
+def _trackers(table: Table) -> list[tuple[str, Table]]:
+    if "tracker" not in table.words:
+        return [("", table)]
+    names, which = table.words["tracker"]
+    return [(printable(name), table.pick(which == i)) for i, name in enumerate(names[:64]) if (which == i).any()]
+
+
+def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
+    """The samples; without a fix there is no position, and without one in three dimensions no height."""
+    fix = values.pop("fix", None)
+    for name, least in {"gps_altitude_msl": 3, "gps_speed": 3, "latitude": 2, "longitude": 2}.items():
+        if name in values and fix is not None:
+            values[name] = np.where(fix >= least, values[name], np.nan)
+    return Series(time=time, **{name: column for name, column in values.items() if not np.isnan(column).all()})
+
+
+def _utc(log: bytes, head: Heading, table: Table, time: np.ndarray) -> dict[str, str]:
+    """The stated UTC of the earliest row, where it stands near the start of the log."""
+    place = head.place("utctime")
+    texts = decode(log[:HEAD]).splitlines()
+    row = int(table.rows[int(np.argmin(time))])
+    if place is None or row > len(texts):
+        return {}
+    cells = texts[row - 1].split(head.separator)
+    return {"utc at the first sample": printable(cells[place].strip())} if place < len(cells) else {}
+
+
+PARSER = Parser("Featherweight GPS", recognises, read)

@@ -1,0 +1,75 @@
+"""PerfectFlite MAWD: what its serial port answers to I, V, S and D, one after the other.
+
+Model (two lines), firmware (one), then five statistics of a letter and five digits: G ground, A apogee and
+M main altitude in feet, N samples, D Mach delay in seconds. Then a line with the sample interval, two digits of
+milliseconds at its 21st character, and a sample a line: a character, which is taken for a sign, and four digits of
+feet. Nothing marks the end; the statistics say how many samples there should be.
+
+Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author calls untested.
+"""
+
+import re
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.logtext import shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.units import FOOT
+
+STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)
+SAMPLE = re.compile(r"([^\r\n])(\d{4})")
+INTERVAL = slice(20, 22)
+
+
+def recognises(head: bytes) -> bool:
+    return STATISTICS.search(head) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    found = list(STATISTICS.finditer(log))
+    if not found:
+        raise DamagedLog("found no statistics, expected five lines such as G00812, A01204, N00512, D00000, M00700")
+    ground, apogee, count, delay, main = (int(figure) for figure in found[-1].groups())
+    before = [line.strip() for line in log[: found[0].start()].decode("latin-1").splitlines() if line.strip()]
+    firmware = before[-1][:80] if before else ""
+    first = log.count(b"\n", 0, found[-1].end()) + 1
+    series, notes = _flight(log[found[-1].end() :].decode("latin-1").splitlines(), first, count)
+    stated: dict[str, object] = {"apogee": apogee * FOOT, "site_elevation": ground * FOOT}
+    extra = {"mach_delay_s": str(delay), "main_altitude_ft": str(main)} | (
+        {"model": " ".join(before[:-1])[:80]} if before[:-1] else {}
+    )
+    columns = {"apogee": "A", "site_elevation": "G"}
+    return [Reading(stated, extra, columns, series=series, device="PerfectFlite MAWD", firmware=firmware), *notes]
+
+
+def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()], list[Found]]:
+    """The samples after the statistics, whose first line is `first`. Raises DamagedLog without a usable interval."""
+    rows = [(row, line) for row, line in enumerate(lines, start=first) if line.strip()]
+    if not rows:
+        return (), [Note("found statistics and no samples")]
+    row, line = rows[0]
+    if not re.fullmatch(r"[1-9]\d|0[1-9]", line[INTERVAL]):
+        found = f"found {shown(line)}, expected the sample interval, two digits of ms at the 21st character"
+        raise DamagedLog(found, row=row)
+    heights = [_height(text) for _, text in rows[1:]]
+    notes: list[Found] = []
+    lost = [row for (row, _), height in zip(rows[1:], heights, strict=True) if np.isnan(height)]
+    if lost:
+        notes.append(Note(f"is the first of {len(lost)} samples that are damaged and left out", lost[0]))
+    if len(heights) < count:
+        notes.append(Note(f"ends after {len(heights)} of {count} samples"))
+    if not heights:
+        return (), notes
+    time = np.arange(len(heights)) * int(line[INTERVAL]) / 1000
+    return Series(time=time, altitude=np.array(heights) * FOOT), notes
+
+
+def _height(text: str) -> float:
+    """A sample, nan where it is none. [ft]"""
+    match = SAMPLE.fullmatch(text.rstrip("\r"))
+    return np.nan if not match else float(match[2]) * (-1 if match[1] == "-" else 1)
+
+
+PARSER = Parser("PerfectFlite MAWD", recognises, read)

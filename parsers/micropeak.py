@@ -1,0 +1,131 @@
+"""MicroPeak .mpd: what the altimeter blinks after a flight, `MP`, then hex, CRC last; MicroKite and MicroPeak 2 alike.
+
+It keeps the ground's pressure, the least pressure that its filter saw, and the low 16 bits of each sample, the first
+one step after the ground was measured. Heights are above that pressure, by the standard atmosphere, and so is the
+apogee stated, which is what the device blinks: the samples may end before it. The clock of the first model may be
+off by a tenth. Characters between the digits do not matter, a wrong checksum does.
+Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
+"""
+
+import binascii
+import re
+import struct
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME, Series
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.sanity import check
+from fieldkit.shapes import Array, Float
+from fieldkit.standard_air import pressure_height
+
+START = b"MP"
+DIGITS = re.compile(rb"[\s\0]*((?:[0-9a-fA-F][\s\0]*){20,})")
+REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
+LEAST, MOST = 10_000, 120_000
+"""Between these the pressure of the ground can be. [Pa]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Model:
+    """A device that speaks this way, and how far apart its samples are. [s]"""
+
+    name: str
+    step: float
+
+
+MODELS = (Model("MicroPeak", 0.192), Model("MicroKite", 19.2), Model("MicroPeak 2", 0.1))
+
+
+def recognises(head: bytes) -> bool:
+    matches = (DIGITS.match(head, start + len(START)) for start in _starts(head))
+    return any(_is_header(bytes.fromhex(_bare(match[1])[:20].decode())) for match in matches if match)
+
+
+def read(log: bytes) -> list[Found]:
+    found: list[Found] = []
+    starts = _starts(log)
+    for start in starts:
+        digits = DIGITS.match(log, start + len(START))
+        if digits:
+            row = log.count(b"\n", 0, start) + 1
+            found += _flight(_bare(digits[1]), row)
+    if not any(isinstance(item, Reading | Note) for item in found):
+        raise found[0] if found else DamagedLog("found no flight, expected MP and hex digits", row=1)  # type: ignore[misc]
+    return found
+
+
+def _starts(log: bytes) -> list[int]:
+    return [match.start() for match in re.finditer(START, log)]
+
+
+def _bare(digits: bytes) -> bytes:
+    return digits.translate(None, b" \t\r\n\v\f\0")
+
+
+def _is_header(data: bytes) -> bool:
+    """Whether bytes begin a flight or the memory of one that was erased."""
+    ground, _, count = struct.unpack("<IIH", data)
+    return (LEAST < ground < MOST and count >> 12 < len(MODELS)) or data == b"\xff" * 10
+
+
+def checksum(payload: bytes) -> int:
+    """CRC-16/X-25 of bytes: "123456789" gives 0x906e. Bits backwards, it is the CRC that Python has."""
+    straight = binascii.crc_hqx(payload.translate(REVERSED), 0xFFFF)
+    return int(f"{straight:016b}"[::-1], 2) ^ 0xFFFF
+
+
+def _flight(digits: bytes, row: int) -> list[Found]:
+    """The flight of one transmission, or what is wrong with it."""
+    data = bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
+    if data[:10] == b"\xff" * len(data[:10]):
+        return [Note("holds no flight, its memory is erased", row)]
+    if len(data) < 12:
+        return [DamagedLog(f"found {len(data)} bytes, expected at least 12", row=row)]
+    ground, least, count = struct.unpack("<IIH", data[:10])
+    number, count, begin = count >> 12, count & 0xFFF, 10
+    if number >= len(MODELS):
+        return [DamagedLog(f"found model {number}, expected 0 to {len(MODELS) - 1}", row=row)]
+    if number == 2:
+        count, begin = count | struct.unpack("<H", data[10:12])[0] << 12, 12
+    end = begin + 2 * count
+    if len(data) >= end + 2:
+        expected, got = checksum(data[:end]), int.from_bytes(data[end : end + 2], "big")
+        if got != expected:
+            return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it once more", row=row)]
+    samples = np.frombuffer(data[begin : min(end, begin + (len(data) - begin) // 2 * 2)], "<u2").astype(float)
+    if not (LEAST < ground < MOST and 0 < least <= ground + 1000):
+        return [DamagedLog(f"found {ground} Pa on the ground and {least} Pa above it, expected air", row=row)]
+    if not len(samples):
+        return [DamagedLog("found no samples, expected at least one", row=row)]
+    found: list[Found] = [_reading(MODELS[number], ground, least, samples)]
+    if len(data) < end + 2:
+        found.append(Note(f"is cut off: {len(samples)} of {count} samples, without a checksum", row))
+    return found
+
+
+def _reading(model: Model, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:
+    pressure = _whole(ground, samples)
+    pad, apogee = pressure_height(np.array([ground, least], float))
+    try:
+        stated = {"apogee": check(BY_NAME["apogee"], float(apogee - pad))}
+    except BadValue:
+        stated = {}
+    time = np.arange(1, 1 + len(pressure), dtype=float) * model.step
+    return Reading(
+        stated=stated,
+        extra={"ground_pressure_pa": str(ground), "least_pressure_pa": str(least)},
+        series=Series(time, pressure=pressure, altitude=pressure_height(pressure) - pad),
+        device=model.name,
+    )
+
+
+def _whole(ground: int, samples: Float[Array, "sample"]) -> Float[Array, "time"]:
+    """Pressures from the ground's and the low 16 bits of those that follow, each nearest to the one before. [Pa]"""
+    steps = np.diff(samples, prepend=ground % 65536)
+    return ground + np.cumsum((steps + 32768) % 65536 - 32768)
+
+
+PARSER = Parser("MicroPeak .mpd", recognises, read)

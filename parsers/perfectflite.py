@@ -1,0 +1,127 @@
+"""PerfectFlite .pf2, by whatever name: Pnut, StratoLogger SL100 and StratoLoggerCF, 20 samples a second.
+
+A block of `Name: value` lines, a line that names the columns, and rows. Heights are in feet, temperatures in the
+unit that the line of columns says. The stated apogee is the device's own and is not the highest row. Where power
+was lost the log is filled with 25.50 V to its end; what these rows say of heights was never measured.
+Source: files of nine flights, listed with the format.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit import units
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME
+from fieldkit.logtext import first_lines, shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.sanity import check
+
+MOST_HEADER = 100
+"""The row of columns is looked for among so many lines. [1]"""
+ERASED = 25.50
+"""What the highest byte is as a battery: no sample was written here. [V]"""
+FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
+DATA = re.compile(r"\s*Data\s*:.*Time.*Altitude", re.IGNORECASE)
+STATED = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
+KNOWN = ("PerfectFlite", "Firmware", "Serial Number", "NumSamps", "Comments", *STATED.values())
+OUTPUTS = {"drogue at": "drogue", "main at": "main"}
+
+
+def recognises(head: bytes) -> bool:
+    first = next((line for line in first_lines(head, most=5) if line.strip()), "")
+    return first.startswith("PerfectFlite ")
+
+
+def read(log: bytes) -> list[Found]:
+    header, data_row, data = _header(log)
+    table = _table(log, data_row, data)
+    remarks: list[Found] = []
+    written = table.pick(slice(_written(table)))
+    if len(written) < len(table):
+        remarks.append(Note("has no power from here on, left out", int(table.rows[len(written)])))
+    promised = header.get("NumSamps", "")
+    if promised.isdecimal() and promised.lstrip("0") != str(len(table)):
+        remarks.append(Note(f"found {len(table)} samples, expected {promised[:9]} as NumSamps says"))
+    parts, found = written.flights()
+    first = Reading(
+        stated=_stated(header, remarks),
+        extra={name: value for name, value in header.items() if name not in KNOWN and value},
+        columns=STATED,
+        series=parts[0].series(),
+        events=_events(header),
+        device=header.get("PerfectFlite", ""),
+        firmware=header.get("Firmware", ""),
+        serial=header.get("Serial Number", ""),
+    )
+    others = [replace(first, stated={}, events={}, series=part.series()) for part in parts[1:]]
+    return [first, *others, *remarks, *found]
+
+
+def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
+    """The lines above the samples by name, and the row and the text of that of the columns."""
+    header: dict[str, str] = {}
+    for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
+        if DATA.match(line):
+            return header, row, line
+        if line.startswith("PerfectFlite "):
+            header["PerfectFlite"] = line.strip()
+        elif line.strip().upper().endswith("PWRLOSS"):
+            header["Apogee"] = ""
+        elif ":" in line:
+            name, _, value = line.partition(":")
+            header[name.strip()] = value.strip()
+    raise DamagedLog("found no line of columns, expected one such as Data: (Time, Altitude, Velocity", row=1)
+
+
+def _table(log: bytes, data_row: int, data: str) -> Table:
+    unit = re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", data, re.IGNORECASE)
+    channels = [
+        Channel("time", 0, needed=True, header="Time"),
+        Channel("altitude", 1, FEET, needed=True, header="Altitude"),
+        Channel("speed", 2, FEET_A_SECOND, header="Velocity"),
+        Channel("voltage", 4, header="Voltage"),
+    ]
+    if unit:
+        channels.append(Channel("temperature", 3, units.unit("temperature", unit[1]), header="Temperature"))
+    return read_columns(log, channels, after=data_row, widths=range(3, 6))
+
+
+def _written(table: Table) -> int:
+    """How many rows there are before those that were never written, up to the end of the log."""
+    written = np.flatnonzero(table.values["voltage"] != ERASED)
+    return int(written[-1]) + 1 if len(written) else len(table)
+
+
+def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
+    """The device's own apogee and pad; one that cannot be is left out and told of."""
+    stated: dict[str, object] = {"notes": header["Comments"]} if header.get("Comments") else {}
+    if "Apogee" in header and not header["Apogee"]:
+        found.append(Note("says PWRLOSS where the apogee should be"))
+    for field, name in STATED.items():
+        text = header.get(name, "")
+        feet = re.match(r"\s*(-?\d{1,6})\s*(?:'|ft)", text)
+        if feet:
+            try:
+                stated[field] = check(BY_NAME[field], FEET.to_si(float(feet[1])))
+            except BadValue as error:
+                found.append(Note(f"{name}: {error}, left out"))
+        elif text:
+            found.append(Note(f"{name}: found {shown(text)}, expected feet such as 1009', left out"))
+    return stated
+
+
+def _events(header: Mapping[str, str]) -> dict[str, float]:
+    """When the outputs fired; none where the header says no time after launch. [s]"""
+    events = {}
+    for name, value in header.items():
+        seconds = re.match(r"\s*(\d{1,4}(?:\.\d{1,3})?)", value)
+        if name.lower() in OUTPUTS and seconds and float(seconds[1]) > 0:
+            events[OUTPUTS[name.lower()]] = float(seconds[1])
+    return events
+
+
+PARSER = Parser("PerfectFlite .pf2", recognises, read)

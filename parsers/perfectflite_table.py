@@ -1,0 +1,94 @@
+"""What PerfectFlite's program exports beside .pf2: `Time,Altitude,Temp,Voltage` with commas or tabs, or no header.
+
+The unit of temperature stands in each cell, `14.2C` or `76.7F`. Heights have none and are in feet, as everywhere in
+this program, unless somebody who renamed the columns wrote another.
+Source: exports of four flights, listed with the format.
+"""
+
+import re
+from dataclasses import dataclass
+
+from fieldkit import units
+from fieldkit.columns import Channel, read_columns
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.logtext import first_lines, shown
+from fieldkit.parsing import Found, Note, Parser, Reading
+
+WARMTH = re.compile(r"-?\d{1,3}(?:\.\d*)?\s*([CF])$")
+NUMBER = re.compile(r"-?\d{1,6}(?:\.\d*)?$")
+FIRST_ROWS = 20
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """How an export is laid out; `header_row` 0 is none, `voltage_suffix` ends every cell of voltage."""
+
+    header_row: int
+    separator: str
+    altitude_unit: str
+    temperature_unit: str
+    voltage_suffix: str
+
+
+def recognises(head: bytes) -> bool:
+    return _layout(head) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    layout = _layout(log)
+    if layout is None:
+        raise DamagedLog("found no rows of time, altitude, temperature such as 76.7F, and voltage", row=1)
+    channels = [
+        Channel("time", 0, needed=True),
+        Channel("altitude", 1, units.unit("length", layout.altitude_unit or "ft"), needed=True),
+        Channel(
+            "temperature",
+            2,
+            units.unit("temperature", layout.temperature_unit),
+            suffix=layout.temperature_unit,
+        ),
+        Channel("voltage", 3, suffix=layout.voltage_suffix),
+    ]
+    table = read_columns(log, channels, after=layout.header_row, separator=layout.separator, widths={4})
+    parts, remarks = table.flights()
+    found: list[Found] = [*(Reading(series=part.series(), device="PerfectFlite") for part in parts), *remarks]
+    if not layout.altitude_unit:
+        found.append(Note("has no unit for altitude, read in feet as PerfectFlite's program writes it"))
+    return found
+
+
+def _layout(log: bytes) -> Layout | None:
+    """How a log is laid out, None if it is no such export."""
+    rows = [(row, line) for row, line in enumerate(first_lines(log, most=FIRST_ROWS), start=1) if line.strip()]
+    if not rows:
+        return None
+    row, first = rows[0]
+    separator = "\t" if "\t" in first else ","
+    unit = ""
+    names = [re.sub(r"[^a-z]+", "_", name.strip().lower()).strip("_") for name in first.split(separator)]
+    if not NUMBER.match(first.split(separator)[0].strip()):
+        heading = re.fullmatch(
+            r"time(?:_s)?\|alt(?:itude)?(?:_(\w+))?\|temp(?:erature)?\|volt(?:age|s)?", "|".join(names)
+        )
+        if not heading:
+            return None
+        unit = heading[1] or ""
+        rows = rows[1:]
+    else:
+        row = 0
+    for _, line in rows:
+        cells = [cell.strip() for cell in line.split(separator)]
+        warmth = WARMTH.match(cells[2]) if len(cells) == 4 else None
+        if warmth and NUMBER.match(cells[0]) and NUMBER.match(cells[1]):
+            return Layout(row, separator, _length(unit, row), warmth[1], "V" if cells[3].endswith("V") else "")
+    return None
+
+
+def _length(unit: str, row: int) -> str:
+    try:
+        return unit if not unit else (units.unit("length", unit), unit)[1]
+    except BadValue as error:
+        raise DamagedLog(f"found {shown(unit)}: {error}", row=row, column="altitude") from error
+
+
+PARSER = Parser("PerfectFlite exports (CSV, TAB)", recognises, read)

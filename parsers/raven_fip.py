@@ -1,0 +1,112 @@
+"""Featherweight Raven, exported by its interface program: `Time@<channel>,<channel>,bILBA` for every channel.
+
+Each channel has a clock and a length of its own, and a channel that has ended leaves two empty cells where its three
+were, so rows have many widths. The digits of `bILBA` are flags: I, liftoff, burnout (the integrated speed begins to
+fall), apogee (it has become zero), as real flights show. What stands in brackets the program computed afterwards.
+Copies edited by hand (`Time-...`, `Time (s)`, two channels) read the same.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.parsing import Found, Parser, Reading
+from fieldkit.shapes import Array, Float
+from fieldkit.tables import heading, heading_or_damage, in_order, lines
+from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
+
+FLAGS = "bilba"
+CHANNELS: Mapping[str, tuple[str, Unit]] = {
+    "axial accel (gs)": ("felt", Unit(STANDARD_GRAVITY)),
+    "baro (atm)": ("pressure", UNITS["pressure"]["atm"]),
+    "[altitude (baro-ft-agl)]": ("altitude", Unit(FOOT)),
+    "altitude (ft-agl)": ("altitude", Unit(FOOT)),
+    "[altitude (baro-ft-asl)]": ("altitude_msl", Unit(FOOT)),
+    "[altitude (accel-ft)]": ("inertial_altitude", Unit(FOOT)),
+    "velocity (accel-ft/sec)": ("inertial_speed", Unit(FOOT)),
+    "[velocity (accel-ft/sec)]": ("inertial_speed", Unit(FOOT)),
+    "temperature (f)": ("temperature", UNITS["temperature"]["f"]),
+    "volts battery (v)": ("voltage", Unit(1.0)),
+}
+"""Channels by header, the logger's own before what was computed from them."""
+EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
+"""The place of each flag in a cell such as `b1100`."""
+
+
+def _fits(names: Sequence[str]) -> bool:
+    return len(names) >= 3 and len(names) % 3 == 0 and all(name == FLAGS for name in names[2::3])
+
+
+def recognises(head: bytes) -> bool:
+    return heading(head, _fits, (",",)) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", (",",))
+    places: dict[str, int] = {}
+    for name, (channel, _) in CHANNELS.items():
+        if name in head.names[1::3]:
+            places.setdefault(channel, head.names[1::3].index(name))
+    if not places:
+        raise DamagedLog("found no channel that is known, expected such as Baro (Atm)", row=head.row)
+    wanted = [Channel(f"time {place}", 3 * place) for place in dict.fromkeys(places.values())]
+    wanted += [Channel(name, 3 * place + 1, CHANNELS[head.names[3 * place + 1]][1]) for name, place in places.items()]
+    flags = {str(place): 3 * place + 2 for place in dict.fromkeys(places.values())}
+    whole = b"\n".join(_whole_rows(log, len(head.names) // 3))
+    table = read_columns(whole, wanted, after=head.row, widths={len(head.names)}, words=flags)
+    return [Reading(series=_clocks(table, places), events=_events(table), device="Raven"), *table.found]
+
+
+def _whole_rows(log: bytes, channels: int) -> Iterator[bytes]:
+    """The lines of a log with three cells for every channel, also for those that have ended."""
+    for line in lines(log):
+        if line.count(b",") == 3 * channels - 1:
+            yield line
+            continue
+        cells, place, row = line.rstrip(b"\r").split(b","), 0, list[bytes]()
+        for _ in range(channels):
+            ended = place < len(cells) and not cells[place].strip()
+            row += [b"", b"", b""] if ended else cells[place : place + 3]
+            place += 2 if ended else 3
+        yield b",".join(row) if place == len(cells) else line
+
+
+def _clocks(table: Table, places: Mapping[str, int]) -> tuple[Series, ...]:
+    """The samples, channels together that were taken at the same times."""
+    found: list[Series] = []
+    for name, place in places.items():
+        time, values = in_order(table.values[f"time {place}"], table.values[name])
+        if not len(time):
+            continue
+        same = next((i for i, series in enumerate(found) if np.array_equal(series.time, time)), None)
+        if same is None:
+            found.append(_series(Series(time=time), name, values))
+        else:
+            found[same] = _series(found[same], name, values)
+    if not found:
+        raise DamagedLog("found a header and no samples, expected at least one")
+    return tuple(found)
+
+
+def _series(series: Series, name: str, values: Float[Array, "time"]) -> Series:
+    return series if np.isnan(values).all() else replace(series, **{name: values})
+
+
+def _events(table: Table) -> dict[str, float]:
+    """When each flag is first set on any channel, for some end before others. [s]"""
+    events: dict[str, float] = {}
+    for place, (known, which) in table.words.items():
+        time = table.values[f"time {place}"]
+        for event, digit in EVENTS.items():
+            said = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
+            times = time[np.isin(which, said) & np.isfinite(time)]
+            if len(times):
+                events[event] = min(float(times.min()), events.get(event, np.inf))
+    return events
+
+
+PARSER = Parser("Raven (FIP export)", recognises, read)

@@ -1,0 +1,152 @@
+"""Missile Works RRC3, exported by mDACS: `Time,Altitude,Pressure,Velocity,Temperature,Events,Voltages`, 20 a second.
+
+The header bears no units: pressure is in mbar, and what it says of the height by the standard atmosphere proves
+whether altitude and velocity are in feet or in metres; where it proves neither they are left out. Temperature is
+in the degrees that go with them; it is filled once a second. Cells are parted by comma, TAB or semicolon (with
+decimal commas), the text is UTF-8 or UTF-16. The last rows can be garbage, and a log may stop at apogee.
+"""
+
+import re
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.columns import Channel, Table, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.logtext import decode
+from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.shapes import Array, Float
+from fieldkit.standard_air import pressure_height
+from fieldkit.tables import Heading, heading, heading_or_damage
+from fieldkit.units import UNITS, Unit
+
+NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
+WORDS = ("temperature", "events")
+"""Where there is no temperature the event stands in its place, so both are read as words."""
+MOST_WORDS = 300
+"""So many different words are looked at for events. [1]"""
+AIR = (100.0, 115_000.0)
+"""What an altimeter can measure at all. [Pa]"""
+CLIMB = 20.0
+"""Heights below this say nothing about units: noise is as large. [m]"""
+AGREES = 0.08
+"""How far the ratio of two heights may be from that of their units: air is not standard. [1]"""
+TAIL, JUMP = 3, 5_000.0
+"""A pressure that jumps so far from the row before, among so many last rows, is garbage. [1], [Pa]"""
+
+
+def _fits(names: Sequence[str]) -> bool:
+    return tuple(names[: len(NAMES)]) == NAMES
+
+
+def recognises(head: bytes) -> bool:
+    return heading(head, _fits) is not None
+
+
+def read(log: bytes) -> list[Found]:
+    head = heading_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
+    channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name not in WORDS]
+    table = read_columns(
+        log,
+        [replace(c, unit=UNITS["pressure"]["mbar"]) if c.name == "pressure" else c for c in channels],
+        after=head.row,
+        separator=head.separator,
+        decimal=_decimal(log, head),
+        words={name: NAMES.index(name) for name in WORDS},
+    )
+    parts, found = table.flights()
+    readings = [_reading(part, found) for part in parts]
+    if not any(readings):
+        raise DamagedLog("found pressures that are not in mbar, expected 1 to 1150", row=head.row, column="pressure")
+    return [*(reading for reading in readings if reading), *found]
+
+
+def _reading(table: Table, found: list[Found]) -> Reading | None:
+    """The flight of a table, or None if its pressures are of no air."""
+    events = _events(table)
+    table, garbage = _without_garbage(table)
+    pressure = table.get("pressure")
+    if pressure is None or not AIR[0] <= np.nanmedian(pressure) <= AIR[1]:
+        return None
+    series, note = _settled(table)
+    found += [note, *garbage]
+    return Reading(series=series, events=events, device="RRC3")
+
+
+def _events(table: Table) -> dict[str, float]:
+    """The words among the samples, each with the time of its first row. [s]"""
+    events: dict[str, float] = {}
+    for name in WORDS:
+        known, which = table.words[name]
+        for i, word in enumerate(known[:MOST_WORDS]):
+            if re.fullmatch(r"[A-Za-z][A-Za-z ]*", word.strip()) and (which == i).any():
+                when = float(table.values["time"][int(np.argmax(which == i))])
+                events[word.strip().lower()] = min(when, events.get(word.strip().lower(), when))
+    return events
+
+
+def _temperature(table: Table) -> Float[Array, "row"] | None:
+    """The temperature in the log's own degrees, or None."""
+    known, which = table.words["temperature"]
+    degrees = np.array([float(word) if re.fullmatch(r"\s*-?\d{1,3}([.]\d*)?\s*", word) else np.nan for word in known])
+    return None if np.isnan(degrees[which]).all() else degrees[which]
+
+
+def _decimal(log: bytes, head: Heading) -> str:
+    """The decimal mark: a comma where something else parts the cells and commas are in the first rows."""
+    rows = decode(log[:4096]).splitlines()[head.row : head.row + 10]
+    return "," if head.separator != "," and any("," in row for row in rows) else "."
+
+
+def _without_garbage(table: Table) -> tuple[Table, list[Found]]:
+    """The table up to the first of its last rows whose pressure cannot follow the one before."""
+    pressure = table.values["pressure"]
+    jumps = np.flatnonzero(np.abs(np.diff(pressure)) > JUMP) + 1
+    bad = [int(row) for row in jumps if row >= len(table) - TAIL]
+    if not bad:
+        return table, []
+    damaged = [
+        DamagedLog(
+            f"found {pressure[row] / 100:.2f} after {pressure[row - 1] / 100:.2f} mbar, expected no such jump",
+            row=int(table.rows[row]),
+            column="pressure",
+        )
+        for row in range(bad[0], len(table))
+    ]
+    return table.pick(slice(0, bad[0])), list(damaged)
+
+
+def _settled(table: Table) -> tuple[Series, Note]:
+    """The samples in SI, and by what the units were settled."""
+    time, pressure, printed = (table.values[name] for name in ("time", "pressure", "altitude"))
+    series = Series(time=time, pressure=pressure, voltage=table.get("voltages"))
+    height = pressure_height(np.clip(pressure, *AIR))
+    start = slice(0, 40)
+    if np.isnan(printed[start]).all() or np.isnan(height[start]).all():
+        return series, Note("begins without a pressure or an altitude: units cannot be settled, altitude left out")
+    ground = int(np.nanargmin(np.abs(np.where(np.isnan(height[start]), np.nan, printed[start]))))
+    climbed = height - height[ground]
+    far = np.abs(climbed) > CLIMB
+    ratio = float(np.nanmedian((printed - printed[ground])[far] / climbed[far])) if far.sum() >= 10 else np.nan
+    for length, degrees in (("m", "c"), ("ft", "f")):
+        unit = UNITS["length"][length]
+        if abs(ratio * unit.factor - 1) < AGREES:
+            return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
+                f"bears no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
+            )
+    return series, Note("bears no units and its pressures prove neither feet nor metres: altitude left out")
+
+
+def _in_units(series: Series, table: Table, length: Unit, degrees: Unit) -> Series:
+    altitude, velocity, temperature = table.get("altitude"), table.get("velocity"), _temperature(table)
+    return replace(
+        series,
+        altitude=None if altitude is None else altitude * length.factor,
+        speed=None if velocity is None else velocity * length.factor,
+        temperature=None if temperature is None else temperature * degrees.factor + degrees.offset,
+    )
+
+
+PARSER = Parser("RRC3 (mDACS)", recognises, read)

@@ -1,0 +1,55 @@
+"""The raw records of Altus Metrum's devices: clock, checksum, sensors."""
+
+import numpy as np
+import pytest
+
+from fieldkit.altos import Coefficients, mp3h6115, ms5607, net_acceleration, seconds, sound
+
+TYPICAL = Coefficients(46372, 43981, 29059, 27842, 31553, 28165)
+"""The worked example of the MS5607-02BA03 data sheet."""
+
+
+def test_pressure_is_that_of_the_data_sheets_example() -> None:
+    pressure, temperature = ms5607(np.array([6465444]), np.array([8077636]), TYPICAL)
+    assert pressure == [110002]
+    assert temperature == pytest.approx([293.15])
+
+
+def test_a_cold_sensor_is_compensated_to_the_second_order() -> None:
+    # by hand, from the formulas of the data sheet, in floating point
+    for counts in (7_000_000, 5_500_000):
+        dt = counts - 31553 * 256
+        warmth = 2000 + dt * 28165 / 2**23
+        t2, off2, sens2 = dt**2 / 2**31, 61 * (warmth - 2000) ** 2 / 16, 2 * (warmth - 2000) ** 2
+        if warmth < -1500:
+            off2 += 15 * (warmth + 1500) ** 2
+            sens2 += 8 * (warmth + 1500) ** 2
+        off = 43981 * 2**17 + 27842 * dt / 64 - off2
+        sens = 46372 * 2**16 + 29059 * dt / 128 - sens2
+        expected = (6465444 * sens / 2**21 - off) / 2**15
+        pressure, temperature = ms5607(np.array([6465444]), np.array([counts]), TYPICAL)
+        assert pressure == pytest.approx([expected], abs=5)  # integers round
+        assert temperature == pytest.approx([(warmth - t2) / 100 + 273.15], abs=0.02)
+
+
+def test_pressures_that_a_telemetrum_1_exported_are_whole_counts() -> None:
+    assert mp3h6115(np.array([21788, 21796, 21784])).round(2).tolist() == [84471.31, 84498.45, 84457.74]
+
+
+def test_a_clock_of_16_bits_goes_on_where_it_wraps_and_stands_where_it_steps_back() -> None:
+    assert seconds(np.array([65500, 65535, 10, 9, 11])).tolist() == pytest.approx(
+        [655.0, 655.35, 655.46, 655.46, 655.47]
+    )
+
+
+def test_a_record_is_sound_if_its_bytes_and_the_seed_add_up_to_nothing() -> None:
+    record = [ord("A"), 0, 1, 2, 3, 4, 5, 6]
+    record[1] = -(sum(record) + 0x5A) % 256
+    assert sound(np.array([record, [*record[:-1], 7]])).tolist() == [True, False]
+
+
+def test_acceleration_is_zero_on_the_pad_and_one_g_more_at_twice_the_weight() -> None:
+    counts = np.array([8158] * 10 + [8158 - 91])
+    assert net_acceleration(counts, 8158, 8158, 8340) == pytest.approx([0.0] * 10 + [9.80665])
+    assert net_acceleration(counts, 4000, 8158, 8340) is None
+    assert net_acceleration(counts, 8158, None, 8340) is None

@@ -1,0 +1,170 @@
+"""Numbers out of a table: every whole row, no other, and each damaged one told of in a line."""
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldkit import columns, logtext
+from fieldkit.columns import Channel, onward, read_columns
+from fieldkit.errors import DamagedLog
+from fieldkit.parsing import Note
+from fieldkit.units import UNITS, Unit
+
+CHANNELS = (Channel("time", 0, needed=True), Channel("altitude", 1, Unit(0.3048), header="Alt"))
+
+
+def told(table: columns.Table) -> list[str]:
+    return [f"note {item.row}" if isinstance(item, Note) else str(item) for item in table.found]
+
+
+def test_numbers_are_si_and_rows_are_those_of_the_file() -> None:
+    table = read_columns(b"Time,Alt\n0.0, 10\n\n0.1,20\n", CHANNELS, after=1)
+    assert table.values["altitude"] == pytest.approx([3.048, 6.096])
+    assert table.rows.tolist() == [2, 4]
+    assert not table.found
+
+
+def test_a_damaged_row_costs_itself_and_says_what_is_wrong_with_it() -> None:
+    log = b"Time,Alt\n0.0,10\n0.1,1o4\n0.2,20,5\n0.3,30\n,40\n0.5,inf\n0.6,50\n"
+    table = read_columns(log, CHANNELS, after=1, widths={2})
+    assert table.values["time"].tolist() == [0.0, 0.3, 0.6]
+    assert told(table) == [
+        "row 3, Alt: found '1o4', expected a number",
+        "row 4: found 3 cells, expected 2",
+        "row 6, time: found '', expected a number",
+        "row 7, Alt: found 'inf', expected a number",
+    ]
+
+
+@pytest.mark.parametrize("gap", ["", "  ", "NaN", "-", "None", "n/a"])
+def test_an_absent_number_is_nan_and_no_damage(gap: str) -> None:
+    table = read_columns(f"0,{gap},1\n1,5,2\n2,{gap},3\n".encode(), CHANNELS, after=0)
+    assert np.isnan(table.values["altitude"]).tolist() == [True, False, True]
+    assert not table.found
+
+
+@pytest.mark.parametrize("cell", ["1_0", "٣", "0x10", "1,5", "--1", "1e999", "12 3", "5ft"])
+def test_what_is_no_plain_number_is_never_taken_for_one(cell: str) -> None:
+    table = read_columns(f"0;1\n1;{cell}\n2;3\n".encode(), CHANNELS, after=0, separator=";")
+    assert table.values["time"].tolist() == [0, 2]
+    assert len(table.found) == 1
+
+
+def test_a_last_row_cut_off_is_a_note() -> None:
+    assert told(read_columns(b"0,10\n0.1,20\n0.", CHANNELS, after=0, widths={2})) == ["note 3"]
+    assert told(read_columns(b"0,10\n0.1,20\n0.\n", CHANNELS, after=0, widths={2})) != ["note 3"]
+
+
+def test_units_inside_cells_must_be_those_expected() -> None:
+    hot = Channel("temperature", 1, UNITS["temperature"]["f"], suffix="F")
+    table = read_columns(b"0,32F\n1,50.0 F\n2,10C\n3,\n", (CHANNELS[0], hot), after=0)
+    assert table.values["temperature"] == pytest.approx([273.15, 283.15, np.nan], nan_ok=True)
+    assert told(table) == ["row 3, temperature: found '10C', expected a number with F"]
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
+@pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
+def test_any_encoding_and_line_end_give_the_same_numbers(encoding: str, end: str) -> None:
+    text = end.join(["Temps;Höhe;wo", "0,5;10;a", "1,5;20;ü", "1,5;20;ü", ""])
+    table = read_columns(
+        text.encode(encoding) + bytes(8), CHANNELS, after=1, separator=";", decimal=",", words={"w": 2}
+    )
+    assert table.values["time"].tolist() == [0.5, 1.5, 1.5]
+    assert table.where("w", "a").tolist() == [0]
+    assert not table.found
+
+
+def test_words_and_remarks_are_kept_with_their_rows() -> None:
+    log = b"0,1,-\n0.1,2,-\n# Event APOGEE occurred at t=0.1 seconds\n0.2,3,Drogue\nx,3,-\n"
+    table = read_columns(log, CHANNELS, after=0, words={"event": 2}, comment="#")
+    assert table.where("event", "Drogue").tolist() == [2]
+    assert table.where("event", "Main").tolist() == []
+    assert table.remarks == ((3, "# Event APOGEE occurred at t=0.1 seconds"),)
+    assert len(table.found) == 1
+
+
+def test_blank_space_may_stand_between_cells() -> None:
+    table = read_columns(b"  0   10\n1\t20  \n2 -\n", CHANNELS, after=0, separator=None, widths={2})
+    assert table.values["altitude"] == pytest.approx([3.048, 6.096, np.nan], nan_ok=True)
+
+
+def test_a_stray_quotation_mark_costs_one_row() -> None:
+    table = read_columns(b'"0","10"\n1,"20\n2,30\n3,40\n', CHANNELS, after=0)
+    assert table.values["time"].tolist() in ([0, 2, 3], [0, 1, 2, 3])
+
+
+def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(logtext, "BLOCK", 64)
+    table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
+    assert table.values["time"].tolist() == [0, 2]
+    assert told(table) == ["row 2: found a line without end, or NUL, expected a row"]
+
+
+def test_many_damaged_rows_are_told_of_as_one() -> None:
+    log = b"".join(b"%d,1\nx,1\n" % i for i in range(500))
+    table = read_columns(log, CHANNELS, after=0)
+    assert len(table) == 500
+    assert told(table)[columns.MOST_TOLD :] == ["found 480 more rows that are damaged"]
+
+
+def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(logtext, "BLOCK", 256)
+    monkeypatch.setattr(columns, "MOST_NUMBERS", 2000)
+    log = b"".join(b"%d,1,%s\n" % (i, b"Main" if i == 3777 else b"-") for i in range(5000))
+    table = read_columns(log, CHANNELS, after=0, words={"event": 2})
+    assert len(table) * 4 <= 2000
+    assert table.values["time"][table.where("event", "Main")].tolist() == [3777]
+    steps = np.diff(np.delete(table.values["time"], [*table.where("event", "Main"), *table.where("event", "Main") + 1]))
+    assert (steps[:-1] <= 24).all()
+    assert told(table) == ["note None"]
+
+
+def test_nothing_to_read_is_a_damaged_log() -> None:
+    for log in (b"", b"\0" * 100, b"Time,Alt\n", b"Time,Alt\nx,y\n"):
+        with pytest.raises(DamagedLog):
+            read_columns(log, CHANNELS, after=1)
+
+
+def test_rows_out_of_order_are_left_out_and_told_of() -> None:
+    parts, found = read_columns(b"0,1\n1,1\n912,1\n2,1\n3,1\n0.5,1\n4,1\n", CHANNELS, after=0).flights()
+    assert [part.values["time"].tolist() for part in parts] == [[0, 1, 2, 3, 4]]
+    assert [str(error) for error in found] == [
+        "row 3: found time 912 out of its order, expected it to go on",
+        "row 6: found time 0.5 out of its order, expected it to go on",
+    ]
+
+
+def test_a_clock_that_starts_anew_starts_a_flight() -> None:
+    first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
+    parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
+    assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
+    assert found == [Note("repeats an earlier flight of this file, taken once", 17)]
+
+
+@given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
+def test_what_goes_onward_never_runs_backwards_and_could_not_be_longer(clock: list[int]) -> None:
+    kept = onward(np.array(clock, float))
+    assert (np.diff(np.array(clock)[kept]) >= 0).all()
+    best = [1] * len(clock)
+    for i, value in enumerate(clock):
+        best[i] += max((best[j] for j in range(i) if clock[j] <= value), default=0)
+    assert kept.sum() == max(best)
+
+
+@given(
+    st.lists(
+        st.tuples(st.sampled_from(["0", "1.5", "-2e3", "", "nan", "x", "-", " 7 ", '"8"', "1;2"]), st.integers(0, 9)),
+        max_size=60,
+    )
+)
+def test_blocks_read_as_rows_do_one_by_one(cells: list[tuple[str, int]]) -> None:
+    def values(lines: list[str]) -> list[tuple[float, float]]:
+        try:
+            table = read_columns("".join(lines).encode(), CHANNELS, after=0, widths={2})
+        except DamagedLog:
+            return []
+        return list(zip(table.values["time"], np.nan_to_num(table.values["altitude"], nan=-1.0), strict=True))
+
+    lines = [f"{time},{cell}\n" for cell, time in cells]
+    assert values(lines) == [row for line in lines for row in values([line])]
