@@ -7,7 +7,7 @@ from pathlib import Path
 
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Arrival, Ledger
 from fieldkit.parsing import CheckMotor, Rejected, read, read_together
 
@@ -101,15 +101,21 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     except OSError as error:
         return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
     try:
-        found = read(content, flight.log, check_motor).flights
+        found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
         return replace(arrival, log=content), [f"kept but not read: {error}"]
-    return replace(arrival, flight=_filled(flight, found), log=content), []
+    return replace(arrival, flight=_filled(flight, found.flights), log=content), list(found.notes)
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
-    """A flight with the readouts that its row leaves open, where the log is of one flight."""
+    """A flight with the readouts and extra columns that its row leaves open, where the log is of one flight."""
     found = list(found)
     if len(found) != 1:
         return flight
-    return flight.with_changes(**(found[0].readouts() | flight.readouts()))
+    if not found[0].extra:
+        return flight.with_changes(**(found[0].readouts() | flight.readouts()))
+    from fieldkit.recording import sd_header
+
+    typed = {sd_header(BY_NAME[name]) for name in flight.readouts()}
+    extra = {name: text for name, text in found[0].extra.items() if name not in typed} | dict(flight.extra)
+    return flight.with_changes(**(found[0].readouts() | flight.readouts()), extra=extra)

@@ -164,7 +164,7 @@ def read_together(
     wrote of one flight bring one flight, in the first of them that holds heights. Raises UnknownFormat or
     DamagedLog for the first file that cannot be used at all, before anything is taken from any.
     """
-    opened = _joined([(source, *_open(log, source, format)) for source, log in files])
+    opened = _joined([(source, *_opened(log, source, format)) for source, log in files])
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
     return [_intake(source, name, found, rockets, check_motor) for source, name, found in opened]
@@ -230,6 +230,18 @@ def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
     )
 
 
+def read_recordings(log: bytes, source: str, format: str | None = None) -> list[Reading]:
+    """The readings of a log that hold samples, flights and simulations, with the names of their flights.
+
+    Raises UnknownFormat or DamagedLog, also where the log has no samples.
+    """
+    _, found = _open(log, source, format)
+    readings = [item for item in found if isinstance(item, Reading) and item.clocks]
+    if not readings:
+        raise DamagedLog("found no samples, expected a log of heights over time", source=source)
+    return readings
+
+
 def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
     """The planned flights of a table, one a row and in order; readouts in it are left out.
 
@@ -277,6 +289,45 @@ def _open(log: bytes, source: str, format: str | None) -> tuple[str, Sequence[Fo
         raise DamagedLog(error.found, row=error.row, column=error.column, source=source) from error
 
 
+def _opened(log: bytes, source: str, format: str | None) -> tuple[str, Sequence[Found]]:
+    """The name of the parser that reads a log, and what it finds, samples told apart and measured."""
+    name, found = _open(log, source, format)
+    with_samples = [item for item in found if isinstance(item, Reading) and item.clocks]
+    if not with_samples:
+        return name, found
+    digest = hashlib.sha256(log).hexdigest()[:10]
+    told: list[Found] = []
+    for item in found:
+        if isinstance(item, Reading) and item.clocks and item.describes == "flight":
+            part = [id(one) for one in with_samples].index(id(item)) + 1
+            told += _recorded(item, name, digest, part, len(with_samples))
+        else:
+            told.append(item)
+    return name, told
+
+
+def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
+    """A reading with samples as one whose readouts are measured in them, and what is to be said of that.
+
+    Its flight is named after the bytes of its log, so that another way of measuring does not make it another flight;
+    the extra columns say which parser reads the log again, and which of its flights this is.
+    """
+    from fieldkit.recording import columns, measure
+
+    recorded = measure(reading.clocks, reading.events)
+    fields, extra = columns(recorded, reading.stated)
+    if not fields.get("flight_id"):
+        when = fields.get("date_time")
+        start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"
+        fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
+    told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
+    if parts > 1:
+        told["log_part"] = str(part)
+    known = {name: text for name, text in told.items() if text}
+    measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known})
+    return [measured, *(Note(text, reading.row) for text in recorded.notes)]
+
+
 def _intake(
     source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
@@ -287,6 +338,8 @@ def _intake(
         try:
             if isinstance(item, DamagedLog):
                 raise item
+            if isinstance(item, Reading) and item.describes == "simulation":
+                continue
             if isinstance(item, Reading) and item.describes == "rocket":
                 _flight(item)
             elif isinstance(item, Reading):
@@ -296,6 +349,8 @@ def _intake(
             rejected.append(Rejected(source, error.row, error.column, error.found))
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
         notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
+    if any(isinstance(item, Reading) and item.describes == "simulation" for item in found):
+        notes.append(Note(_SIMULATED.format(source)))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
@@ -304,6 +359,7 @@ def _intake(
     return Intake(source, format, flights, tuple(rejected), tuple(lines), places)
 
 
+_SIMULATED = "a simulation is no flight and is not taken in; `fieldkit compare FLIGHT {}` puts it beside one"
 _STRANGERS = (
     "{} rockets are known by their number alone and have no mass; "
     "import the file that lists the rockets together with this one"

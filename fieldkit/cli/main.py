@@ -21,6 +21,7 @@ GROUPS = (
     "capture",
     "add",
     "records",
+    "compare",
     "infer",
     "forecast",
     "loop",

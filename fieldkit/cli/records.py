@@ -1,11 +1,15 @@
 """Flights of the ledger: `flights`, `show`, `edit`, `tag`, `untag` and `remove`."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.replay import Recording
 
 app = typer.Typer()
 
@@ -59,10 +63,44 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
     with open_ledger(context) as ledger:
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
+        recording = _recording(ledger, flight) if found.log or "log_format" in found.extra else None
     if json:
-        print_json(document(found))
+        from fieldkit.cli.compare import document as measured
+
+        print_json(document(found) | ({"recording": measured(recording)} if recording else {}))
         return
     print_card(found, id)
+    if recording:
+        _print_events(recording)
+
+
+def _recording(ledger: "Ledger", id: str) -> "Recording | None":
+    """The samples of a flight, None where they cannot be read again: the card is printed all the same."""
+    from fieldkit.errors import FieldkitError
+    from fieldkit.replay import recording_of
+
+    try:
+        return recording_of(ledger, id)
+    except FieldkitError as error:
+        complain(f"note: {error}")
+        return None
+
+
+def _print_events(recording: "Recording") -> None:
+    """When what happened, on the clock of the log, and where each figure is from."""
+    from fieldkit.recording.words import TITLES, spoken
+
+    recorded = recording.recorded
+    if recorded.events:
+        say()
+        rows = [(name, f"{one.time:.2f} ± {one.sd:.2g} s", one.source) for name, one in recorded.events.items()]
+        print_table(("event", "on the log's clock", "by"), rows)
+    if recorded.figures:
+        say()
+        figures = [(TITLES[n], spoken(n, f.value, f.sd), f.source) for n in TITLES if (f := recorded.figures.get(n))]
+        print_table(("measured", "", "by"), figures)
+    for note in recorded.notes:
+        complain(f"note: {note}")
 
 
 @app.command()

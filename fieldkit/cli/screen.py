@@ -75,9 +75,12 @@ def print_card(flight: "Flight", id: str) -> None:
         ("Flight", id),
         *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
     ]
+    extra = dict(flight.extra)
     for column in COLUMNS:
-        lines.append((column.title, in_both_units(column.name, flight.number(column.name))))
-    lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
+        spread = extra.pop(f"{column.name}_sd_{column.suffix}", "")
+        value = in_both_units(column.name, flight.number(column.name))
+        lines.append((column.title, f"{value} ± {spread} {spelled(column.unit)}" if value and spread else value))
+    lines += [("Notes", flight.notes), ("Log", flight.log), *extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)
     for title, value in known:

@@ -1,0 +1,125 @@
+"""`fieldkit compare`: recordings of one flight beside each other."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.session import open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.recording.compare import Comparison
+    from fieldkit.replay import Recording
+
+app = typer.Typer()
+
+
+@app.command()
+def compare(
+    context: typer.Context,
+    what: Annotated[list[str], typer.Argument(metavar="A B...", help="Logs, simulation exports or flight ids.")],
+    format: Annotated[str | None, typer.Option(help="The parser to read the files with.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Compare recordings of one flight: two devices, or a flight with a simulation; the first is the measure."""
+    from pathlib import Path
+
+    from fieldkit.errors import NoFlights
+    from fieldkit.recording.compare import compare as against
+    from fieldkit.replay import recordings
+
+    found: list[Recording] = []
+    if all(Path(one).is_file() for one in what):
+        found = [recording for one in what for recording in recordings(None, one, format)]
+    else:
+        with open_ledger(context) as ledger:
+            found = [recording for one in what for recording in recordings(ledger, one, format)]
+    if len(found) < 2:
+        raise NoFlights(f"{what[0]}: found {len(found)} recording, expected two or more to compare")
+    compared = [against(found[0].recorded, other.recorded) for other in found[1:]]
+    if json:
+        print_json(_document(found, compared))
+        return
+    for recording in found:
+        for note in recording.recorded.notes:
+            complain(f"note: {recording.name}: {note}")
+    _print(found, compared)
+
+
+def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
+    """A table of figures, a column a recording, with what is how far apart."""
+    from fieldkit.recording.words import TITLES, spoken
+
+    headers = ["", *(recording.name for recording in found), *("apart" for _ in compared)]
+    rows = []
+    for name, title in TITLES.items():
+        figures = [recording.recorded.figures.get(name) for recording in found]
+        if any(figures):
+            apart = [comparison.differences.get(name) for comparison in compared]
+            cells = [spoken(name, figure.value, figure.sd) if figure else "" for figure in figures]
+            rows.append((title, *cells, *(_apart(name, one.value, one.apart) if one else "" for one in apart)))
+    print_table(headers, rows)
+    for recording, comparison in zip(found[1:], compared, strict=True):
+        if comparison.rms is not None and comparison.shift is not None:
+            say(
+                f"{recording.name}: heights differ by {comparison.rms:.3g} m rms "
+                f"over {comparison.seconds:.3g} s of ascent, its clock put forward by {comparison.shift:.2f} s"
+            )
+        else:
+            say(f"{recording.name}: no samples to lay over those of {found[0].name}")
+
+
+def _apart(name: str, value: float, apart: float | None) -> str:
+    from fieldkit.recording.words import spoken
+
+    sign = "+" if value >= 0 else ""
+    return sign + spoken(name, value, 0.0) + (f", {abs(apart):.1f} sd" if apart is not None else "")
+
+
+def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[str, object]:
+    """Recordings and comparisons as JSON, in the units of the flight table."""
+    from fieldkit.recording.words import at_the_edge, edge_header
+
+    return {
+        "recordings": [{"name": one.name, "kind": one.kind} | document(one) for one in found],
+        "compared": [
+            {
+                "with": found[0].name,
+                "name": other.name,
+                "shift_s": comparison.shift,
+                "rms_height_m": comparison.rms,
+                "ascent_s": comparison.seconds,
+                "differences": {
+                    edge_header(name): {
+                        "difference": at_the_edge(name, one.value),
+                        "sd": at_the_edge(name, one.sd),
+                        "in_sd": one.apart,
+                    }
+                    for name, one in comparison.differences.items()
+                },
+            }
+            for other, comparison in zip(found[1:], compared, strict=True)
+        ],
+    }
+
+
+def document(recording: "Recording") -> dict[str, object]:
+    """What was measured in a recording as JSON, in the units of the flight table."""
+    from fieldkit.recording.words import at_the_edge, edge_header
+
+    recorded = recording.recorded
+    return {
+        "figures": {
+            edge_header(name): {
+                "value": at_the_edge(name, one.value),
+                "sd": at_the_edge(name, one.sd),
+                "source": one.source,
+            }
+            for name, one in recorded.figures.items()
+        },
+        "stated": {edge_header(name): at_the_edge(name, value) for name, value in recording.stated.items()},
+        "events": {
+            name: {"time_s": one.time, "sd_s": one.sd, "source": one.source} for name, one in recorded.events.items()
+        },
+        "notes": list(recorded.notes),
+    }

@@ -1,0 +1,104 @@
+"""Thrust and drag as they were measured: what is left of the acceleration when gravity is taken out."""
+
+import numpy as np
+
+from fieldkit.recording.ascent import Ascent
+from fieldkit.recording.channels import Heights, Push
+from fieldkit.recording.records import Climb, Event, Figure, Forces
+from fieldkit.shapes import Array
+from fieldkit.standard_air import GRAVITY, standard_density
+
+_SLOWEST = 15.0
+"""Below this speed drag drowns in the errors of the acceleration. [m/s]"""
+_FUSED, _DERIVED, _DISTURBED = 0.02, 0.015, 0.03
+"""Error of a top speed, to it: with an accelerometer, from heights, from heights near the speed of sound. [1]"""
+_TRANSONIC = 270.0
+"""From about Mach 0.8 on, shocks disturb the pressure in the airframe. [m/s]"""
+_SCALE = 0.02
+"""Of an accelerometer's error, to the acceleration. [1]"""
+
+
+def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> Climb:
+    """The ascent between two times, with its standard deviations."""
+    inside = (ascent.time >= begin) & (ascent.time <= end)
+
+    def cut(values: Array) -> Array:
+        return np.asarray(values[..., inside])
+
+    return Climb(
+        cut(ascent.time),
+        cut(ascent.height),
+        cut(ascent.heights).std(axis=0),
+        cut(ascent.speed),
+        cut(ascent.speeds).std(axis=0),
+        cut(ascent.acceleration),
+        cut(ascent.accelerations).std(axis=0),
+        cut(ascent.time) <= burnout,
+        source,
+    )
+
+
+def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
+    """Push per mass and, in the coast, Cd·A per mass, from lift-off to what was ejected or to apogee.
+
+    An axial accelerometer gives the push as it is; else it is the smoothed vertical acceleration plus gravity, which
+    holds for a rocket that climbs straight.
+    """
+    flown = climb.time <= free
+    if flown.sum() < 5:
+        return None
+    time = climb.time[flown]
+    if push is not None and not push.vertical and push.time[0] <= time[0] and push.time[-1] >= time[-1]:
+        total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (push.felt[1:] + push.felt[:-1]) / 2)))
+        half = max(0.05, 1.5 * float(np.median(np.diff(push.time))))
+        after, before = np.interp(time + half, push.time, total), np.interp(time - half, push.time, total)
+        felt = (after - before) / (2 * half)
+        felt_sd, source = np.hypot(0.3, _SCALE * np.abs(felt)), push.source
+    else:
+        felt, felt_sd, source = climb.acceleration[flown] + GRAVITY, climb.acceleration_sd[flown], climb.source
+    speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
+    coasting = ~burning & (speed > _SLOWEST)
+    dynamic = 0.5 * standard_density(climb.height[flown] + pad_elevation) * speed**2
+    with np.errstate(divide="ignore", invalid="ignore"):
+        area = np.where(coasting, -felt / dynamic, np.nan)
+        area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
+    return Forces(
+        time - climb.time[0], climb.height[flown], speed, speed_sd, felt, felt_sd, burning, area, area_sd, source
+    )
+
+
+def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, source: str) -> Figure | None:
+    """Strongest acceleration from lift-off to top speed, net of gravity, over a twentieth of a second."""
+    if push is not None and not push.vertical:
+        inside = (push.time >= begin - 0.05) & (push.time <= burnout + 0.05)
+        time, felt = push.time[inside], push.felt[inside]
+        if time.size >= 8:
+            width = max(3, round(0.05 / float(np.median(np.diff(time)))))
+            smooth = np.convolve(felt, np.ones(width) / width, "valid")
+            value = float(smooth.max()) - GRAVITY
+            return Figure(value, float(np.hypot(_SCALE * value, 0.5)), push.source) if value > 0 else None
+    inside = (ascent.time >= begin) & (ascent.time <= burnout)
+    if not inside.any():
+        return None
+    place = int(np.argmax(ascent.acceleration[inside]))
+    value = float(ascent.acceleration[inside][place])
+    sd = np.hypot(float(ascent.accelerations[:, inside][:, place].std()), 0.15 * value)
+    return Figure(value, float(sd), source) if value > 2 * sd else None
+
+
+def boost_event(ascent: Ascent, begin: float, apogee: float, source: str) -> tuple[Event, Figure] | None:
+    """When the rocket was fastest and how fast, by the curve, with the spread of its draws."""
+    inside = (ascent.time >= begin) & (ascent.time <= apogee)
+    time = ascent.time[inside]
+    if time.size < 5:
+        return None
+    place = int(np.argmax(ascent.speed[inside]))
+    value = float(ascent.speed[inside][place])
+    moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
+    sd = np.hypot(
+        1.4826 * np.median(np.abs(moments - time[place])),
+        0.02 if ascent.fused else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd),
+    )
+    spread = float(ascent.speeds[:, inside][:, place].std())
+    least = _FUSED if ascent.fused else _DERIVED if value < _TRANSONIC else _DISTURBED
+    return Event(float(time[place]), float(sd), source), Figure(value, float(np.hypot(spread, least * value)), source)

@@ -1,0 +1,103 @@
+"""Where in a log the flight is: pad, rise, top and fall, roughly and robustly, for the fits to start from."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.recording.channels import Heights
+from fieldkit.recording.numbers import median_step, running_median
+from fieldkit.shapes import Array, Float
+
+LEAST_GAIN = 5.0
+"""A rise that is less is no flight. [m]"""
+LEAST_SPEED = 5.0
+"""A rise that is slower throughout is no flight. [m/s]"""
+LONGEST_CLIMB = 120.0
+"""From lift-off to apogee, at most. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Outline:
+    """Times on the log's clock [s], and heights as it has them [m].
+
+    `lift` is None where the log begins in flight, `down` (the top was passed) False where it ends before apogee.
+    `pad` and `pad_sd` are the level before lift-off; `fastest` is when the climb was fastest.
+    """
+
+    lift: float | None
+    fastest: float
+    top: float
+    down: bool
+    pad: float
+    pad_sd: float
+    top_height: float
+    calm: Float[Array, "time"]
+    """The heights through a running median of about a second. [m]"""
+
+
+def outline(track: Heights) -> Outline | None:
+    """The flight in a height channel, or None where nothing rises as a rocket does."""
+    time, height = track.time, track.height
+    step = median_step(time)
+    calm = running_median(height, int(np.clip(1.0 / step, 3, 201)) | 1)
+    top = int(np.argmax(calm))
+    from_ = int(np.searchsorted(time, time[top] - LONGEST_CLIMB))
+    if top - from_ < 3:
+        return None
+    reach = max(1, round(0.25 / step))
+    climb = np.maximum.accumulate(running_median(height, max(3, reach | 1))[from_ : top + 1])
+    speed = _slope(time[from_ : top + 1], climb, reach)
+    fastest = int(np.argmax(speed))
+    lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
+    start = from_ + lift if lift is not None else from_
+    pad, pad_sd = _pad(track, time[start] if lift is not None else None)
+    gain = calm[top] - (pad if lift is not None or track.zeroed else height[from_])
+    if gain < max(LEAST_GAIN, 8 * track.noise) or speed[fastest] < LEAST_SPEED:
+        return None
+    fall = calm[top] - calm[top:].min()
+    down = bool(fall > max(1.5, 4 * track.noise) and time[-1] - time[top] > 2 * step)
+    return Outline(
+        float(time[start]) if lift is not None else None,
+        float(time[from_ + fastest]),
+        float(time[top]),
+        down,
+        pad,
+        pad_sd,
+        float(calm[top]),
+        calm,
+    )
+
+
+def _slope(time: Float[Array, "_"], height: Float[Array, "_"], reach: int) -> Float[Array, "_"]:
+    """Speed over `reach` samples to both sides. [m/s]"""
+    before = np.maximum(np.arange(time.size) - reach, 0)
+    after = np.minimum(np.arange(time.size) + reach, time.size - 1)
+    return np.asarray((height[after] - height[before]) / np.maximum(time[after] - time[before], 1e-9))
+
+
+def _lift(
+    time: Float[Array, "_"], climb: Float[Array, "_"], speed: Float[Array, "_"], fastest: int, least: float
+) -> int | None:
+    """The last sample before the climb that is not part of it; None where the log begins in the climb.
+
+    Near the speed of sound the air around a rocket can make it seem to stand still or to fall for a while; so a
+    sample counts as quiet only where nothing rose in the ten seconds before.
+    """
+    earlier = climb[np.searchsorted(time, time - 10)]
+    quiet = (speed < max(0.06 * speed[fastest], 1.0)) & (climb - earlier < least)
+    before = np.flatnonzero(quiet[:fastest])
+    return int(before[-1]) if before.size and before[-1] >= 1 else None
+
+
+def _pad(track: Heights, lift: float | None) -> tuple[float, float]:
+    """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
+
+    Without such samples it is what the logger took for zero, which drifts by a metre or so while it waits.
+    """
+    if lift is not None:
+        before = (track.time < lift - 0.1) & (track.time > lift - 10)
+        if before.sum() < 3:
+            before = track.time <= lift
+        if before.sum() >= 3:
+            return float(np.median(track.height[before])), track.noise / np.sqrt(min(before.sum(), 10))
+    return (0.0, 1.0) if track.zeroed else (float(track.height[0]), 3.0)

@@ -1,0 +1,119 @@
+"""A curve through noisy heights whose acceleration wanders: its posterior, its derivatives, and draws of it.
+
+The height is a cubic spline on even knots. Between knots its acceleration takes a random step of variance
+`wander` × interval, which is the third-order smoothing spline in its state-space form (Wahba 1978; Kohn and Ansley
+1987); `wander` may change from phase to phase. Observations are heights with normal errors; Student's t errors
+come about by weights that are set anew after each fit (Lange, Little and Taylor 1989). All matrices are banded, so a
+fit costs time in proportion to the number of knots.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float, Int, Integers
+
+_DEGREE = 3
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Grid:
+    """Even knots over a stretch of time. [s]"""
+
+    start: float
+    step: float
+    count: int
+
+    @property
+    def time(self) -> Float[Array, "knot"]:
+        """The knots. [s]"""
+        return np.asarray(self.start + self.step * np.arange(self.count + 1), float)
+
+    @property
+    def middles(self) -> Float[Array, "interval"]:
+        """The middles of the intervals between knots. [s]"""
+        return np.asarray(self.start + self.step * (np.arange(self.count) + 0.5), float)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rows:
+    """Four basis splines that are not zero at each of some times, and the first one's number."""
+
+    first: Int[Integers, "time"]
+    value: Float[Array, "time four"]
+
+
+def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> Rows:
+    """The basis splines, or a derivative of them, at times within the grid (those outside go to its ends)."""
+    place = np.clip((time - grid.start) / grid.step, 0, grid.count * (1 - 1e-12))
+    first = np.floor(place).astype(np.int64)
+    u = place - first
+    table = {
+        0: [(1 - u) ** 3 / 6, (3 * u**3 - 6 * u**2 + 4) / 6, (-3 * u**3 + 3 * u**2 + 3 * u + 1) / 6, u**3 / 6],
+        1: [-((1 - u) ** 2) / 2, (3 * u**2 - 4 * u) / 2, (-3 * u**2 + 2 * u + 1) / 2, u**2 / 2],
+        2: [1 - u, 3 * u - 2, 1 - 3 * u, u],
+    }[order]
+    return Rows(first, np.stack(table, axis=-1) / grid.step**order)
+
+
+def apply(rows: Rows, coefficients: Float[Array, "*draw knot"]) -> Float[Array, "*draw time"]:
+    """The curve of coefficients, one or many, at the times of `rows`."""
+    return np.asarray(sum(rows.value[:, k] * coefficients[..., rows.first + k] for k in range(_DEGREE + 1)))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Fit:
+    """The posterior of a curve: mean coefficients, Cholesky factor of their precision, and the log evidence."""
+
+    grid: Grid
+    mean: Float[Array, "knot"]
+    factor: Float[Array, "band knot"]
+    evidence: float
+
+    def draws(self, count: int, random: np.random.Generator) -> Float[Array, "draw knot"]:
+        """Coefficients drawn from the posterior."""
+        from scipy.linalg.lapack import dtbtrs
+
+        noise = random.standard_normal((self.mean.size, count))
+        away, _ = dtbtrs(self.factor, noise, uplo="L", trans="T")
+        return np.asarray(self.mean + away.T)
+
+
+def fit(
+    grid: Grid,
+    rows: Rows,
+    height: Float[Array, "time"],
+    precision: Float[Array, "time"],
+    wander: Float[Array, "interval"],
+) -> Fit:
+    """The posterior of the curve.
+
+    `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `wander` the
+    variance that acceleration gains in a second, for each interval [m^2/s^5].
+    """
+    from scipy.linalg import cho_solve_banded, cholesky_banded
+
+    size = grid.count + _DEGREE
+    band = np.zeros((_DEGREE + 1, size))
+    right = np.zeros(size)
+    for j in range(_DEGREE + 1):
+        right += np.bincount(rows.first + j, precision * rows.value[:, j] * height, size)
+        for k in range(j + 1):
+            product = precision * rows.value[:, j] * rows.value[:, k]
+            band[j - k] += np.bincount(rows.first + k, product, size)
+    weight = 1 / (wander * grid.step**5)
+    for j, left in enumerate((-1, 3, -3, 1)):
+        for k, other in enumerate((-1, 3, -3, 1)[: j + 1]):
+            band[j - k, k : k + grid.count] += weight * left * other
+    band[0] += 1e-9  # of a curve that no sample ties down
+    factor = cholesky_banded(band, lower=True)
+    mean = cho_solve_banded((factor, True), right)
+    counted = precision > 0
+    evidence = 0.5 * (
+        np.log(precision[counted]).sum()
+        + np.log(weight).sum()
+        - 2 * np.log(factor[0]).sum()
+        - (precision * height**2).sum()
+        + mean @ right
+    )
+    return Fit(grid, mean, factor, float(evidence))

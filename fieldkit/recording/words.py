@@ -1,0 +1,29 @@
+"""Measured figures at the edge: their titles, their columns' names and units."""
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from fieldkit import units
+from fieldkit.flight import BY_NAME, READOUTS
+
+TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in READOUTS} | {"time_to_apogee": "Time to apogee"})
+"""Titles of the figures, in the order of the readouts."""
+
+
+def edge_header(name: str) -> str:
+    """A figure's column, unit and all: `apogee_m`."""
+    return BY_NAME[name].header if name in BY_NAME else f"{name}_s"
+
+
+def at_the_edge(name: str, value: float) -> float:
+    """An SI value, or a difference of two, in the unit of its column; no figure's unit has an offset."""
+    column = BY_NAME.get(name)
+    return value if column is None else units.unit(column.quantity, column.unit).from_si(value)
+
+
+def spoken(name: str, value: float, sd: float) -> str:
+    """A figure as it is printed: `553.7 ± 0.7 m`."""
+    column = BY_NAME.get(name)
+    unit = column.unit if column else "s"
+    spread = f" ± {at_the_edge(name, sd):.2g}" if sd > 0 else ""
+    return f"{at_the_edge(name, value):.4g}{spread} {unit}"
