@@ -91,16 +91,21 @@ def _verdict(found: Findings) -> dict[str, Any]:
     return {
         "effect": diagnosis.effect,
         "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
-        "why": diagnosis.why,
+        "why": _begun(diagnosis.why),
         "also": ", ".join(diagnosis.also),
-        "goes_with": found.unexplained.in_words.capitalize() if found.unexplained else "",
+        "goes_with": _begun(found.unexplained.in_words) if found.unexplained else "",
         "widened": f"{found.unexplained.widened:.2f}" if found.unexplained else "",
     }
 
 
+def _begun(sentence: str) -> str:
+    """With a capital at the front; names within stay as they are."""
+    return sentence[:1].upper() + sentence[1:]
+
+
 def _figures(found: Findings) -> list[dict[str, str]]:
     before, after = found.left_out.before.score, found.left_out.after.score
-    sure = f"{found.diagnosis.confidence:.0%}"
+    sure = f"{found.diagnosis.confidence:.0%}" if found.diagnosis.confidence < 0.995 else "over 99%"
     figures = [{"value": f"{before.mae:.1f} m", "what": "mean error of flights left out, before"}]
     if found.diagnosis.effect != "none":
         figures.append({"value": f"{after.mae:.1f} m", "what": "after"})
@@ -171,7 +176,7 @@ def _flights(diagnosis: Diagnosis) -> list[dict[str, str]]:
         rows.append(
             {
                 "id": flight.flight_id,
-                "date": f"{flight.date_time:%Y-%m-%d %H:%M}" if flight.date_time else "",
+                "date": f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
                 "config": flight.config,
                 "motor": flight.motor,
                 "apogee": "" if flight.apogee is None else f"{flight.apogee:.1f}",
