@@ -69,6 +69,7 @@ def print_card(flight: "Flight", id: str) -> None:
     """Print what is known of a flight, a line each, in both units."""
     from fieldkit.entry import answer_text
     from fieldkit.flight import COLUMNS
+    from fieldkit.measures import spelled
 
     texts = ("rocket", "config", "motor", "date_time", "site", "tags")
     lines = [

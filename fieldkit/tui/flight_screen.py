@@ -3,7 +3,7 @@
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -37,6 +37,87 @@ class Said:
     drag_name: str
     thrust: Float[Array, "draw"]
     warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One channel of a log, thinned to what a screen can show, in the units it is drawn in."""
+
+    title: str
+    time: list[float]
+    values: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A log as it is drawn: its channels, and its events by name and time from the start of the clock. [s]"""
+
+    device: str
+    traces: dict[str, Trace]
+    events: dict[str, float]
+
+
+TRACES = ("altitude", "speed", "acceleration")
+"""What is drawn of a log, from top to bottom."""
+POINTS = 400
+"""Samples that are drawn of a channel: more than the widest screen has dots."""
+
+
+def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
+    """The log of a flight as traces, or in words why there is none to draw."""
+    import numpy as np
+
+    from fieldkit import units
+    from fieldkit.measures import spelled, unit_of
+    from fieldkit.replay import recording_of
+
+    found = recording_of(ledger, id)
+    if found is None or found.reading is None:
+        return "no log with samples is kept with this flight"
+    columns = {"altitude": BY_NAME["apogee"], "speed": BY_NAME["top_speed"], "acceleration": BY_NAME["peak_accel"]}
+    climb = found.recorded.climb
+    traces: dict[str, Trace] = {}
+    for name, column in columns.items():
+        clock = next((one for one in found.reading.clocks if getattr(one, name) is not None), None)
+        if clock is not None:
+            time, values = clock.time, getattr(clock, name)
+        elif climb is not None:
+            time, values = climb.time, getattr(climb, "height" if name == "altitude" else name)
+        else:
+            continue
+        good = np.isfinite(values)
+        every = max(1, int(good.sum()) // POINTS)
+        unit = unit_of(column, system)
+        scale = units.unit(column.quantity, unit)
+        measured = "" if clock is not None else ", from the heights"
+        traces[name] = Trace(
+            f"{name} [{spelled(unit)}]{measured}",
+            time[good][::every].tolist(),
+            [scale.from_si(value) for value in values[good][::every].tolist()],
+        )
+    return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
+
+
+def draw_trace(trace: Trace, events: dict[str, float], plt: Any, ink: Any) -> None:
+    """A channel against time, with a line at each event; its name stands below."""
+    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
+    inside = {name: time for name, time in events.items() if trace.time[0] <= time <= trace.time[-1]}
+    low, high = min(trace.values), max(trace.values)
+    for time in inside.values():
+        plt.plot([time, time], [low, high], marker="│", color=ink.mark)
+    ends = {f"{trace.time[-1]:.0f} s": trace.time[-1]}
+    ticks = _apart({**inside, **ends}, (trace.time[-1] - trace.time[0]) / 8)
+    plt.xticks(list(ticks.values()), list(ticks))
+    plt.yfrequency(3)
+
+
+def _apart(ticks: dict[str, float], least: float) -> dict[str, float]:
+    """Labels far enough from each other to be read, the earlier ones first."""
+    kept: dict[str, float] = {}
+    for name, time in sorted(ticks.items(), key=lambda item: item[1]):
+        if all(abs(time - other) > least for other in kept.values()):
+            kept[name] = time
+    return kept
 
 
 @dataclass(frozen=True, slots=True)
@@ -112,6 +193,9 @@ class FlightScreen(PageScreen):
     FlightScreen Plot { height: 7; margin-bottom: 1; }
     FlightScreen.-tall Plot { height: 11; }
     FlightScreen #hills { height: auto; }
+    FlightScreen #log { height: auto; }
+    FlightScreen #log Plot { height: 9; border-top: solid $border-blurred; margin: 0; }
+    FlightScreen.-tall #log Plot { height: 11; }
     FlightScreen #hills Vertical { height: auto; width: 1fr; }
     FlightScreen #all #hills Static { margin-bottom: 0; }
     FlightScreen.-narrow #columns, FlightScreen.-narrow #hills, FlightScreen.-normal #hills { layout: vertical; }
@@ -140,6 +224,10 @@ class FlightScreen(PageScreen):
                             yield Static("", id=f"{name}-title")
                             yield Plot(id=name)
                 yield Static("", id="doubts")
+                with Vertical(id="log"):
+                    yield Static("", id="log-title")
+                    for name in TRACES:
+                        yield Plot(id=f"log-{name}")
 
     def on_mount(self) -> None:
         """Keys scroll."""
@@ -164,6 +252,26 @@ class FlightScreen(PageScreen):
         self.ask(
             _or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast"
         )
+
+        self.ask(_or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
+
+    def _have_log(self, log: Drawn | str) -> None:
+        from fieldkit.tui.plots import Plot
+
+        title = self.query_one("#log-title", Static)
+        for name in TRACES:
+            trace = log.traces.get(name) if isinstance(log, Drawn) else None
+            plot = self.query_one(f"#log-{name}", Plot)
+            plot.display = trace is not None
+            if trace is not None and isinstance(log, Drawn) and len(trace.time) > 1:
+                plot.border_title = trace.title
+                plot.show(partial(draw_trace, trace, log.events))
+        if isinstance(log, str):
+            title.update(Content(printable(log)))
+            return
+        marks = "  ".join(f"{name} {time:.2f} s" for name, time in sorted(log.events.items(), key=lambda one: one[1]))
+        title.update(Content.assemble(("Log", "b $primary"), printable(f"  {log.device}\n{marks}")))
+        self._text.append(f"Log  {marks}")
 
     def _have_said(self, said: Said | str) -> None:
         from fieldkit.tui.plots import Plot, draw_density
