@@ -16,9 +16,9 @@ def lines(heading: str, pairs: Pairs, width: int = 0) -> Content:
     """A heading and `name  value` lines; the values are data and mean nothing but themselves."""
     known = [(name, printable(value)) for name, value in pairs if value]
     width = width or max((len(name) for name, _ in known), default=0)
-    parts: list[str | tuple[str, str]] = [(heading, "b $primary")] if heading else []
+    parts: list[str | tuple[str, str]] = [(printable(heading), "b $primary")] if heading else []
     for name, value in known:
-        parts += ["\n" if parts else "", (f"{name:{width}}", "$text-muted"), "  ", (value, "b")]
+        parts += ["\n" if parts else "", (f"{printable(name):{width}}", "$text-muted"), "  ", (value, "b")]
     return Content.assemble(*parts)
 
 
@@ -42,7 +42,7 @@ def heading(flight: Flight, id: str) -> str:
     """A flight in a line: `2 · Astra A · F24-4W · 2026-05-01 10:30`."""
     rocket = " ".join(part for part in (flight.rocket, flight.config) if part)
     parts = (id, rocket, flight.motor, answer_text(flight, "date_time"))
-    return " · ".join(part for part in parts if part)
+    return printable(" · ".join(part for part in parts if part))
 
 
 def tags(flight: Flight) -> list[tuple[str, str]]:

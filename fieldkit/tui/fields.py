@@ -18,6 +18,20 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.bars import KeyBar
 
 
+class Line(Input):
+    """A line in which a question mark asks for help, unless it `takes_marks`."""
+
+    def __init__(self, text: str, *, takes_marks: bool, id: str) -> None:
+        super().__init__(text, id=id, select_on_focus=True)
+        self.takes_marks = takes_marks
+        self.cursor_blink = False
+
+    def check_consume_key(self, key: str, character: str | None = None) -> bool:
+        """Whether a key is a letter here."""
+        asks = character == "?" and not self.takes_marks
+        return super().check_consume_key(key, character) and not asks
+
+
 class Field(Horizontal):
     """A question, its answer, and a note on the answer."""
 
@@ -39,9 +53,7 @@ class Field(Horizontal):
     def compose(self) -> Iterable[Widget]:
         """Label, line, note."""
         yield Label(self.question.title if self.question.name != "config" else "Config")
-        line = Input(self._text, id=f"in-{self.question.name}", select_on_focus=True)
-        line.cursor_blink = False
-        yield line
+        yield Line(self._text, takes_marks=self.question.name == "notes", id=f"in-{self.question.name}")
         yield Static("", classes="note")
 
     @property

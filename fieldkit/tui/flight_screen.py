@@ -194,7 +194,8 @@ class FlightScreen(PageScreen):
     FlightScreen.-tall Plot { height: 11; }
     FlightScreen #hills { height: auto; }
     FlightScreen #log { height: auto; }
-    FlightScreen #log Plot { height: 9; border-top: solid $border-blurred; margin: 0; }
+    FlightScreen #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
+        border-title-color: $foreground; }
     FlightScreen.-tall #log Plot { height: 11; }
     FlightScreen #hills Vertical { height: auto; width: 1fr; }
     FlightScreen #all #hills Static { margin-bottom: 0; }
@@ -264,7 +265,7 @@ class FlightScreen(PageScreen):
             plot = self.query_one(f"#log-{name}", Plot)
             plot.display = trace is not None
             if trace is not None and isinstance(log, Drawn) and len(trace.time) > 1:
-                plot.border_title = trace.title
+                plot.border_title = Content(trace.title)
                 plot.show(partial(draw_trace, trace, log.events))
         if isinstance(log, str):
             title.update(Content(printable(log)))

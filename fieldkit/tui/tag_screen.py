@@ -132,7 +132,7 @@ class TagScreen(PageScreen):
         if tag == OWN:
             self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
         else:
-            self._change(tag, tag not in flight.tags)
+            self._change(tag)
 
     def _own(self, text: str | None) -> None:
         if text and text.strip():

@@ -139,7 +139,7 @@ class AddScreen(PageScreen):
         if draft:
             self.tell("a flight was typed halfway: it goes on here; ^N starts anew")
         first = self.field(READ[0]).line
-        if self.focused is first and not first.value:
+        if self.focused is first and READ[0] not in typed:
             named = [name for name in SETUP[:3] if not self.field(name).line.value]
             unread = [name for name in READ if name not in self._touched]
             self.field((named or unread or READ)[0]).line.focus()
@@ -231,8 +231,7 @@ class AddScreen(PageScreen):
         lines, ratio = [], identity(self._flight)
         if ratio is not None:
             fits = IDENTITY[0] <= ratio <= IDENTITY[1]
-            end = "✓" if fits else "! expected about 1, one of the three is mistyped"
-            lines.append(f"speed / (avg acceleration × burn) = {ratio:.2f} {end}")
+            lines.append(f"speed / (average × burn) = {ratio:.2f} {'✓' if fits else '! expected about 1'}")
         apogee, eject = self._flight.apogee, self._flight.eject_altitude
         if apogee is not None and eject is not None:
             below = measure(READOUTS[0], abs(apogee - eject), self.desk.settings.units)
@@ -382,12 +381,6 @@ class AddScreen(PageScreen):
     def resting_place(self) -> Widget | None:
         """The button: from it the keys of the app work."""
         return self.query_one("#save", Button)
-
-    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """A question mark is a letter in the notes."""
-        if action == "help" and isinstance(self.focused, Input) and self.focused.id == "in-notes":
-            return False
-        return super().check_action(action, parameters)
 
     def copied(self) -> str:
         """The form as text."""

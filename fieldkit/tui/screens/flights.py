@@ -66,7 +66,7 @@ def _date(form: str) -> Callable[[Row, str], str]:
 
 def _columns(width: int) -> list[Shown]:
     """All ten columns in any width: narrow ones shorten the date and the tags."""
-    wide, tight = width >= 118, width < 76
+    wide, tight = width >= 108, width < 76
     return [
         Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
         Shown(
@@ -200,8 +200,12 @@ class FlightsScreen(PageScreen):
         self.query_one(Table).refresh()
         self._infer()
 
+    def _shown(self) -> list[Shown]:
+        """The columns, as wide as the table has room for."""
+        return _columns(self.query_one(Table).size.width)
+
     def _sorted(self, rows: Iterable[Row]) -> list[Row]:
-        return sorted(rows, key=_columns(self.size.width)[self._sort].order, reverse=self._down)
+        return sorted(rows, key=self._shown()[self._sort].order, reverse=self._down)
 
     @on(Input.Changed)
     def _filtered(self) -> None:
@@ -212,7 +216,7 @@ class FlightsScreen(PageScreen):
         words = self.query_one(Input).value.lower().split()
         rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
         system = self.desk.settings.units
-        shown = _columns(self.size.width)
+        shown = self._shown()
         arrow = "▼" if self._down else "▲"
         heads = [Head(c.title + (arrow if n == self._sort else ""), c.width, c.right) for n, c in enumerate(shown)]
         self.query_one(Table).show(
@@ -271,7 +275,7 @@ class FlightsScreen(PageScreen):
 
     def action_sort(self) -> None:
         """By the next column."""
-        self._sort = (self._sort + 1) % len(_columns(self.size.width))
+        self._sort = (self._sort + 1) % len(self._shown())
         self._down = self._sort in (1, 5, 8)
         self._refill()
 

@@ -38,6 +38,11 @@ class Look:
     trouble: str = ""
 
 
+def told(folder: Path) -> str:
+    """A folder as it is named above its files."""
+    return str(folder)
+
+
 def listed(folder: Path) -> list[Path]:
     """Folders and then files, without hidden ones. Raises FieldkitError where they cannot be read."""
     try:
@@ -116,7 +121,7 @@ class ImportScreen(PageScreen):
 
     def _listed(self, folder: Path, mark: Path | None, paths: list[Path]) -> None:
         self._folder = folder
-        self.query_one("#where", Static).update(Content(printable(str(folder))))
+        self.query_one("#where", Static).update(Content(printable(told(folder))))
         rows = {path: _row(path) for path in paths}
         table = self.query_one("#files", Table)
         table.show([Head("file", 0), Head("size", 7, True)], paths, rows.__getitem__)

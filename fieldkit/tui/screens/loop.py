@@ -83,7 +83,7 @@ class LoopScreen(PageScreen):
     LoopScreen #p-Residuals Static { text-style: bold; }
     LoopScreen.-wide #tabs { display: none; }
     LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 2fr 2fr 1fr; }
-    LoopScreen.-wide .panel { display: block; border: round $border-blurred; }
+    LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
     LoopScreen.-wide #p-Versions { column-span: 2; }
     """
 
