@@ -86,6 +86,8 @@ def unreadable(pilot: Pilot[None], theme: str) -> Iterator[str]:
         text, style = segment.text.strip(), segment.style
         if not text or style is None or style.color is None or style.bgcolor is None:
             continue
+        if theme != "sun" and not any(map(str.isalnum, text)):
+            continue  # frames and bars; in the sun they are as black as the letters
         ratio = contrast(style.color, style.bgcolor)
         if ratio < LEAST[theme] or (style.dim and theme == "sun"):
             yield f"{text!r} {ratio:.2f}"

@@ -84,7 +84,7 @@ class AskText(ModalScreen[str | None]):
             frame.border_title = Content(printable(self._title))
             if self._about:
                 yield Static(Content(printable(self._about)))
-            yield Input(self._text, select_on_focus=True)
+            yield Input(printable(self._text), select_on_focus=True)
             yield KeyBar()
 
     def on_mount(self) -> None:

@@ -48,18 +48,29 @@ class Field(Horizontal):
 
     def __init__(self, question: Question, *, short: bool = False, text: str = "") -> None:
         super().__init__(id=f"field-{question.name}", classes="-short" if short else "")
-        self.question, self._text = question, text
+        self.question, self._meant = question, text
 
     def compose(self) -> Iterable[Widget]:
         """Label, line, note."""
         yield Label(self.question.title if self.question.name != "config" else "Config")
-        yield Line(self._text, takes_marks=self.question.name == "notes", id=f"in-{self.question.name}")
+        yield Line(printable(self._meant), takes_marks=self.question.name == "notes", id=f"in-{self.question.name}")
         yield Static("", classes="note")
 
     @property
     def line(self) -> Input:
         """Where the answer is typed."""
         return self.query_one(Input)
+
+    @property
+    def answer(self) -> str:
+        """What was typed, or what was filled in as it was meant: a line shows no escapes, a name may have some."""
+        text = self.line.value.strip()
+        return self._meant if text == printable(self._meant).strip() else text
+
+    def fill(self, text: str) -> None:
+        """Put an answer in the line."""
+        self._meant = text
+        self.line.value = printable(text)
 
     def note(self, text: str) -> None:
         """Say something about the answer."""
@@ -116,7 +127,7 @@ class Form(ModalScreen[dict[str, object] | None]):
 
     def _read(self, field: Field) -> tuple[object, str]:
         """The value of a field, and a note on it that begins with a cross where it cannot be read."""
-        name, text = field.question.name, field.line.value.strip()
+        name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:
             return read_answer(name, "" if text == NOTHING else text, unit), spelled(unit)

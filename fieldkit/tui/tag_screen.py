@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
+from threading import Lock
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -71,6 +72,7 @@ class TagScreen(PageScreen):
         self._flight_id = id
         self._flight: Flight | None = None
         self._before: Shift | None = None
+        self._one_at_a_time = Lock()
 
     def body(self) -> Iterable[Widget]:
         """The flight, the tags, the effect."""
@@ -126,8 +128,8 @@ class TagScreen(PageScreen):
     @on(Table.Chosen)
     def action_toggle_tag(self) -> None:
         """Put the tag under the cursor on the flight, or take it off."""
-        tag, flight = self.query_one(Table).current, self._flight
-        if flight is None:
+        tag = self.query_one(Table).current
+        if self._flight is None:
             return
         if tag == OWN:
             self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
@@ -136,15 +138,18 @@ class TagScreen(PageScreen):
 
     def _own(self, text: str | None) -> None:
         if text and text.strip():
-            self._change(text.strip(), True)
+            self._change(text.strip())
 
-    def _change(self, tag: str, put: bool) -> None:
-        ledger = self.desk.ledger
-        self.ask(
-            partial(ledger.tag if put else ledger.untag, self._flight_id, tag),
-            lambda _: self.field_app.changed(),
-            "tag",
-        )
+    def _change(self, tag: str) -> None:
+        """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
+
+        def work() -> None:
+            with self._one_at_a_time:
+                ledger = self.desk.ledger
+                there = tag in ledger.flight(self._flight_id).tags
+                (ledger.untag if there else ledger.tag)(self._flight_id, tag)
+
+        self.ask(work, lambda _: self.field_app.changed(), "tag")
 
     def copied(self) -> str:
         """The tag under the cursor and what it means."""

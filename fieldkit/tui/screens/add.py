@@ -149,7 +149,7 @@ class AddScreen(PageScreen):
         with self.prevent(Input.Changed):
             for name, text in texts.items():
                 if name in BY_NAME:
-                    self.field(name).line.value = text
+                    self.field(name).fill(text)
 
     def unit(self, question: Question) -> str:
         """The unit of a number typed without one: the last typed, else that of the settings."""
@@ -173,7 +173,7 @@ class AddScreen(PageScreen):
         """Read all answers into a flight and note what cannot be read or looks odd."""
         flight, wrong = Flight(), dict[str, str]()
         for name, question in BY_NAME.items():
-            text = self.field(name).line.value.strip()
+            text = self.field(name).answer
             try:
                 value = read_answer(name, "" if text == NOTHING else text, self.unit(question))
                 flight = flight.with_changes(**{name: value})
@@ -257,7 +257,7 @@ class AddScreen(PageScreen):
         """What was typed, units and all."""
         from fieldkit.form import with_unit
 
-        texts = {name: self.field(name).line.value.strip() for name in BY_NAME if name in self._touched}
+        texts = {name: self.field(name).answer for name in BY_NAME if name in self._touched}
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
 
     def _write(self, flight: int, answers: dict[str, str], units: dict[str, str]) -> None:
@@ -328,7 +328,7 @@ class AddScreen(PageScreen):
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
         """Put the flight in the ledger."""
-        texts = {name: with_nothing(self.field(name).line.value.strip()) for name in BY_NAME}
+        texts = {name: with_nothing(self.field(name).answer) for name in BY_NAME}
         units = {name: self.unit(question) for name, question in BY_NAME.items()}
         self.ask(partial(self._saved, texts, units), self._added, "save")
 
