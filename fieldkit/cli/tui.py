@@ -6,7 +6,13 @@ app = typer.Typer()
 
 
 def open_app(ledger: str | None) -> None:
-    """Open the app on a ledger and stay until the flyer leaves it."""
+    """Open the app on a ledger and stay until the flyer leaves it. Raises FieldkitError without a terminal."""
+    import sys
+
+    from fieldkit.errors import FieldkitError
+
+    if not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise FieldkitError("the app needs a terminal; without one, the commands do all that it does: fieldkit --help")
     from fieldkit.tui.app import run
 
     run(ledger)

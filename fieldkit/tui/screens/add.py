@@ -231,7 +231,7 @@ class AddScreen(PageScreen):
         lines, ratio = [], identity(self._flight)
         if ratio is not None:
             fits = IDENTITY[0] <= ratio <= IDENTITY[1]
-            lines.append(f"speed / (average × burn) = {ratio:.2f} {'✓' if fits else '! expected about 1'}")
+            lines.append(f"speed/(average × burn) {ratio:.2f} {'✓' if fits else '! not about 1'}")
         apogee, eject = self._flight.apogee, self._flight.eject_altitude
         if apogee is not None and eject is not None:
             below = measure(READOUTS[0], abs(apogee - eject), self.desk.settings.units)
