@@ -15,6 +15,7 @@ from unittest.mock import patch
 
 import pytest
 from textual.pilot import Pilot
+from textual.widgets import Static
 
 from fieldkit.ledger import Ledger, models
 from fieldkit.parsing import read
@@ -119,6 +120,11 @@ def shown(pilot: Pilot[None]) -> str:
     for strip in screen._compositor.render_strips():
         lines.append("".join(segment.text for segment in strip).rstrip())
     return "\n".join(lines)
+
+
+def told(pilot: Pilot[None], place: str) -> str:
+    """What stands in one place, on one line."""
+    return " ".join(str(pilot.app.screen.query_one(place, Static).content).split())
 
 
 def words(pilot: Pilot[None]) -> str:

@@ -9,9 +9,10 @@ import pytest
 from fieldkit import capture
 from fieldkit.ledger import Ledger
 from fieldkit.settings import read_settings
+from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.table import Table
-from tests.pressing import ROOT, calm, frozen, opened, press, season, shown, typed, words
+from tests.pressing import ROOT, calm, frozen, opened, press, season, shown, told, typed, words
 
 
 @pytest.fixture
@@ -57,7 +58,7 @@ async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: P
         await press(pilot, "enter")
         assert "✗ error photo.jpg: no parser recognises" in words(pilot)
         await press(pilot, "escape", "f", *typed("nonsense"), "enter")
-        assert "no parser is called 'nonsense'" in words(pilot)
+        assert "no parser is called 'nonsense'" in told(pilot, "#said")
 
 
 async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path) -> None:
@@ -88,7 +89,7 @@ async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file:
         await press(pilot, "4")
         first = shown(pilot)
         assert "Astra B on AeroTech F39T" in first
-        assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in words(pilot)
+        assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in told(pilot, "#more")
         await pilot.press("down")
         await pilot.pause()
         assert "Astra B on AeroTech F24W-4" in shown(pilot)
@@ -156,7 +157,8 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path, f
     from fieldkit.loop.desk import version_payload
 
     with Ledger.open(file) as ledger:
-        ledger.keep_version("Astra", version_payload(found.diagnosis))
+        wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
+        ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear]})
     with patch("fieldkit.tui.screens.loop.LoopScreen._look", lambda self, rocket: found):
         async with opened(file) as pilot:
             await press(pilot, "5", "a")
@@ -331,7 +333,9 @@ async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
         await pilot.click("TopBar", offset=(26, 0))
         await calm(pilot)
         assert "file" in shown(pilot)
-        bar = shown(pilot).splitlines()[-1]
-        await pilot.click("KeyBar", offset=(bar.index("Help"), 0))
+        bar = pilot.app.screen.query_one(KeyBar).region
+        lines = shown(pilot).splitlines()[bar.y : bar.y + bar.height]
+        row = next(row for row, line in enumerate(lines) if "Help" in line)
+        await pilot.click(KeyBar, offset=(lines[row].index("Help"), row))
         await calm(pilot)
         assert "Help: Import" in shown(pilot)

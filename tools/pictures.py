@@ -61,6 +61,8 @@ PAGES = {
     "app_add": ("sun", ["a", "_", *"923ft", "enter", *"140mph", "enter", *"2.14", "enter", *"7.9", "enter", *"2.98"]),
     "app_flight": ("field", ["enter"]),
 }
+SIZE = (120, 44)
+"""Of the terminal in the pictures."""
 """Pages of the app that the README shows: their colours, and the keys that lead there; `_` waits."""
 
 
@@ -78,7 +80,7 @@ async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
             await asyncio.sleep(0.02)
 
     app = FieldkitApp(ledger, ledger.with_name("settings.json"))
-    async with app.run_test(size=(110, 34)) as pilot:
+    async with app.run_test(size=SIZE) as pilot:
         app.choose(theme=theme, units="mixed")
         app.action_read()
         await calm(pilot)

@@ -98,7 +98,10 @@ class NextScreen(PageScreen):
     NextScreen #motors { width: 5fr; }
     NextScreen #card { width: 40; padding: 0 1; border-left: solid $border-blurred; }
     NextScreen.-wide #card { width: 64; }
-    NextScreen.-narrow #card { width: 34; }
+    NextScreen.-narrow #split { layout: vertical; }
+    NextScreen.-narrow #motors { height: 7; width: 1fr; }
+    NextScreen.-narrow #card { width: 1fr; height: 1fr; border-left: none; border-top: solid $border-blurred; }
+    NextScreen.-narrow.-comparing #motors { height: 1fr; }
     NextScreen.-comparing #card { display: none; }
     NextScreen #card Static { height: auto; }
     NextScreen #big { height: 3; width: auto; color: $accent; }
@@ -123,7 +126,7 @@ class NextScreen(PageScreen):
             yield Static("/")
             yield Input(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
             yield Static("", id="count")
-        with Horizontal():
+        with Horizontal(id="split"):
             yield Table(id="motors", empty="no motor fits; f shows them all", enter="Keep")
             with VerticalScroll(id="card"):
                 yield Static("", id="title")

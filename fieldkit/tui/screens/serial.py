@@ -78,7 +78,7 @@ class CaptureScreen(PageScreen):
         super().__init__()
         self._device: str | None = None
         self._stop = Flag()
-        self._running = False
+        self._capturing = False
         self._said: list[str] = []
         self._heights: list[float] = []
 
@@ -138,10 +138,10 @@ class CaptureScreen(PageScreen):
 
     def _begin(self, port: "Port | None") -> None:
         """Start capturing from a port, or going on with what is unfinished."""
-        if self._running:
+        if self._capturing:
             self.complain("a capture is running; x ends it")
             return
-        self._running, self._heights = True, []
+        self._capturing, self._heights = True, []
         self._stop.clear()
         self.ask(partial(self._follow, port, self._device), self._ended, "capture")
 
@@ -172,7 +172,7 @@ class CaptureScreen(PageScreen):
 
         match message.event:
             case None:
-                self._running = False
+                self._capturing = False
             case capture.Opened(port, device, file):
                 self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
             case capture.Recognised(device):
@@ -217,7 +217,7 @@ class CaptureScreen(PageScreen):
 
     def _ended(self, end: "Ended | None") -> None:
         """Say how it ended and ask whether its flights go into the ledger."""
-        self._running = False
+        self._capturing = False
         if end is None or not end.bytes:
             self._say("nothing came")
             return

@@ -58,7 +58,8 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
     for key, members in groups.items():
         known = {c: next((v for _, f in reversed(members) if (v := f.number(c)) is not None), None) for c in NUMBERS}
         found.append(Group(key, tuple(id for id, _ in members), members[-1][1].with_changes(**known)))
-    return tuple(reversed(found))
+    order = {id: place for place, id in enumerate(ids)}
+    return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
 
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
