@@ -263,7 +263,7 @@ class NextScreen(PageScreen):
         said = one.prediction
         apogee = number(cards.APOGEE, one.apogee, system)
         off = number(cards.APOGEE, one.apogee - target, system) if target else ""
-        off = f"+{off}" if target and one.apogee > target else off
+        off = "0" if off and float(off) == 0 else f"+{off}" if target and one.apogee > target else off
         eject = said.median_eject
         fires = "" if eject is None else f"{eject:+.1f}"
         if heads == 4:
