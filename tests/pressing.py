@@ -11,6 +11,7 @@ from datetime import datetime, timedelta
 from functools import cache
 from pathlib import Path
 from tempfile import mkdtemp
+from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -66,6 +67,17 @@ def _season() -> Path:
         ledger.add(flights)
         ledger.keep_prediction(said, digest="a digest", rocket="Astra", flight_id="12")
     return folder / "ledger.db"
+
+
+@cache
+def looked_at() -> Any:
+    """What the loop finds in that season, worked out once."""
+    from fieldkit.loop.desk import close_loop
+    from fieldkit.loop.findings import findings
+    from fieldkit.motors import catalogue
+
+    with Ledger.open(_season()) as ledger:
+        return findings("Astra", close_loop(ledger, catalogue(), "Astra", accept=False))
 
 
 def frozen(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -1,7 +1,6 @@
 """What comes next, importing, the loop, the set-up and capturing, by keys alone; and what goes wrong on the way."""
 
 from pathlib import Path
-from typing import Any
 from unittest.mock import patch
 
 import pytest
@@ -14,7 +13,7 @@ from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import HelpScreen
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.table import Table
-from tests.pressing import ROOT, calm, frozen, opened, press, season, shown, told, typed, words
+from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, shown, told, typed, words
 
 
 @pytest.fixture
@@ -142,20 +141,8 @@ async def test_a_motor_that_does_not_exist_leaves_an_empty_list(file: Path) -> N
 # Loop
 
 
-@pytest.fixture(scope="module")
-def found(tmp_path_factory: pytest.TempPathFactory) -> Any:
-    """The loop closed once on the reference flights."""
-    from fieldkit.loop.desk import close_loop
-    from fieldkit.loop.findings import findings
-    from fieldkit.motors import catalogue
-
-    path = tmp_path_factory.mktemp("loop") / "ledger.db"
-    season(path)
-    with Ledger.open(path) as ledger:
-        return findings("Astra", close_loop(ledger, catalogue(), "Astra", accept=False))
-
-
-async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path, found: Any) -> None:
+async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
+    found = looked_at()
     from fieldkit.loop.desk import version_payload
 
     with Ledger.open(file) as ledger:

@@ -1,6 +1,5 @@
 """A session in a real terminal, driven by its keys and read back off its screen, from opening to the ledger."""
 
-import os
 import shutil
 import subprocess
 import sys
@@ -41,6 +40,11 @@ class Terminal:
         """Send keys; a text that is no key's name is typed."""
         self.tmux("send-keys", *keys)
 
+    def escape(self) -> None:
+        """Press Escape, and wait until a terminal no longer takes it for the start of another key."""
+        self.press("Escape")
+        time.sleep(0.5)
+
     def screen(self) -> str:
         """The screen as it is."""
         return self.tmux("capture-pane", "-p")
@@ -67,7 +71,6 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     file, home = tmp_path / "ledger.db", tmp_path / "home"
     home.mkdir()
     season(file)
-    os.environ.pop("TMUX", None)
     terminal.start(file, home)
     screen = terminal.until("12 of 12")
     assert "▸12" in screen
@@ -79,8 +82,8 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     terminal.until("speed/(average")
     terminal.press("Enter")
     terminal.until("added as flight 13")
-    terminal.press("Escape")
-    terminal.press("Escape")
+    terminal.escape()
+    terminal.escape()
     terminal.press("1")
     terminal.until("▸13")
     terminal.press("t")
@@ -89,8 +92,8 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     terminal.until("[x] weak_launch")
     terminal.press("u")
     terminal.until("undone: tag 13 weak_launch")
-    terminal.press("Escape")
-    terminal.press("Escape")
+    terminal.escape()
+    terminal.escape()
     terminal.until("13 of 13")
     terminal.press("4")
     terminal.until("on the altimeter")
