@@ -6,6 +6,7 @@ calculation" and "Second order temperature compensation"; MP3H6115A data sheet, 
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
@@ -34,15 +35,15 @@ BOOST = 3
 def seconds(ticks: Int[Integers, "record"]) -> Float[Array, "record"]:
     """Times of records from their ticks of 16 bits, which wrap every 655.36 s; the first is at its own tick. [s]
 
-    A tick that is a little before the one ahead of it counts as that one: clocks of AltOS do that.
+    A tick may be a little before the one ahead of it, as the clocks of AltOS have it: then so is the time.
     """
     ahead = np.diff(ticks, prepend=ticks[:1]) % 65536
     ahead[ahead >= 65536 - STEP_BACK] -= 65536
-    times: Array = np.maximum.accumulate(ticks[:1] + np.cumsum(ahead)) * TICK
+    times: Array = (ticks[:1] + np.cumsum(ahead)) * TICK
     return times
 
 
-def sound(records: Int[Integers, "record byte"]) -> Bool[Flags, "record"]:
+def sound(records: Int[Any, "record byte"]) -> Bool[Flags, "record"]:
     """Which records have the checksum that makes their bytes and the seed add up to 0 modulo 256."""
     return np.asarray((records.sum(axis=1) + SEED) % 256 == 0)
 
@@ -100,7 +101,7 @@ def net_acceleration(
 
 
 def entered(
-    states: Float[Array, "row"] | Int[Integers, "row"],
+    states: Float[Array, "row"] | Int[Any, "row"],
     time: Float[Array, "row"],
     which: Mapping[str, Sequence[int]] = STATES,
 ) -> dict[str, float]:

@@ -8,8 +8,6 @@ of them are told of as one. Memory is that of the columns asked for, and half a 
 import hashlib
 import math
 import re
-from array import array
-from bisect import bisect_right
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, fields, replace
 from itertools import pairwise
@@ -18,21 +16,28 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.clocks import credible, restarts
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logtext import ENDLESS, blocks, is_cut, shown
 from fieldkit.parsing import Found, Note
-from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 from fieldkit.units import Unit
 
 PATIENCE = 50
 """A block with so many damaged rows is read cell by cell from there on. [1]"""
 MOST_TOLD = 20
 """So many damaged rows are told of one by one. [1]"""
-MOST_NUMBERS = 3_000_000
+MOST_DAMAGED = 200_000
+"""After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
+MOST_NUMBERS = 750_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
+MOST_FLIGHTS = 100
+"""No logger holds as many flights in one log. [1]"""
+LARGEST = 1e30
+"""No number of a log is further from zero; what is would not survive a square. [any unit]"""
 ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
 """What stands in a cell, in any case, where the logger had no number."""
 SI = Unit(1.0)
@@ -95,25 +100,38 @@ class Table:
     def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
         """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
 
-        A part that says the same as an earlier one is a repetition and left out.
+        A part that says the same as an earlier one is a repetition and left out. Raises DamagedLog for a clock that
+        starts anew again and again: rows that were shuffled are no flights.
         """
         found = list(self.found)
         parts: dict[bytes, Table] = {}
         repeated: list[int] = []
-        starts = [0, *restarts(self.values[clock]).tolist(), len(self)]
+        anew = restarts(self.values[clock]).tolist()
+        if len(anew) >= MOST_FLIGHTS:
+            expected = f"expected at most {MOST_FLIGHTS} flights in a log"
+            raise DamagedLog(f"found {clock} starting anew {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
+        starts = [0, *anew, len(self)]
         for start, stop in pairwise(starts):
             part = self.pick(slice(start, stop))
-            content = hashlib.blake2b(b"".join(values.tobytes() for values in part.values.values())).digest()
+            content = _digest(part)
             if content in parts:
                 repeated.append(int(part.rows[0]))
                 continue
-            kept = onward(part.values[clock])
+            kept = credible(part.values[clock])
             found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
-            parts[content] = part.pick(kept)
+            parts[content] = part if kept.all() else part.pick(kept)
         if repeated:
             times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
             found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
         return list(parts.values()), found
+
+
+def _digest(table: Table) -> bytes:
+    """The same bytes for the same numbers."""
+    content = hashlib.blake2b()
+    for values in table.values.values():
+        content.update(np.ascontiguousarray(values).data)
+    return content.digest()
 
 
 def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
@@ -121,32 +139,6 @@ def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -
         yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
     if len(rows) > MOST_TOLD:
         yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")
-
-
-def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
-    """Where a clock starts anew: three rows before, each of them, say later than three rows from there on."""
-    if len(clock) < 6:
-        return np.empty(0, np.int64)
-    three = np.lib.stride_tricks.sliding_window_view(clock, 3)
-    return np.flatnonzero(three[:-3].min(axis=1) > three[3:].max(axis=1)) + 3
-
-
-def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
-    """Which rows to keep so that a clock never runs backwards, as many as can be."""
-    if not (np.diff(clock) < 0).any():
-        return np.ones(len(clock), bool)
-    tails = array("d")  # the least last value of a run of each length, and the row that it is in
-    ends, before = array("q"), array("q", bytes(8 * len(clock)))
-    for row, value in enumerate(clock.tolist()):
-        length = bisect_right(tails, value)
-        before[row] = ends[length - 1] if length else -1
-        tails[length : length + 1] = array("d", [value])
-        ends[length : length + 1] = array("q", [row])
-    kept, row = np.zeros(len(clock), bool), ends[-1]
-    while row >= 0:
-        kept[row] = True
-        row = before[row]
-    return kept
 
 
 def read_columns(
@@ -174,6 +166,8 @@ def read_columns(
             kept = [i for i in kept if not lines[i].startswith(comment)]
         rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
         reader.read([first + i for i in kept], rows)
+        if reader.is_hopeless():
+            break
     return reader.table(cut=is_cut(log))
 
 
@@ -202,7 +196,7 @@ class _Reader:
             return
         self.last = rows[-1]
         if self.widths is not None:
-            wrong = [i for i, line in enumerate(lines) if self._width(line) not in self.widths]
+            wrong = [i for i, width in enumerate(self._widths(lines)) if width not in self.widths]
             self._one_by_one([rows[i] for i in wrong], [lines[i] for i in wrong])
             for i in reversed(wrong):
                 del rows[i], lines[i]
@@ -211,8 +205,15 @@ class _Reader:
         except ValueError:
             self._around(rows, lines, self.gaps.sub(r"\1nan", "\n" + "\n".join(lines))[1:].split("\n"))
 
-    def _width(self, line: str) -> int:
-        return len(line.split()) if self.separator is None else line.count(self.separator) + 1
+    def is_hopeless(self) -> bool:
+        """Whether so many rows are damaged that what follows is no table."""
+        return self.damaged > max(MOST_DAMAGED, self.seen)
+
+    def _widths(self, lines: Iterable[str]) -> list[int]:
+        if self.separator is None:
+            return [len(line.split()) for line in lines]
+        separator = self.separator
+        return [line.count(separator) + 1 for line in lines]
 
     def _around(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
         """Keep the rows of a block, whose gaps are `filled` with nan, up to each damaged one and from there on."""
@@ -255,7 +256,7 @@ class _Reader:
         said = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
         if [len(cells) for cells in said] != [len(lines)] * len(said):
             raise ValueError("a quotation mark spans lines")
-        bad = np.isinf(numbers).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
+        bad = (np.abs(numbers) > LARGEST).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
         if bad.any():
             self._one_by_one([rows[i] for i in np.flatnonzero(bad)], [lines[i] for i in np.flatnonzero(bad)])
             good = np.flatnonzero(~bad)
@@ -329,10 +330,11 @@ class _Reader:
 
     def _thin(self) -> None:
         """Leave out every other row, from here on as well, but none where a word changes."""
-        self.step *= 2
-        kept = np.arange(self.kept) % 2 == 0
+        self.step = min(self.step * 2, 1 << 40)
+        every_other = kept = np.arange(self.kept) % 2 == 0
         for column in self.columns[1 : 1 + len(self.words)]:
-            kept |= np.diff(np.concatenate(column), prepend=np.array([-1])) != 0
+            kept = kept | (np.diff(np.concatenate(column), prepend=np.array([-1])) != 0)
+        kept = kept if kept.mean() < 0.75 else every_other  # words that change in every row mark nothing
         for i, column in enumerate(self.columns):
             whole = np.concatenate(column)
             column.clear()
@@ -359,6 +361,8 @@ class _Reader:
             yield DamagedLog(f"found {more} more rows that are damaged")
         if torn:
             yield Note("is cut off where the file ends, left out", row=self.last)
+        if self.is_hopeless():
+            yield Note("is no table from here on, left out", row=self.last)
         if self.step > 1:
             yield Note(f"found more than {MOST_NUMBERS} numbers, kept one row in {self.step}")
 
@@ -402,4 +406,4 @@ def _number(cell: str, channel: Channel) -> float | None:
         value = float(cell[: len(cell) - len(channel.suffix)])
     except ValueError:
         return None
-    return value if math.isfinite(value) else None
+    return value if abs(value) <= LARGEST else None

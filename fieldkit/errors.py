@@ -62,6 +62,10 @@ class ImpossibleFlight(FieldkitError):
     """The rocket as described cannot leave the pad, or the description lacks what physics needs."""
 
 
+class UnknownEffect(FieldkitError):
+    """No effect of that name could act on these flights; the message lists those that could."""
+
+
 class PortTrouble(FieldkitError):
     """A serial port cannot be opened, or what is on it does not answer as it should."""
 

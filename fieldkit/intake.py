@@ -9,7 +9,8 @@ from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Arrival, Ledger
-from fieldkit.parsing import CheckMotor, Rejected, read, read_together
+from fieldkit.mapping import Choice
+from fieldkit.parsing import CheckMotor, Mapped, Rejected, read, read_together
 
 
 @dataclass(frozen=True, slots=True)
@@ -20,6 +21,7 @@ class Receipt:
     duplicates: int
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
+    mapped: tuple[Mapped, ...] = ()
 
 
 def bring_in(
@@ -29,14 +31,17 @@ def bring_in(
     *,
     format: str | None = None,
     defaults: Mapping[str, object] | None = None,
+    choices: Sequence[Choice] = (),
     dry_run: bool = False,
 ) -> Receipt:
     """Import files as one command; `defaults` are fields for flights that leave them open.
 
+    `choices` say which columns of a table of samples are what, best first.
+
     Raises FieldkitError for a file that cannot be used at all, before anything goes in.
     """
     opened = [(path, name, content) for path in paths for name, content in _logs(path)]
-    intakes = read_together([(name, log) for _, name, log in opened], check_motor=check_motor, format=format)
+    intakes = read_together([(name, log) for _, name, log in opened], check_motor, format, choices)
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
@@ -55,7 +60,8 @@ def bring_in(
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
     added = ledger.add(arrivals, dry_run=dry_run)
     rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
-    return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes))
+    mapped = tuple(one for intake in intakes for one in intake.mapped)
+    return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes), mapped)
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:

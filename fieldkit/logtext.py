@@ -19,6 +19,18 @@ ENDLESS = "\0"
 """Begins what stands for a line that is longer than a block."""
 
 
+MOST = 4 << 20
+"""A table with a row for every flight, or what is read in one piece, is no longer than this. [bytes]"""
+
+
+def decode_whole(log: bytes) -> str:
+    """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are no text."""
+    if len(log) > MOST:
+        found = f"found {len(log) >> 20} MB, expected at most {MOST >> 20} in a table of flights; part it"
+        raise DamagedLog(found)
+    return decode(log)
+
+
 def decode(log: bytes) -> str:
     """The text of a log: UTF-8, UTF-16, or cp1252 when it is neither.
 
@@ -65,6 +77,9 @@ def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
     """
     number, rest, end = 1, "", "\n" if b"\n" in log[: 4 * BLOCK] else "\r"
     for text in _texts(log):
+        if not rest and text.isspace():
+            number += text.count(end)
+            continue
         *lines, rest = (rest + text).split(end)
         rest = ENDLESS if len(rest) > BLOCK else rest
         skipped = min(max(after + 1 - number, 0), len(lines))

@@ -15,6 +15,8 @@ from typing import Literal
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
 from fieldkit.logtext import shown
+from fieldkit.mapping import Choice, choice_for
+from fieldkit.safe_text import printable
 from fieldkit.sanity import check, doubts
 from fieldkit.shelf import plugins
 
@@ -68,6 +70,14 @@ class Note:
     row: int | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Mapped(Note):
+    """Which columns of a table are read as what: for the flyer to see, and to be remembered if it was chosen."""
+
+    choice: Choice = Choice({})
+    chosen: bool = False
+
+
 Found = Reading | DamagedLog | Note
 """What a parser finds in a log: readings, rows that are damaged (and cost only themselves), notes."""
 
@@ -77,12 +87,16 @@ class Parser:
     """One logger or table format.
 
     `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
-    log, and raises DamagedLog when nothing of it can be used.
+    log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
+    about a log that no other parser recognises, so it never takes one from a parser that knows better.
+    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that.
     """
 
     title: str
     recognises: Callable[[bytes], bool]
     read: Callable[[bytes], Sequence[Found]]
+    fallback: bool = False
+    mapped: Callable[[bytes, Sequence[Choice]], Sequence[Found]] | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -105,6 +119,7 @@ class Intake:
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
     rows: tuple[int | None, ...]
+    mapped: tuple[Mapped, ...] = ()
 
 
 CheckMotor = Callable[[str], str | None]
@@ -128,19 +143,59 @@ def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser
     return parsers()[_format_of(log, format, source)]
 
 
-def _format_of(log: bytes, format: str | None, source: str) -> str:
+def claims(log: bytes) -> list[str]:
+    """The names of the parsers that recognise a log; fallbacks are only asked where no other does."""
+    asked = [[name for name, p in parsers().items() if p.fallback is fallback] for fallback in (False, True)]
+    for names in asked:
+        if claimed := [name for name in names if _claims(parsers()[name], log[:HEAD])]:
+            return claimed
+    return []
+
+
+def _format_of(log: bytes, format: str | None, source: str, choices: Sequence[Choice] = ()) -> str:
+    """The parser's name; where the flyer maps the columns, one that takes a mapping."""
+    mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
     names = ", ".join(parsers())
+    takers = [name for name, parser in parsers().items() if parser.mapped]
     if format is not None:
         if format not in parsers():
             raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {names}")
-        return format
-    claims = [name for name, parser in parsers().items() if _claims(parser, log[:HEAD])]
-    if not claims:
-        raise UnknownFormat(f"{place}no parser recognises this log; tried {names}")
-    if len(claims) > 1:
-        raise UnknownFormat(f"{place}{' and '.join(claims)} both recognise this log; choose one with --format")
-    return claims[0]
+        claimed = [format]
+    else:
+        claimed = claims(log)
+    if not claimed and (mapped or _has_choice(log, choices)):
+        claimed = [name for name in takers if parsers()[name].fallback]
+    if not claimed:
+        raise UnknownFormat(f"{place}no parser recognises this log; tried {names}{_hint(log)}")
+    if len(claimed) > 1:
+        raise UnknownFormat(f"{place}{' and '.join(claimed)} both recognise this log; choose one with --format")
+    if mapped and claimed[0] not in takers:
+        expected = f"expected none, or --format {' or '.join(takers)} with it"
+        raise UnknownFormat(
+            f"{place}found a mapping of columns for a log that {claimed[0]} reads by itself; {expected}"
+        )
+    return claimed[0]
+
+
+def _has_choice(log: bytes, choices: Sequence[Choice]) -> bool:
+    """Whether the flyer has said of such a table what its columns are."""
+    from fieldkit.layout import layout_of
+
+    try:
+        return bool(choices) and choice_for(layout_of(log[:HEAD]).headers, choices) is not None
+    except DamagedLog:
+        return False
+
+
+def _hint(log: bytes) -> str:
+    """What a flyer can do about a log that nobody recognises, where one can tell."""
+    if log.startswith(b"PK\x03\x04"):
+        return "; it is a spreadsheet or an archive: save the sheet as CSV"
+    start = log[:HEAD]
+    if any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
+        return "; a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
+    return ""
 
 
 def _claims(parser: Parser, head: bytes) -> bool:
@@ -150,24 +205,53 @@ def _claims(parser: Parser, head: bytes) -> bool:
         return False
 
 
-def read(log: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> Intake:
+def read(
+    log: bytes,
+    source: str,
+    check_motor: CheckMotor,
+    format: str | None = None,
+    choices: Sequence[Choice] = (),
+) -> Intake:
     """The flights of one log; `source` is its name in messages. Raises UnknownFormat or DamagedLog."""
-    return read_together([(source, log)], check_motor, format)[0]
+    return read_together([(source, log)], check_motor, format, choices)[0]
 
 
 def read_together(
-    files: Iterable[tuple[str, bytes]], check_motor: CheckMotor, format: str | None = None
+    files: Iterable[tuple[str, bytes]],
+    check_motor: CheckMotor,
+    format: str | None = None,
+    choices: Sequence[Choice] = (),
 ) -> list[Intake]:
     """The flights of several logs, given as (name, bytes), an Intake each, in order.
 
     A list of rockets among them names and weighs the rockets of the others. Files of one folder that a logger
-    wrote of one flight bring one flight, in the first of them that holds heights. Raises UnknownFormat or
-    DamagedLog for the first file that cannot be used at all, before anything is taken from any.
+    wrote of one flight bring one flight, in the first of them that holds heights. `choices` say which columns of a
+    table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
+    before anything is taken from any.
     """
-    opened = _joined([(source, *_opened(log, source, format)) for source, log in files])
+    logs = list(files)
+    joined = _joined([(source, *_open(log, source, format, choices)) for source, log in logs])
+    opened = [
+        (source, name, _with_figures(found, name, log))
+        for (source, name, found), (_, log) in zip(joined, logs, strict=True)
+    ]
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
     return [_intake(source, name, found, rockets, check_motor) for source, name, found in opened]
+
+
+def read_recordings(
+    log: bytes, source: str, format: str | None = None, choices: Sequence[Choice] = ()
+) -> list[Reading]:
+    """The readings of a log that hold samples, flights and simulations, as they were recorded.
+
+    Raises UnknownFormat or DamagedLog, also where the log has no samples.
+    """
+    _, found = _open(log, source, format, choices)
+    readings = [item for item in found if isinstance(item, Reading) and item.clocks]
+    if not readings:
+        raise DamagedLog("found no samples, expected a log of heights over time", source=source)
+    return readings
 
 
 Opened = tuple[str, str, Sequence[Found]]
@@ -230,18 +314,6 @@ def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
     )
 
 
-def read_recordings(log: bytes, source: str, format: str | None = None) -> list[Reading]:
-    """The readings of a log that hold samples, flights and simulations, with the names of their flights.
-
-    Raises UnknownFormat or DamagedLog, also where the log has no samples.
-    """
-    _, found = _open(log, source, format)
-    readings = [item for item in found if isinstance(item, Reading) and item.clocks]
-    if not readings:
-        raise DamagedLog("found no samples, expected a log of heights over time", source=source)
-    return readings
-
-
 def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
     """The planned flights of a table, one a row and in order; readouts in it are left out.
 
@@ -252,12 +324,12 @@ def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str |
     plans = []
     for item in found:
         if isinstance(item, DamagedLog):
-            raise DamagedLog(item.found, row=item.row, column=item.column, source=source)
+            raise _told(item, source)
         if isinstance(item, Reading) and item.describes == "flight":
             try:
                 plans.append(_plan(item, check_motor))
             except DamagedLog as error:
-                raise DamagedLog(error.found, row=item.row, column=error.column, source=source) from error
+                raise _told(error, source, item.row) from error
     return plans
 
 
@@ -280,30 +352,39 @@ def _channels(clocks: Sequence[Series]) -> Iterator[bytes]:
     return (channel.tobytes() for channel in channels if channel is not None)
 
 
-def _open(log: bytes, source: str, format: str | None) -> tuple[str, Sequence[Found]]:
+def _open(log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()) -> tuple[str, Sequence[Found]]:
     """The name of the parser that reads a log, and what it finds in it."""
-    name = _format_of(log, format, source)
+    name = _format_of(log, format, source, choices)
+    parser = parsers()[name]
     try:
-        return name, parsers()[name].read(log)
+        return name, parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
     except DamagedLog as error:
-        raise DamagedLog(error.found, row=error.row, column=error.column, source=source) from error
+        raise _told(error, source) from error
 
 
-def _opened(log: bytes, source: str, format: str | None) -> tuple[str, Sequence[Found]]:
-    """The name of the parser that reads a log, and what it finds, samples told apart and measured."""
-    name, found = _open(log, source, format)
-    with_samples = [item for item in found if isinstance(item, Reading) and item.clocks]
+MOST_TOLD = 1500
+"""A message is no longer than this, whatever a log holds. [characters]"""
+
+
+def _told(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
+    """What is wrong with a log as it is shown: with its name, on one line, and harmless for a terminal."""
+    column = printable(error.column)[:MOST_TOLD] if error.column else None
+    return DamagedLog(printable(error.found)[:MOST_TOLD], row=row or error.row, column=column, source=source)
+
+
+def _with_figures(found: Sequence[Found], format: str, log: bytes) -> Sequence[Found]:
+    """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
+    with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     if not with_samples:
-        return name, found
+        return found
     digest = hashlib.sha256(log).hexdigest()[:10]
     told: list[Found] = []
     for item in found:
         if isinstance(item, Reading) and item.clocks and item.describes == "flight":
-            part = [id(one) for one in with_samples].index(id(item)) + 1
-            told += _recorded(item, name, digest, part, len(with_samples))
+            told += _recorded(item, format, digest, with_samples.index(id(item)) + 1, len(with_samples))
         else:
             told.append(item)
-    return name, told
+    return told
 
 
 def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
@@ -346,7 +427,8 @@ def _intake(
                 flight = _measured(_named(item, rockets), check_motor)
                 notes += _keep(flight, item.row, kept)
         except DamagedLog as error:
-            rejected.append(Rejected(source, error.row, error.column, error.found))
+            told = _told(error, source)
+            rejected.append(Rejected(source, told.row, told.column, told.found))
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
         notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
     if any(isinstance(item, Reading) and item.describes == "simulation" for item in found):
@@ -354,12 +436,13 @@ def _intake(
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_STRANGERS.format(len(strangers))))
-    lines = (str(DamagedLog(note.text, row=note.row, source=source)) for note in notes)
+    lines = (str(_told(DamagedLog(note.text, row=note.row), source)) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
-    return Intake(source, format, flights, tuple(rejected), tuple(lines), places)
+    mapped = tuple(item for item in found if isinstance(item, Mapped))
+    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped)
 
 
-_SIMULATED = "a simulation is no flight and is not taken in; `fieldkit compare FLIGHT {}` puts it beside one"
+_SIMULATED = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"
 _STRANGERS = (
     "{} rockets are known by their number alone and have no mass; "
     "import the file that lists the rockets together with this one"

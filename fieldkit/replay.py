@@ -1,6 +1,6 @@
 """Logs played again: the samples of a flight of the ledger, or of a file, and what is measured in them."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
@@ -9,6 +9,7 @@ from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
 from fieldkit.flight import Flight
 from fieldkit.intake import read_file
 from fieldkit.ledger import Ledger
+from fieldkit.mapping import Choice
 from fieldkit.parsing import Reading, derived_id, parsers, read, read_recordings
 from fieldkit.recording import Figure, Recorded, measure, measured_sd
 
@@ -28,9 +29,10 @@ class Recording:
     """Readouts that the device stated. [SI]"""
 
 
-def recording_of(ledger: Ledger, id: str) -> Recording | None:
+def recording_of(ledger: Ledger, id: str, choices: Sequence[Choice] = ()) -> Recording | None:
     """The samples of a flight of the ledger, read again from the bytes that it keeps; None where it has none.
 
+    `choices` say which columns of a table of samples are what, best first.
     Raises LedgerError for an id that means no flight, and where a log of several flights does not say which it is.
     """
     flight, log = ledger.flight(id), ledger.log(id)
@@ -38,7 +40,7 @@ def recording_of(ledger: Ledger, id: str) -> Recording | None:
         return None
     known = flight.extra.get("log_format")
     try:
-        readings = read_recordings(log, id, known if known in parsers() else None)
+        readings = read_recordings(log, id, known if known in parsers() else None, choices)
     except (DamagedLog, UnknownFormat):
         return None
     readings = [one for one in readings if one.describes == "flight"] or readings
@@ -56,7 +58,9 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
     return named[0]
 
 
-def recordings(ledger: Ledger | None, what: str, format: str | None = None) -> list[Recording]:
+def recordings(
+    ledger: Ledger | None, what: str, format: str | None = None, choices: Sequence[Choice] = ()
+) -> list[Recording]:
     """What a file holds, or the flight of the ledger that an id means, as recordings to be compared.
 
     A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError where there
@@ -64,17 +68,17 @@ def recordings(ledger: Ledger | None, what: str, format: str | None = None) -> l
     """
     path = Path(what)
     if path.is_file():
-        return _in_file(path, format)
+        return _in_file(path, format, choices)
     if ledger is None:
         raise NoFlights(f"{what}: there is no such file")
-    found = recording_of(ledger, what)
+    found = recording_of(ledger, what, choices)
     return [found or _by_readouts(ledger.flight(what), what)]
 
 
-def _in_file(path: Path, format: str | None) -> list[Recording]:
+def _in_file(path: Path, format: str | None, choices: Sequence[Choice]) -> list[Recording]:
     log = read_file(path)
     try:
-        readings = read_recordings(log, path.name, format)
+        readings = read_recordings(log, path.name, format, choices)
     except DamagedLog:
         flights = read(log, path.name, lambda motor: None, format).flights
         if not flights:

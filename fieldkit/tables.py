@@ -14,6 +14,8 @@ from fieldkit.shapes import Array, Flags, Float
 from fieldkit.units import STANDARD_GRAVITY, Unit
 
 SEPARATORS = (",", ";", "\t")
+LATEST = 1e11
+"""No logger counts so far, not from 1970 either. [s]"""
 REST = (0.8, 1.15)
 """How much of gravity an accelerometer at rest may show: tilted with its rail, or badly calibrated. [g]"""
 
@@ -112,19 +114,24 @@ def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] 
 def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:
     """Columns of which the first is a clock, with its rows in order; of rows at the same time the first counts.
 
-    Rows without a time are left out.
+    Rows without a time, or at one of no logger, are left out.
     """
     time = columns[0]
-    known = np.flatnonzero(np.isfinite(time))
+    known = np.flatnonzero(np.abs(time) < LATEST)
     _, first = np.unique(time[known], return_index=True)
     return tuple(column[known[first]] for column in columns)
 
 
+def line_end(log: bytes) -> bytes:
+    """What ends the lines of a log, if not a carriage return alone then a line feed with or without one."""
+    return b"\n" if b"\n" in log[: 1 << 21] or b"\r" not in log[: 1 << 21] else b"\r"
+
+
 def lines(log: bytes, longest: int = 1 << 20) -> Iterator[bytes]:
     """The lines of a log, one at a time; of a line without end its last part."""
-    start = 0
+    start, mark = 0, line_end(log)
     while start <= len(log):
-        end = log.find(b"\n", start)
+        end = log.find(mark, start)
         end = len(log) if end < 0 else end
         yield log[max(start, end - longest) : end]
         start = end + 1

@@ -77,8 +77,17 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "m/s^2": Unit(1.0),
         "ft/s2": Unit(FOOT),
         "fps2": Unit(FOOT),
+        "mg": Unit(STANDARD_GRAVITY / 1000),
     },
-    "time": {"s": Unit(1.0), "sec": Unit(1.0), "ms": Unit(1e-3), "min": Unit(60.0)},
+    "time": {
+        "s": Unit(1.0),
+        "sec": Unit(1.0),
+        "ms": Unit(1e-3),
+        "us": Unit(1e-6),
+        "µs": Unit(1e-6),
+        "ns": Unit(1e-9),
+        "min": Unit(60.0),
+    },
     "temperature": {
         "c": Unit(1.0, ZERO_CELSIUS),
         "k": Unit(1.0),
@@ -99,6 +108,8 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
         "psi": Unit(6894.757),
         "atm": Unit(101325.0),
     },
+    "force": {"n": Unit(1.0), "kn": Unit(1e3), "lbf": Unit(POUND * STANDARD_GRAVITY)},
+    "voltage": {"v": Unit(1.0), "mv": Unit(1e-3)},
     "angle": {"deg": Unit(DEGREE), "rad": Unit(1.0), "°": Unit(DEGREE)},
     "fraction": {"pct": Unit(0.01), "%": Unit(0.01), "fraction": Unit(1.0)},
     "impulse": {"ns": Unit(1.0)},
@@ -107,6 +118,10 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 """Units by quantity and lower-case suffix."""
 
 _TYPED = re.compile(r"\s*([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
+
+
+LARGEST = 1e30
+"""What is typed is less than this, in any unit."""
 
 
 def unit(quantity: str, suffix: str) -> Unit:
@@ -130,7 +145,10 @@ def parse(text: str, quantity: str, default: str) -> float:
     if not match:
         raise BadValue(f"found {text.strip()!r}, expected a number")
     number, suffix = match.groups()
-    return unit(quantity, suffix or default).to_si(float(number.replace(",", ".")))
+    value = unit(quantity, suffix or default).to_si(float(number.replace(",", ".")))
+    if not abs(value) < LARGEST:
+        raise BadValue(f"found {text.strip()[:20]!r}, expected a number that something can have")
+    return value
 
 
 def render(value: float, quantity: str, suffix: str) -> str:

@@ -47,8 +47,9 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, _fits, "time(ms),altitude(m),...")
     channels: list[Channel] = head.channels(CHANNELS)
-    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
-    parts, found = table.flights()
+    parts, found = read_columns(
+        log, channels, after=head.row, separator=head.separator, widths={len(head.names)}
+    ).flights()
     labels = _labels(log, head)
     serial = next((value for label, value in labels.items() if "serial" in label.lower()), "")
     firmware = next((value for label, value in labels.items() if "firmware" in label.lower()), "")

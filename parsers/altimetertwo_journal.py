@@ -4,8 +4,8 @@ Two files belong together. The launches have one row per flight, in feet, miles 
 numbers without their leading zero (`.800`, `-.100`), an empty cell for "none seen". The rockets have one
 row per rocket: number, name and weight in grams, presumably without the motor. Launches read alone
 know their rocket by its number. The motors of one flight stand apart by commas (`4 C6-3, D12-3`), its
-stages by the byte 0xBD, which some copies turn into a question mark. The note comes last and is not
-quoted, so it may hold commas.
+stages by a question mark or the byte 0xBD between blanks; 0xBD at a name is the half of `½A3-2`. The note
+comes last and is not quoted, so it may hold commas.
 
 `DelayNote` is no delay. Rows that hold 5 ejected near apogee, those with 2 well after it, whatever their
 motor's delay: it grades how well the delay fitted, so it is kept as an unknown column and not used.
@@ -20,7 +20,7 @@ from datetime import datetime
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.logtext import decode, first_row, rows, shown
+from fieldkit.logtext import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import identity
 
@@ -40,7 +40,7 @@ COLUMNS = {
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
 KEPT = ("LaunchNumber", "DelayNote")
-STAGE_MARK = re.compile(r"\s*\xbd\s*|\s+\?\s+")
+STAGE_MARK = re.compile(r"\s+[\xbd?]\s+")
 DEVICE = "AltimeterTwo"
 
 
@@ -57,7 +57,7 @@ def _kind(header: list[str]) -> str | None:
 
 
 def read(log: bytes) -> list[Found]:
-    text = decode(log)
+    text = decode_whole(log)
     header_row, header = first_row(text, ",")
     kind = _kind(header)
     if kind is None:

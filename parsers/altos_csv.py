@@ -8,7 +8,7 @@ Source: altoslib/AltosCSV.java of AltOS; five files of two generations.
 
 import re
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -23,7 +23,7 @@ from fieldkit.units import UNITS, Unit
 CERTAIN = "main_voltage"
 """The last column of a version 5 header that is where its name says."""
 MOST_HEADER = 200
-FIRST_ROWS = 200
+FIRST_ROWS = MOST_CELLS = 200
 BAROMETER = {
     "height": "altitude",
     "altitude": "altitude_msl",
@@ -54,10 +54,12 @@ def read(log: bytes) -> list[Found]:
     widths = _widths(log, row)
     common = widths.most_common(1)[0][0] if widths else len(names)
     remarks: list[Found] = []
+    allowed: Collection[int] = {common}
     if common != len(names):
         names = _certain(names, row)
+        allowed = range(len(names), MOST_CELLS)
         remarks.append(Note(f"header does not fit its rows of {common} cells, read up to {CERTAIN}", row))
-    table = _present(read_columns(log, _channels(names, row), after=row, comment="#", widths={common}))
+    table = _present(read_columns(log, _channels(names, row), after=row, comment="#", widths=allowed))
     about = _about(log, row)
     found: list[Found] = []
     for flight in _by_flight(table):
@@ -112,8 +114,9 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
 
 def _present(table: Table) -> Table:
     """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
-    for values in table.values.values():
-        values[np.abs(values) >= NONE] = np.nan
+    for name, values in table.values.items():
+        if name != "time":
+            values[np.abs(values) >= NONE] = np.nan
     if "nsat" in table.values:
         lost = table.values["nsat"] == 0
         for name in ("latitude", "longitude", "gps_altitude_msl"):

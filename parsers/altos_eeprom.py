@@ -7,8 +7,10 @@ Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from r
 """
 
 import re
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields
+from typing import Any
 
 import numpy as np
 
@@ -29,8 +31,11 @@ from fieldkit.logtext import blocks, first_lines, is_cut, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float, Int, Integers
 
+Octets = np.ndarray[Any, np.dtype[np.uint8]]
 LARGEST = 32 << 20
 """No flash of these devices fills a longer file. [bytes]"""
+LARGEST_SETTINGS = 1 << 18
+"""The first record is looked for in so much of a file. [bytes]"""
 MOST_TOLD = 20
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
@@ -72,7 +77,7 @@ class Flash:
     """Records without those that are damaged, the text above them, and what is to be said of the rest."""
 
     settings: str
-    records: Int[Integers, "record byte"]
+    records: Int[Octets, "record byte"]
     found: tuple[Found, ...]
 
 
@@ -111,13 +116,11 @@ def read(log: bytes) -> list[Found]:
 def _settings(log: bytes) -> tuple[str, int]:
     """The text above the first record, and the row of that."""
     above: list[str] = []
-    for first, lines in blocks(log):
+    for first, lines in blocks(log[:LARGEST_SETTINGS]):
         for row, line in enumerate(lines, start=first):
             if HEX.match(line) or OLD_RECORD.match(line):
                 return "\n".join(above), row
-            above.append(line[:1000])
-        if len(above) > 10_000:
-            break
+            above.append(line)
     raise DamagedLog("found no records, expected lines of hex bytes below the settings", row=len(above) or 1)
 
 
@@ -135,7 +138,8 @@ def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
     damaged: list[DamagedLog] = []
     flash, missing = bytearray(), 0
-    width = len(bytes.fromhex(_line(log, row)))
+    widths = Counter(len(_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
+    width = widths.most_common(1)[0][0]
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
             if not line.strip():
@@ -151,7 +155,7 @@ def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     found = _told(damaged, "lines", log)
     size = layout.size
     whole = np.frombuffer(bytes(flash[: len(flash) // size * size]), np.uint8).reshape(-1, size)
-    written = whole[(whole != 0xFF).any(axis=1)].astype(np.int64)
+    written = whole[(whole != 0xFF).any(axis=1)]
     good = sound(written)
     if not good.all():
         first_bad = int(np.flatnonzero(~good)[0]) + 1
@@ -190,7 +194,7 @@ def _old(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
             elif re.match(r"[A-Z] [0-9a-fA-F]", line):
                 expected = "two numbers" if layout.size == 8 else f"{layout.size - 4} bytes"
                 damaged.append(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
-    whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size).astype(np.int64)
+    whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
     return Flash(settings, whole, tuple(_told(damaged, "records", log)))
 
 
@@ -198,29 +202,32 @@ def _old_record(line: str, layout: Layout) -> bytes | None:
     match = OLD_RECORD.match(line)
     if not match:
         return None
+    clock = int(match[2], 16).to_bytes(2, "little")
+    if layout.size > 8 and len(match[3]) == 3 * (layout.size - 4):
+        return bytes([ord(match[1]), 0]) + clock + bytes.fromhex(match[3])
     words = match[3].split()
     size = 2 if layout.size == 8 else 1
     if len(words) * size != layout.size - 4 or any(len(word) > 2 * size for word in words):
         return None
     payload = b"".join(int(word, 16).to_bytes(size, "little") for word in words)
-    return bytes([ord(match[1]), 0]) + int(match[2], 16).to_bytes(2, "little") + payload
+    return bytes([ord(match[1]), 0]) + clock + payload
 
 
-def _flights(records: Int[Integers, "record byte"]) -> list[Int[Integers, "record byte"]]:
+def _flights(records: Int[Octets, "record byte"]) -> list[Int[Octets, "record byte"]]:
     """The records of each flight, which a record of the letter F begins."""
     starts = np.flatnonzero(records[:, 0] == FLIGHT)
     return [part for part in np.split(records, starts[starts > 0]) if len(part)]
 
 
-def _number(records: Int[Integers, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
+def _number(records: Int[Octets, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
     """The whole number at a place behind the clock of records."""
-    values: Integers = records[:, 4 + place : 4 + place + size] @ (1 << 8 * np.arange(size))
+    values: Integers = records[:, 4 + place : 4 + place + size].astype(np.int64) @ (1 << 8 * np.arange(size))
     return values - ((values >> (8 * size - 1)) << 8 * size) if signed else values
 
 
-def _reading(records: Int[Integers, "record byte"], settings: str, layout: Layout) -> Reading | None:
+def _reading(records: Int[Octets, "record byte"], settings: str, layout: Layout) -> Reading | None:
     """The flight of records, None if there are no samples in it."""
-    time = seconds(records[:, 2] + (records[:, 3] << 8))
+    time = seconds(_number(records, -2, 2))
     samples = records[:, 0] == SAMPLE
     if not samples.any():
         return None
@@ -228,9 +235,9 @@ def _reading(records: Int[Integers, "record byte"], settings: str, layout: Layou
     events = entered(_number(records[states], 0, 2), time[states], STATES)
     start = events.get("liftoff", float(time[samples][0]))
     head = records[records[:, 0] == FLIGHT][:1]
-    series = [_samples(records[samples], time[samples] - start, head, settings, layout)]
+    series = [_samples(records[samples], _onward(time[samples] - start), head, settings, layout)]
     if layout.positions and (fixes := records[:, 0] == POSITION).any():
-        series.append(_positions(records[fixes], time[fixes] - start))
+        series.append(_positions(records[fixes], _onward(time[fixes] - start)))
     flight = str(_number(head, 2 if layout.size == 8 else 0, 2)[0]) if len(head) else _text(settings, "flight")
     return Reading(
         extra={"flight": flight} if flight else {},
@@ -240,6 +247,11 @@ def _reading(records: Int[Integers, "record byte"], settings: str, layout: Layou
         firmware=_word(settings, "software.version|firmware.version|version"),
         serial=_text(settings, "serial") or _text(settings, "serial.number"),
     )
+
+
+def _onward(time: Float[Array, "record"]) -> Float[Array, "record"]:
+    """Times of which one that is a tick before the one ahead of it counts as that one. [s]"""
+    return np.maximum.accumulate(time)
 
 
 def _text(settings: str, name: str) -> str:
@@ -253,9 +265,9 @@ def _word(settings: str, names: str) -> str:
 
 
 def _samples(
-    samples: Int[Integers, "record byte"],
+    samples: Int[Octets, "record byte"],
     time: Float[Array, "record"],
-    head: Int[Integers, "flight byte"],
+    head: Int[Octets, "flight byte"],
     settings: str,
     layout: Layout,
 ) -> Series:
@@ -273,8 +285,11 @@ def _samples(
 
 
 def _real(pressure: Float[Array, "record"]) -> Float[Array, "record"]:
-    """Pressures with nan for what is none: a sensor that was not read gives less than nothing. [Pa]"""
-    return np.where((pressure > 0) & (pressure < 130_000), pressure, np.nan)
+    """Pressures with nan for what is none. Raises DamagedLog if that is all of them. [Pa]"""
+    real = (pressure > 0) & (pressure < 130_000)
+    if not real.any():
+        raise DamagedLog("found no pressure that air can have, expected other settings or another log format")
+    return np.where(real, pressure, np.nan)
 
 
 def _gravities(settings: str) -> tuple[int | None, int | None]:
@@ -296,7 +311,7 @@ def _coefficients(settings: str) -> Coefficients:
     return Coefficients(**found)
 
 
-def _positions(fixes: Int[Integers, "record byte"], time: Float[Array, "record"]) -> Series:
+def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"]) -> Series:
     degrees = [_number(fixes, place, 4, signed=True) * 1e-7 for place in (0, 4)]
     return Series(
         time,

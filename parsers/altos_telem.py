@@ -21,8 +21,9 @@ from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
 
-LARGEST = 64 << 20
-"""More than a day of packets. [bytes]"""
+Octets = np.ndarray[Any, np.dtype[np.uint8]]
+LARGEST = 32 << 20
+"""Half a day of packets. [bytes]"""
 MOST_TOLD = 20
 PACKET, FRAME = 32, 36
 """A packet, and a line of one: its length before it, signal strength, status and checksum behind it. [bytes]"""
@@ -102,7 +103,7 @@ def read(log: bytes) -> list[Found]:
     packets, found = _packets(log)
     if not len(packets):
         raise found[0] if found and isinstance(found[0], DamagedLog) else DamagedLog("found no packet to read", row=1)
-    serials = packets[:, 0] + (packets[:, 1] << 8)
+    serials = _numbers(packets, 0, "<u2")
     readings = [_reading(int(serial), packets[serials == serial]) for serial in dict.fromkeys(serials.tolist())]
     unread = Counter(packets[:, 4].tolist()) - Counter({kind: len(packets) for kind in (*PACKETS, 4, 6, 7, 11)})
     if unread:
@@ -113,7 +114,7 @@ def read(log: bytes) -> list[Found]:
     return [*heard, *found]
 
 
-def _packets(log: bytes) -> tuple[Int[Integers, "packet byte"], list[Found]]:
+def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
     """Packets that came whole, and what is to be said of the others."""
     good, damaged, left_out = bytearray(), list[DamagedLog](), Counter[str]()
     row = 0
@@ -139,7 +140,7 @@ def _packets(log: bytes) -> tuple[Int[Integers, "packet byte"], list[Found]]:
     notes = [Note("is cut off where the file ends, left out", row)] if cut else []
     notes += [Note(f"{count} {what}, left out") for what, count in left_out.items()]
     packets = np.frombuffer(bytes(good), np.uint8).reshape(-1, PACKET)
-    return packets.astype(np.int64), [*told, *notes]
+    return packets, [*told, *notes]
 
 
 def _bytes(text: str) -> bytes | None:
@@ -161,9 +162,9 @@ def _complaint(line: str, frame: bytes | None) -> str:
     return f"found checksum {frame[-1]:02x}, expected {(SEED + sum(frame[1:-1])) % 256:02x}"
 
 
-def _reading(serial: int, packets: Int[Integers, "packet byte"]) -> Reading:
+def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
     """What was heard of one rocket: a clock for each type of packet, the one with its states first."""
-    time = seconds(packets[:, 2] + (packets[:, 3] << 8))
+    time = seconds(_numbers(packets, 2, "<u2"))
     kinds = packets[:, 4]
     states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
         packets[:, 5] <= 10
@@ -172,7 +173,9 @@ def _reading(serial: int, packets: Int[Integers, "packet byte"]) -> Reading:
     events = {name: when for name, when in events.items() if when > time[states][0]}
     start = events.get("liftoff", float(time[0]))
     order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
-    series = [_series(kind, packets[kinds == kind], time[kinds == kind] - start) for kind in order]
+    series = [
+        _series(kind, packets[kinds == kind], np.maximum.accumulate(time[kinds == kind] - start)) for kind in order
+    ]
     device = next((PACKETS[kind][0] for kind in order if PACKETS[kind][0]), "")
     return Reading(
         series=tuple(one for one in series if one is not None),
@@ -182,7 +185,7 @@ def _reading(serial: int, packets: Int[Integers, "packet byte"]) -> Reading:
     )
 
 
-def _series(kind: int, packets: Int[Integers, "packet byte"], time: Float[Array, "packet"]) -> Series | None:
+def _series(kind: int, packets: Int[Octets, "packet byte"], time: Float[Array, "packet"]) -> Series | None:
     """What packets of one type hold; None if they hold nothing that a flight could have."""
     values: dict[str, Any] = {name: _values(packets, field) for name, field in PACKETS[kind][1].items()}
     values.pop("state", None)
@@ -205,11 +208,15 @@ def _position(values: dict[str, Any]) -> dict[str, Any]:
     return {name: np.where(fixed, each, np.nan) for name, each in values.items()}
 
 
-def _values(packets: Int[Integers, "packet byte"], field: Field) -> Float[Array, "packet"]:
-    size = np.dtype(field.kind).itemsize
-    raw = packets[:, field.place : field.place + size].astype(np.uint8)
-    counts = np.frombuffer(raw.tobytes(), field.kind).astype(np.int64)
+def _values(packets: Int[Octets, "packet byte"], field: Field) -> Float[Array, "packet"]:
+    counts = _numbers(packets, field.place, field.kind)
     return counts.astype(float) * field.scale + field.offset if field.convert is None else field.convert(counts)
+
+
+def _numbers(packets: Int[Octets, "packet byte"], place: int, kind: str) -> Int[Integers, "packet"]:
+    """The whole number at a place of every packet."""
+    raw = packets[:, place : place + np.dtype(kind).itemsize]
+    return np.frombuffer(raw.tobytes(), kind).astype(np.int64)
 
 
 PARSER = Parser("AltOS .telem", recognises, read)

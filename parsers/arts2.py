@@ -55,8 +55,9 @@ def read(log: bytes) -> list[Found]:
         Channel(field, place, unit, field == "time", NAMES[place])
         for place, (field, unit) in enumerate(zip(fields, units, strict=True))
     ]
-    table = read_columns(log, channels, after=head[0], separator=head[1], widths={len(NAMES)}, comment="#")
-    parts, found = table.flights()
+    parts, found = read_columns(
+        log, channels, after=head[0], separator=head[1], widths={len(NAMES)}, comment="#"
+    ).flights()
     return [*(Reading(series=_series(part, found), device="ARTS2") for part in parts), *found]
 
 

@@ -27,7 +27,7 @@ WRAP = 65_536.0
 GROUND = (60_000.0, 110_000.0)
 """Pressure where rockets are launched. [Pa]"""
 MOST_TOLD = 20
-MOST = 500_000
+MOST = 100_000
 """More samples than any of these altimeters can hold. [1]"""
 WIDTH = 12
 """So many numbers of a sample are looked at. [1]"""

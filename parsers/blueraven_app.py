@@ -72,8 +72,9 @@ def read(log: bytes) -> list[Found]:
     else:
         places = [i for i, name in enumerate(head.names) if "acc" in name][:3]
         channels += [Channel(name, place) for name, place in zip(AXES, places, strict=True)]
-    table = read_columns(log, channels, after=head.row, separator=head.separator, widths={len(head.names)})
-    parts, found = table.flights()
+    parts, found = read_columns(
+        log, channels, after=head.row, separator=head.separator, widths={len(head.names)}
+    ).flights()
     return [*(_low(part, head, log) if low else _high(part, head, log, found) for part in parts), *found]
 
 
@@ -109,13 +110,13 @@ def _lift_off(table: Table, head: Heading, log: bytes) -> datetime | None:
     if row > len(lines) or None in places:
         return None
     cells = lines[row - 1].split(head.separator)
-    year, month, day, clock = (cells[place].strip() for place in places if place is not None)
     try:
+        year, month, day, clock = (cells[place].strip() for place in places if place is not None)
         date = datetime(int(year), int(month), int(day))
         if clock.count(":") < 2:
             return date
         return datetime.fromisoformat(f"{date:%Y-%m-%d}T{clock}") - timedelta(seconds=float(table.values["time"][0]))
-    except (ValueError, OverflowError):
+    except (ValueError, OverflowError, IndexError):
         return None
 
 

@@ -10,7 +10,7 @@ from datetime import datetime, timedelta
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.logtext import decode, shown
-from fieldkit.parsing import Found, Parser, Reading
+from fieldkit.parsing import HEAD, Found, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.units import parse
 
@@ -44,7 +44,7 @@ def read(log: bytes) -> list[Found]:
     events: dict[str, float] = {}
     extra: dict[str, str] = {}
     found: list[Found] = []
-    for row, line in enumerate(decode(log).splitlines(), start=1):
+    for row, line in enumerate(decode(log[:HEAD]).splitlines(), start=1):
         spelled, comma, value = (part.strip() for part in line.partition(","))
         key = " ".join(spelled.lower().split())
         if not comma or not key or key in extra:

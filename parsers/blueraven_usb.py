@@ -9,9 +9,10 @@ from a label that speaks of it, if some scale makes it one g at the start. Time 
 import math
 import re
 from array import array
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime, timedelta
+from itertools import islice
 
 import numpy as np
 
@@ -19,12 +20,16 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import lines, scale_at_rest, upright
+from fieldkit.tables import line_end, lines, scale_at_rest, upright
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 
 KINDS = (b"@ LOG_LOW", b"@ LOG_HIR")
 LINE = 4096
 """The longest line that is looked at; frames have about 200 characters. [bytes]"""
+TOGETHER = 2048
+"""So many lines have their checksums worked out together. [1]"""
+MOST = 1_500_000
+"""More numbers than the flights of a Blue Raven have at one rate. [1]"""
 APART = 60.0
 """Frames that lie further apart belong to two flights. [s]"""
 EPOCH = datetime(2000, 1, 1)
@@ -41,12 +46,21 @@ _CHECKED = re.compile(rb"(@ LOG_.*) CRC:\s*([0-9A-Fa-f]{4})\s*$")
 _FIELD = re.compile(rb"([A-Za-z]\w*):((?:\s*,?\s*[-+]?\d+(?![\w:.]))+)")
 
 
-def crc(frame: bytes) -> int:
-    """CRC-16/BUYPASS: polynomial 0x8005, from zero, not reflected; 0xFEE8 for `123456789`."""
-    value = 0
-    for byte in frame:
-        value = (value << 8 & 0xFF00) ^ _TABLE[value >> 8 ^ byte]
-    return value
+def crcs(frames: Sequence[bytes]) -> list[int]:
+    """CRC-16/BUYPASS of each frame: polynomial 0x8005, from zero, not reflected; 0xFEE8 for `123456789`.
+
+    Zeros before a frame change nothing, so all are worked through together.
+    """
+    longest = max(map(len, frames), default=0)
+    columns = (
+        np.frombuffer(b"".join(frame.rjust(longest, b"\0") for frame in frames), np.uint8)
+        .reshape(len(frames), longest)
+        .T
+    )
+    values = np.zeros(len(frames), np.uint16)
+    for column in columns:
+        values = (values << 8) ^ _TABLE[(values >> 8) ^ column]
+    return [int(value) for value in values]
 
 
 def _table() -> Iterator[int]:
@@ -57,7 +71,7 @@ def _table() -> Iterator[int]:
         yield value
 
 
-_TABLE = tuple(_table())
+_TABLE = np.array(list(_table()), np.uint16)
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,12 +96,20 @@ def recognises(head: bytes) -> bool:
     return any(kind in head for kind in KINDS)
 
 
-def frame_of(line: bytes) -> Frame | None:
-    """The frame of a line, the last one if several were printed over each other; None if none is sound."""
-    start = line.rfind(b"@ LOG_")
-    checked = _CHECKED.match(line, start) if start >= 0 else None
-    head = _HEAD.match(line, start) if checked else None
-    if not checked or not head or crc(checked[1]) != int(checked[2], 16):
+def frames_of(lines: Sequence[bytes]) -> list[Frame | None]:
+    """The frame of each line, the last one if several were printed over each other; None where none is sound."""
+    starts = [line.rfind(b"@ LOG_") for line in lines]
+    checked = [_CHECKED.match(line, start) if start >= 0 else None for line, start in zip(lines, starts, strict=True)]
+    good = crcs([match[1] if match else b"" for match in checked])
+    return [
+        _frame(match[1]) if match and int(match[2], 16) == value else None
+        for match, value in zip(checked, good, strict=True)
+    ]
+
+
+def _frame(text: bytes) -> Frame | None:
+    head = _HEAD.match(text)
+    if not head:
         return None
     year, month, day, hour, minute, second = map(int, head.groups()[1:7])
     try:
@@ -96,7 +118,7 @@ def frame_of(line: bytes) -> Frame | None:
         return None
     fields = {
         field[1].decode().lower(): tuple(map(int, re.findall(rb"[-+]?\d{1,9}", field[2])))
-        for field in _FIELD.finditer(line, head.end())
+        for field in _FIELD.finditer(text, head.end())
     }
     return Frame(head[1].decode(), moment, fields)
 
@@ -104,14 +126,18 @@ def frame_of(line: bytes) -> Frame | None:
 def read(log: bytes) -> list[Found]:
     samples = {"LOW": array("d"), "HIR": array("d")}
     lost, first_lost, cut = 0, 0, False
-    last = log.count(b"\n") + 1
-    for row, line in enumerate(lines(log, LINE), start=1):
-        frame = frame_of(line)
-        if frame:
-            samples[frame.kind].extend(frame.numbers())
-        elif b"@ LOG_" in line:
-            cut = row == last
-            first_lost, lost = first_lost or row, lost + (not cut)
+    last = log.count(line_end(log)) + 1
+    rows, row = lines(log, LINE), 0
+    while block := list(islice(rows, TOGETHER)):
+        for line, frame in zip(block, frames_of(block), strict=True):
+            row += 1
+            if frame:
+                samples[frame.kind].extend(frame.numbers())
+            elif b"@ LOG_" in line:
+                cut = row == last
+                first_lost, lost = first_lost or row, lost + (not cut)
+        if max(map(len, samples.values())) > MOST:
+            raise DamagedLog(f"found more than {MOST} numbers, expected at most what a Blue Raven holds")
     low = np.array(samples["LOW"]).reshape(-1, 1 + len(LOW))
     high = np.array(samples["HIR"]).reshape(-1, 4)
     if not len(low) + len(high):

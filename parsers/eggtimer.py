@@ -100,21 +100,24 @@ def _parts(log: bytes) -> Iterator[_Part]:
 
 def _flights(log: bytes, part: _Part) -> list[Found]:
     """The flight of one table, or several where its clock starts anew."""
-    head, body = part.head, log[part.start : part.stop]
+    head, last = part.head, part.stop == len(log)
+    body, above = (log, 0) if last else (log[part.start : part.stop], head.row)
     flags = [Channel(event, head.names.index(name)) for name, event in EVENTS.items() if name in head.names]
     speed = head.place(*SPEEDS)
     channels = [Channel("time", 0, needed=True, header="T"), Channel("altitude", 1, needed=True, header="Alt"), *flags]
     if speed is not None:
         channels.append(Channel("speed", speed))
-    decimal = "," if head.separator != "," and b"," in body[:2000] else "."
+    decimal = "," if head.separator != "," and b"," in log[part.start : part.start + 2000] else "."
     widths = {len(head.names), len(head.names) + 1}
-    table = read_columns(body, channels, after=0, separator=head.separator, decimal=decimal, widths=widths)
-    parts, remarks = table.flights()
+    after = head.row - above
+    parts, remarks = read_columns(
+        body, channels, after=after, separator=head.separator, decimal=decimal, widths=widths
+    ).flights()
     found: list[Found] = []
     for one in parts:
         reading = _reading(one, part)
         found += [reading] if ALTITUDES[head.names[1]] else [reading, Note(_why(one, head), row=head.row)]
-    return [*found, *(_below(remark, head.row) for remark in remarks)]
+    return [*found, *(_below(remark, above) for remark in remarks)]
 
 
 def _unit(table: Table, head: Heading) -> str:

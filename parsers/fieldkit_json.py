@@ -11,7 +11,7 @@ import sys
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logtext import decode, shown
+from fieldkit.logtext import decode, decode_whole, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 
 HEADERS = {column.header: column for column in COLUMNS}
@@ -24,7 +24,7 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     try:
-        document = json.loads(decode(log))
+        document = json.loads(decode_whole(log))
     except (ValueError, RecursionError) as error:
         line = error.lineno if isinstance(error, json.JSONDecodeError) else None
         raise DamagedLog("found no whole JSON document, expected what export writes", row=line) from error

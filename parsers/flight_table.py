@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logtext import decode, first_row, rows, shown
+from fieldkit.logtext import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
 
@@ -49,7 +49,7 @@ def _is_number(cell: str) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    text = decode(log)
+    text = decode_whole(log)
     separator = _separator(text)
     header_row, spelled = first_row(text, separator)
     headings = _headings(spelled, header_row)

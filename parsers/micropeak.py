@@ -10,7 +10,9 @@ Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 import binascii
 import re
 import struct
+from collections.abc import Iterator
 from dataclasses import dataclass
+from itertools import islice
 
 import numpy as np
 
@@ -21,8 +23,13 @@ from fieldkit.sanity import check
 from fieldkit.shapes import Array, Float
 from fieldkit.standard_air import pressure_height
 
-START = b"MP"
-DIGITS = re.compile(rb"[\s\0]*((?:[0-9a-fA-F][\s\0]*){20,})")
+BETWEEN = b" \t\r\n\v\f\0"
+START = re.compile(rb"MP(?=[\s\0]*[0-9a-fA-F])")
+DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
+LONGEST = 4 << 20
+"""More digits, and what is between them, than a day of flight has."""
+MOST_FLIGHTS = 100
+"""A file of more transmissions is read up to here. [1]"""
 REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 LEAST, MOST = 10_000, 120_000
 """Between these the pressure of the ground can be. [Pa]"""
@@ -40,29 +47,25 @@ MODELS = (Model("MicroPeak", 0.192), Model("MicroKite", 19.2), Model("MicroPeak 
 
 
 def recognises(head: bytes) -> bool:
-    matches = (DIGITS.match(head, start + len(START)) for start in _starts(head))
-    return any(_is_header(bytes.fromhex(_bare(match[1])[:20].decode())) for match in matches if match)
+    return any(_is_header(bytes.fromhex(digits[:20].decode())) for _, digits in _transmissions(head))
 
 
 def read(log: bytes) -> list[Found]:
     found: list[Found] = []
-    starts = _starts(log)
-    for start in starts:
-        digits = DIGITS.match(log, start + len(START))
-        if digits:
-            row = log.count(b"\n", 0, start) + 1
-            found += _flight(_bare(digits[1]), row)
+    for start, digits in islice(_transmissions(log), MOST_FLIGHTS):
+        found += _flight(digits, log.count(b"\n", 0, start) + 1)
     if not any(isinstance(item, Reading | Note) for item in found):
         raise found[0] if found else DamagedLog("found no flight, expected MP and hex digits", row=1)  # type: ignore[misc]
     return found
 
 
-def _starts(log: bytes) -> list[int]:
-    return [match.start() for match in re.finditer(START, log)]
-
-
-def _bare(digits: bytes) -> bytes:
-    return digits.translate(None, b" \t\r\n\v\f\0")
+def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
+    """Where `MP` and enough hex digits for a header are, and the digits, without what is between them."""
+    for match in START.finditer(log):
+        text = log[match.end() : match.end() + LONGEST].translate(None, BETWEEN)
+        digits = DIGITS.match(text)
+        if digits:
+            yield match.start(), digits[0]
 
 
 def _is_header(data: bytes) -> bool:

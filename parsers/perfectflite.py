@@ -27,7 +27,10 @@ ERASED = 25.50
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
 DATA = re.compile(r"\s*Data\s*:.*Time.*Altitude", re.IGNORECASE)
 STATED = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
-KNOWN = ("PerfectFlite", "Firmware", "Serial Number", "NumSamps", "Comments", *STATED.values())
+KEPT = (
+    *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
+    *("Max Drogue Current", "Max Main Current"),
+)
 OUTPUTS = {"drogue at": "drogue", "main at": "main"}
 
 
@@ -49,7 +52,7 @@ def read(log: bytes) -> list[Found]:
     parts, found = written.flights()
     first = Reading(
         stated=_stated(header, remarks),
-        extra={name: value for name, value in header.items() if name not in KNOWN and value},
+        extra={name: header[name] for name in KEPT if header.get(name)},
         columns=STATED,
         series=parts[0].series(),
         events=_events(header),

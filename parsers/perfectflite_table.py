@@ -6,6 +6,7 @@ Source: exports of four flights, listed with the format.
 """
 
 import re
+from collections import Counter
 from dataclasses import dataclass
 
 from fieldkit import units
@@ -76,12 +77,20 @@ def _layout(log: bytes) -> Layout | None:
         rows = rows[1:]
     else:
         row = 0
-    for _, line in rows:
-        cells = [cell.strip() for cell in line.split(separator)]
-        warmth = WARMTH.match(cells[2]) if len(cells) == 4 else None
-        if warmth and NUMBER.match(cells[0]) and NUMBER.match(cells[1]):
-            return Layout(row, separator, _length(unit, row), warmth[1], "V" if cells[3].endswith("V") else "")
-    return None
+    seen = Counter(kind for _, line in rows if (kind := _kind(line, separator)))
+    if not seen:
+        return None
+    temperature, voltage = seen.most_common(1)[0][0]
+    return Layout(row, separator, _length(unit, row), temperature, voltage)
+
+
+def _kind(line: str, separator: str) -> tuple[str, str] | None:
+    """What ends the cells of temperature and of voltage in a row, None if it is not one of an export."""
+    cells = [cell.strip() for cell in line.split(separator)]
+    warmth = WARMTH.match(cells[2]) if len(cells) == 4 else None
+    if not warmth or not NUMBER.match(cells[0]) or not NUMBER.match(cells[1]):
+        return None
+    return warmth[1], "V" if cells[3].endswith("V") else ""
 
 
 def _length(unit: str, row: int) -> str:

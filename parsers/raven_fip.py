@@ -16,7 +16,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.parsing import Found, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import heading, heading_or_damage, in_order, lines
+from fieldkit.tables import LATEST, heading, heading_or_damage, in_order, lines
 from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
 
 FLAGS = "bilba"
@@ -33,6 +33,8 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "volts battery (v)": ("voltage", Unit(1.0)),
 }
 """Channels by header, the logger's own before what was computed from them."""
+LARGEST = 1 << 25
+"""More than a Raven holds, exported. [bytes]"""
 EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 """The place of each flag in a cell such as `b1100`."""
 
@@ -46,6 +48,8 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
+    if len(log) > LARGEST:
+        raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {LARGEST >> 20} MB of a Raven")
     head = heading_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", (",",))
     places: dict[str, int] = {}
     for name, (channel, _) in CHANNELS.items():
@@ -103,7 +107,7 @@ def _events(table: Table) -> dict[str, float]:
         time = table.values[f"time {place}"]
         for event, digit in EVENTS.items():
             said = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
-            times = time[np.isin(which, said) & np.isfinite(time)]
+            times = time[np.isin(which, said) & (np.abs(time) < LATEST)]
             if len(times):
                 events[event] = min(float(times.min()), events.get(event, np.inf))
     return events

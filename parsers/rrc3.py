@@ -48,15 +48,14 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     head = heading_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
     channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name not in WORDS]
-    table = read_columns(
+    parts, found = read_columns(
         log,
         [replace(c, unit=UNITS["pressure"]["mbar"]) if c.name == "pressure" else c for c in channels],
         after=head.row,
         separator=head.separator,
         decimal=_decimal(log, head),
         words={name: NAMES.index(name) for name in WORDS},
-    )
-    parts, found = table.flights()
+    ).flights()
     readings = [_reading(part, found) for part in parts]
     if not any(readings):
         raise DamagedLog("found pressures that are not in mbar, expected 1 to 1150", row=head.row, column="pressure")

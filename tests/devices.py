@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
+from pathlib import Path
 
 Device = Callable[["Wire"], None]
 
@@ -404,6 +405,11 @@ def deaf(wire: Wire) -> None:
     """A unit that never says a word."""
     while True:
         wire.listen(0.05)
+
+
+def arrived(folder: Path, content: bytes) -> Callable[[], bool]:
+    """Whether as much as this is on the disc: when to stop a stream that has no end."""
+    return lambda: sum(file.stat().st_size for file in folder.glob("*.raw")) >= len(content)
 
 
 def noise(size: int, seed: int = 1) -> bytes:

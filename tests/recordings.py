@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Series
-from fieldkit.standard_air import GRAVITY, height_pressure, pressure_height, standard_density
+from fieldkit.standard_air import GRAVITY, HYDROSTATIC, LAPSE, STANDARD_TEMPERATURE, height_pressure, pressure_height
 
 STEP = 0.004
 """Of the truth. [s]"""
@@ -89,7 +89,7 @@ def fly(rocket: Rocket) -> Truth:
         return rocket.thrust * shape * min(t / rise + 0.3, 1.0) * min((rocket.burn - t) / (0.5 * rise), 1.0)
 
     def felt(t: float, h: float, v: float) -> float:
-        rho = float(standard_density(np.array(h + rocket.elevation)))
+        rho = 1.225 * (1 - LAPSE * (h + rocket.elevation) / STANDARD_TEMPERATURE) ** (HYDROSTATIC - 1)
         mach = abs(v) / 335.0
         area = rocket.area * (1 + 0.6 / (1 + np.exp(-(mach - 0.98) / 0.03)))
         since = (t - rocket.burn - rocket.delay) / rocket.opening
@@ -98,12 +98,15 @@ def fly(rocket: Rocket) -> Truth:
         return thrust(t) / rocket.mass - 0.5 * rho * area * v * abs(v) / rocket.mass
 
     t, h, v, rows = 0.0, 0.0, 0.0, []
+    step = STEP
     while h >= 0:
+        if t > rocket.burn + rocket.delay + 5 * rocket.opening:
+            step = 5 * STEP
         f = felt(t, h, v)
         rows.append((t, h, v, f))
         a = f - GRAVITY
-        later = felt(t + STEP, h + STEP * v, v + STEP * a) - GRAVITY
-        h, v, t = h + STEP * v + STEP**2 * a / 2, v + STEP * (a + later) / 2, t + STEP
+        later = felt(t + step, h + step * v, v + step * a) - GRAVITY
+        h, v, t = h + step * v + step**2 * a / 2, v + step * (a + later) / 2, t + step
     time, height, speed, push = np.array(rows).T
     return Truth(time, height, speed, push, rocket.burn, rocket.burn + rocket.delay, rocket.elevation)
 

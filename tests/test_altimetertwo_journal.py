@@ -42,10 +42,14 @@ def test_the_delay_note_is_kept_and_is_no_delay() -> None:
     ("motors", "motor", "tags"),
     [
         ("C6-5", "C6-5", ()),
-        ("3 B6-4", "3 B6-4", ("cluster",)),
         ('"4 C6-3, D12-3"', "4 C6-3, D12-3", ("cluster",)),
         ("D12-0 ½ A8-5", "D12-0 / A8-5", ("staged",)),
         ("D12-0 ? A8-5", "D12-0 / A8-5", ("staged",)),
+        ("½A3-2", "½A3-2", ()),
+        ("3 B6-4", "3 B6-4", ("cluster",)),
+        ('"3 B6-4, C6-5"', "3 B6-4, C6-5", ("cluster",)),
+        ('"2 ½A3-2T, A8-3"', "2 ½A3-2T, A8-3", ("cluster",)),
+        ("B6-0 ? ½A3-2T", "B6-0 / ½A3-2T", ("staged",)),
         ('"2 A3-4T, B6-0 ½ A8-3"', "2 A3-4T, B6-0 / A8-3", ("staged", "cluster")),
     ],
 )

@@ -227,18 +227,21 @@ def test_planned_flights_keep_nothing_of_the_altimeter(sets: Path, tmp_path: Pat
 
 
 PRODUCT = """
-import csv, json, sys
+import csv, json, os, sys
 command = sys.argv[3]
 if command == "import":
     print(json.dumps({"imported": 20, "duplicates": 0, "rejected": [], "flights": []}))
 elif command == "loop":
     verdict = {"effect": "motor_thrust", "confidence": 0.9, "why": "x", "also": ["mass_offset"]}
-    tried = [{"effect": "motor_thrust"}, {"effect": "mass_offset", "after": {"mae_m": 3.0}}]
-    print(json.dumps({"verdict": verdict, "candidates": tried, "residual": {"before": {"mae_m": 4.0}}}))
+    if "--effect" in sys.argv:
+        assert sys.argv[sys.argv.index("--effect") + 1] == "mass_offset"
+        open(sys.argv[2] + ".forced", "w").close()
+    print(json.dumps({"verdict": verdict, "candidates": [{"effect": "motor_thrust"}, {"effect": "mass_offset"}]}))
 else:
     rows = list(csv.DictReader(open(sys.argv[5])))
+    forced = os.path.exists(sys.argv[2] + ".forced")
     high = 1e6 if sys.argv[7] == "after" else 300.0
-    apogee = {"mean": 300.0, "p05": 0.0, "p50": 300.0, "p95": high}
+    apogee = {"mean": 300.0, "p05": 0.0, "p50": 250.0 if forced else 300.0, "p95": high}
     print(json.dumps({"predictions": [{"flight_id": row["flight_id"], "apogee_m": apogee} for row in rows]}))
 """
 
@@ -251,8 +254,10 @@ def test_scoring_calls_the_product_as_the_contract_says(sets: Path, tmp_path: Pa
     assert not result.error
     assert result.right
     assert not result.named
-    assert result.fitted == pytest.approx(0.25)
     assert result.before is not None
+    assert result.given is not None
+    assert result.given.mae != result.before.mae
+    assert result.gain == pytest.approx(1 - result.given.mae / result.before.mae)
     assert result.after is not None
     assert result.before.mae == result.after.mae > 0
     assert result.after.covered == result.after.flights == label["n_future"]

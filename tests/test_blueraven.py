@@ -81,7 +81,8 @@ def test_the_files_of_one_real_flight_bring_one_flight_in_either_order() -> None
     for order in (files, files[::-1]):
         intakes = {intake.source: intake for intake in read_together(order, any_motor)}
         (flight,) = intakes[LOW].flights
-        assert flight.apogee == pytest.approx(4034.98 * FOOT)
+        assert float(flight.extra["stated_apogee_m"]) == pytest.approx(4034.98 * FOOT)
+        assert flight.apogee == pytest.approx(4034.98 * FOOT, rel=0.005)
         assert intakes[SUMMARY].flights == ()
         assert intakes[SUMMARY].notes == (f"{SUMMARY}: is part of the flight of {LOW}",)
 
@@ -179,6 +180,19 @@ def test_a_frame_with_one_flipped_bit_is_lost_and_no_other() -> None:
     assert isinstance(flight, Reading)
     assert len(flight.clocks[0].time) == 2
     assert isinstance(note, Note)
+
+
+def test_frames_read_whatever_ends_their_lines() -> None:
+    log = frame("05.250") + frame("05.270")
+    for end in (b"\n", b"\r"):
+        (flight,) = usb(log.replace(b"\r\n", end))
+        assert isinstance(flight, Reading)
+        assert len(flight.clocks[0].time) == 2
+
+
+def test_a_line_that_is_no_frame_says_nothing() -> None:
+    with pytest.raises(DamagedLog, match="no frame"):
+        usb(b"@ LOG_LOW")
 
 
 def test_a_long_gap_in_the_frames_parts_two_flights() -> None:

@@ -1,11 +1,13 @@
 """Every protocol against a unit that behaves, and against one that does not."""
 
 import random
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Ended,
@@ -24,6 +26,7 @@ from fieldkit.capture import (
     read_capture,
     resume,
 )
+from fieldkit.capture.captured import Captured, Mark
 from fieldkit.capture.protocols import altimulti, altos, blue_raven, mawd, micropeak, stratologger
 from fieldkit.errors import PortTrouble
 from tests import devices
@@ -31,7 +34,8 @@ from tests.devices import Wire, played
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason="needs pseudo-terminals")
 
-QUICK = Wishes(wait=10, silence=0.8, reconnect=10)
+QUICK = Wishes(wait=30, silence=30, reconnect=30)
+BRIEF = replace(QUICK, silence=0.6)
 
 
 @pytest.fixture(autouse=True)
@@ -49,7 +53,7 @@ def impatient(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(altos, "TRIES", 2)
     monkeypatch.setattr(mawd, "TRIES", 2)
     monkeypatch.setattr("fieldkit.capture.altus.ANSWER", 0.2)
-    monkeypatch.setattr(mawd, "ANSWER", 0.4)
+    monkeypatch.setattr(mawd, "ANSWER", 0.3)
     monkeypatch.setattr(micropeak, "PAUSE", 0.5)
 
 
@@ -74,8 +78,10 @@ def told(events: Sequence[Event]) -> str:
     return "\n".join(event.text for event in events if isinstance(event, Told))
 
 
-def heard(wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK) -> list[Event]:
-    return run(capture(Port(wire.name), device, folder=folder, wishes=wishes), wire)
+def heard(
+    wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK, stop: Callable[[], bool] = lambda: False
+) -> list[Event]:
+    return run(capture(Port(wire.name), device, folder=folder, wishes=wishes, stop=stop), wire)
 
 
 def test_every_protocol_has_a_title_and_a_rate() -> None:
@@ -185,7 +191,7 @@ def test_a_chosen_flight_that_wraps_its_clock_comes_alone(tmp_path: Path) -> Non
 def test_a_flight_with_a_wrong_checksum_is_read_again(tmp_path: Path) -> None:
     with played(devices.altimulti(FLIGHTS[:1], spoil=1)) as wire:
         events = heard(wire, "altimulti", tmp_path)
-    assert "reading it again" in told(events)
+    assert "flight 0: 1 sentences with a wrong checksum; reading it again" in told(events)
     assert ended(events).whole
     assert flown(logs_in(ended(events).file)[0].content) == FLIGHTS[0]
 
@@ -299,7 +305,8 @@ def test_packets_of_a_teledongle_show_the_height_while_they_come(tmp_path: Path)
     ]
     with played(devices.teledongle(packets, noise=b"")) as wire:
         wishes = replace(QUICK, frequency=434.65e6)
-        events = heard(wire, "teledongle", tmp_path, wishes)
+        stop = devices.arrived(tmp_path, devices.IDENTITY + b"".join(packets))
+        events = heard(wire, "teledongle", tmp_path, wishes, stop)
         wire.listen(0.2)
     end = ended(events)
     assert (end.samples, end.damaged) == (30, 3)
@@ -327,7 +334,7 @@ def test_a_blue_raven_is_read_at_both_rates_while_its_status_goes_on(tmp_path: P
     overprinted = LOW[20][:70] + LOW[21]
     low = [*LOW[:20], overprinted, *LOW[22:]]
     with played(devices.blue_raven(low, HIGH, status)) as wire:
-        events = heard(wire, "blue_raven", tmp_path, QUICK)
+        events = heard(wire, "blue_raven", tmp_path, BRIEF)
     end = ended(events)
     assert end.whole
     assert (end.samples, end.damaged) == (len(LOW) - 1 + len(HIGH), 0)
@@ -341,7 +348,7 @@ def test_a_blue_raven_is_read_at_both_rates_while_its_status_goes_on(tmp_path: P
 def test_a_frame_with_a_wrong_checksum_costs_that_frame(tmp_path: Path) -> None:
     low = [*LOW[:5], LOW[5].replace(b"Vel: 5", b"Vel: 6"), *LOW[6:]]
     with played(devices.blue_raven(low, [])) as wire:
-        events = heard(wire, "blue_raven", tmp_path)
+        events = heard(wire, "blue_raven", tmp_path, BRIEF)
     assert (ended(events).samples, ended(events).damaged) == (len(LOW) - 1, 1)
     assert "no high-rate data" in told(events)
 
@@ -366,7 +373,7 @@ def test_lines_of_a_stratologger_get_the_times_of_their_arrival(tmp_path: Path) 
     lines = b"812\r\n" + b"".join(b"%d\r\n" % height for height in (0, 1, 40, 160, 300, 290, 100, 0))
     lines = lines.replace(b"160\r\n", b"160\r\n4x0\r\n")
     with played(devices.talking(lines, pause=0.03)) as wire:
-        events = heard(wire, "stratologger", tmp_path)
+        events = heard(wire, "stratologger", tmp_path, stop=devices.arrived(tmp_path, lines))
     end = ended(events)
     assert (end.samples, end.damaged) == (9, 1)
     rows = logs_in(end.file)[0].content.decode().splitlines()
@@ -389,8 +396,8 @@ TRS = (
 
 def test_the_text_of_an_eggtimer_is_kept_as_it_came(tmp_path: Path) -> None:
     with played(devices.talking(TRS, random.Random(6))) as wire:
-        end = ended(heard(wire, "eggtimer", tmp_path))
-    assert end.samples == 100
+        end = ended(heard(wire, "eggtimer", tmp_path, BRIEF))
+    assert (end.samples, end.why) == (100, "it went silent")
     assert logs_in(end.file)[0].content == TRS
     assert not wire.received
 
@@ -440,7 +447,90 @@ def test_a_unit_that_never_answers_is_told_of_in_one_line_and_leaves_no_file(
     assert not list(tmp_path.iterdir())
 
 
+LINES = b"TELEM 22\r\n\r\n" * 50
+CHATTER = [
+    ("altimulti", devices.TELEMETRY * 20),
+    ("altos", LINES),
+    ("teledongle", devices.noise(2000)),
+    ("mawd", LINES),
+    ("blue_raven", devices.noise(2000)),
+]
+
+
+@pytest.mark.usefixtures("impatient")
+@pytest.mark.parametrize(("device", "chatter"), CHATTER, ids=[device for device, _ in CHATTER])
+def test_a_unit_that_talks_and_never_answers_is_given_up_too(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, device: str, chatter: bytes
+) -> None:
+    monkeypatch.setattr(altimulti, "GREETINGS", 1)
+    for module in (altos, mawd):
+        monkeypatch.setattr(module, "TRIES", 1)
+
+    def chattering(wire: Wire) -> None:
+        while True:
+            wire.say(chatter)
+            wire.listen(0.01)
+
+    with played(chattering) as wire, pytest.raises(PortTrouble, match=wire.name):
+        heard(wire, device, tmp_path, replace(QUICK, silence=0.2))
+    (file,) = tmp_path.glob("*.raw")
+    assert file.stat().st_size > 1000
+
+
 @pytest.mark.parametrize("device", ["pnut", "RRC3", "aim", "walkie-talkie"])
 def test_a_unit_that_cannot_be_captured_is_refused_with_the_way_that_there_is(tmp_path: Path, device: str) -> None:
     with pytest.raises(PortTrouble, match=r"not public|expected one of altimulti"):
         list(capture(Port("/dev/null"), device, folder=tmp_path))
+
+
+# --- Captures that nobody would make on purpose
+
+WORDS = [
+    *(b"$start;", b"$end;", devices.TELEMETRY, FLIGHTS[0][1], b"$data,0,1", b"MP", b"a0860100", b"f" * 30, b"\r\n"),
+    *(b"flight 1 start 0 end 2\ndone\n", devices.IDENTITY, devices.SETTINGS, b"0 1 2 3 4 5 6 7 8\n", b"TELEM 22"),
+    *(
+        LOW[0],
+        HIGH[0],
+        LOW[0][:50],
+        b"G00812\r\nA01204\r\n",
+        b" 0012\r\n",
+        b"812\r\n",
+        b"T,Alt,Veloc\r\n",
+        b"1,2,3\r\n",
+    ),
+]
+ASKED = [
+    "h;",
+    "b;",
+    "r0;",
+    "r99999999999;",
+    "v\n",
+    "l\n",
+    "e 0\n",
+    "e ffffff\n",
+    "download l\r\n",
+    "I",
+    "S",
+    "D",
+    "\xff",
+]
+
+
+@pytest.mark.parametrize("name", [*known_devices()])
+@given(
+    pieces=st.lists(st.tuples(st.sampled_from(ASKED), st.sampled_from(WORDS) | st.binary(max_size=30)), max_size=25),
+    shift=st.integers(-40, 40),
+)
+@settings(max_examples=20, deadline=None)
+def test_no_capture_is_so_torn_that_taking_logs_out_of_it_fails(
+    name: str, pieces: list[tuple[str, bytes]], shift: int
+) -> None:
+    raw, marks = b"", []
+    for command, piece in pieces:
+        marks.append(Mark(max(0, len(raw) + shift), float(len(raw)), {"sent": command}))
+        raw += piece
+    protocol = known_devices()[name]
+    assert protocol.overhears(raw) in (True, False)
+    for log in protocol.logs(Captured(Path("a.raw"), raw, tuple(marks))):
+        assert log.content
+    protocol.logs(Captured(Path("a.raw"), raw))

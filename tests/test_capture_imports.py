@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 from fieldkit.capture import Ended, Opened, Port, Wishes, capture, logs_in
-from fieldkit.capture.protocols import altimulti
+from fieldkit.capture.protocols import altimulti, micropeak
 from fieldkit.flight import Series
 from fieldkit.parsing import Reading, read_together, recognise
 from tests import devices
@@ -94,8 +94,9 @@ def test_a_captured_flight_is_the_flight_of_the_file(
     tmp_path: Path, device: str, name: str, unit: "type[Device]", monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(altimulti, "GREETING", 0.5)
+    monkeypatch.setattr(micropeak, "TAIL", 0.3)
     with played(unit(sample(name))) as wire:  # type: ignore[call-arg]
-        for event in capture(Port(wire.name), device, folder=tmp_path, wishes=Wishes(wait=20, silence=1.0)):
+        for event in capture(Port(wire.name), device, folder=tmp_path, wishes=Wishes(wait=30, silence=0.6)):
             if isinstance(event, Opened):
                 wire.opened.set()
     assert isinstance(event, Ended)

@@ -6,7 +6,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit import columns, logtext
-from fieldkit.columns import Channel, onward, read_columns
+from fieldkit.clocks import onward
+from fieldkit.columns import Channel, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.parsing import Note
 from fieldkit.units import UNITS, Unit
@@ -133,6 +134,17 @@ def test_rows_out_of_order_are_left_out_and_told_of() -> None:
         "row 3: found time 912 out of its order, expected it to go on",
         "row 6: found time 0.5 out of its order, expected it to go on",
     ]
+
+
+def test_a_time_days_away_is_no_time_of_this_flight() -> None:
+    parts, found = read_columns(b"0,1\n1,1\n2,1\n3,1\n9999999999,1\n", CHANNELS, after=0).flights()
+    assert parts[0].values["time"].tolist() == [0, 1, 2, 3]
+    assert len(found) == 1
+
+
+def test_a_clock_that_is_set_on_the_way_keeps_one_of_its_times() -> None:
+    parts, _ = read_columns(b"0,1\n1,1\n1700000000,1\n1700000001,1\n", CHANNELS, after=0).flights()
+    assert len(parts[0]) == 2
 
 
 def test_a_clock_that_starts_anew_starts_a_flight() -> None:

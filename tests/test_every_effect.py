@@ -126,6 +126,23 @@ def test_denser_air_lowers_and_a_longer_burn_keeps_the_impulse() -> None:
     assert np.all(long["peak_accel"] < short["peak_accel"])
 
 
+@pytest.mark.parametrize("temperature", [None, 290.0])
+def test_a_site_taken_for_sea_level_is_one_that_lies_as_high_as_the_effect_says(temperature: float | None) -> None:
+    unknown = tuple(flight.with_changes(site_elevation=None, temperature=temperature) for flight in FLIGHTS)
+    known = tuple(flight.with_changes(site_elevation=1500.0) for flight in unknown)
+    bent, declared = flown("site_elevation", 1500.0, unknown), flown("site_elevation", 0.0, known)
+    for figure in ("apogee", "top_speed", "coast_to_apogee"):
+        np.testing.assert_allclose(bent[figure], declared[figure], rtol=2e-4, err_msg=figure)
+
+
+def test_a_day_without_a_temperature_is_as_warm_as_the_effect_says() -> None:
+    unknown = tuple(flight.with_changes(temperature=None, site_elevation=300.0) for flight in FLIGHTS)
+    known = tuple(flight.with_changes(temperature=288.15 - 0.0065 * 300 + 14) for flight in unknown)
+    bent, declared = flown("weather", 14.0, unknown), flown("weather", 0.0, known)
+    for figure in ("apogee", "top_speed", "coast_to_apogee"):
+        np.testing.assert_allclose(bent[figure], declared[figure], rtol=1e-6, err_msg=figure)
+
+
 def test_an_altimeters_scale_bends_heights_and_nothing_else() -> None:
     true, shown = flown("altimeter_scale", 0.0), flown("altimeter_scale", 0.1)
     for figure, value in shown.items():

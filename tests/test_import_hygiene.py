@@ -12,22 +12,10 @@ import pytest
 
 ROOT = Path(__file__).parents[1]
 
-NEVER = {"torch", "textual", "pandas", "matplotlib"}
+NEVER = {"torch", "textual", "pandas", "matplotlib", "serial"}
 ALLOWED = {
-    "parsers": {
-        "parsing",
-        "columns",
-        "tables",
-        "altos",
-        "standard_air",
-        "flight",
-        "units",
-        "errors",
-        "shapes",
-        "sanity",
-        "logtext",
-        "safe_text",
-    },
+    "parsers": {"parsing", "columns", "flight", "units", "errors", "shapes", "sanity", "logtext", "safe_text"}
+    | {"layout", "headings", "mapping", "settling", "simulations", "tables", "altos", "standard_air"},
     "models/effects": {"simulator", "flight", "errors", "shapes"},
 }
 """What the plug-ins of a shelf may use of the engine."""
@@ -59,7 +47,9 @@ def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
     return path
 
 
-@pytest.mark.parametrize("arguments", [["--help"], ["add", "--help"], ["predict", "--help"], ["demo", "--help"]])
+@pytest.mark.parametrize(
+    "arguments", [["--help"], ["add", "--help"], ["predict", "--help"], ["demo", "--help"], ["capture", "--help"]]
+)
 def test_help_wakes_nothing_heavy(tmp_path: Path, arguments: list[str]) -> None:
     heavy = NEVER | {"numpy", "scipy", "sqlalchemy", "alembic", "onnxruntime", "sqlite3"}
     assert not heavy & woken(tmp_path, *arguments)

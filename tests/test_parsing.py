@@ -4,7 +4,7 @@ import pytest
 
 from fieldkit import parsing
 from fieldkit.errors import DamagedLog, UnknownFormat
-from fieldkit.parsing import Parser, Reading, derived_id, parsers, read, read_plans, read_together, recognise
+from fieldkit.parsing import Note, Parser, Reading, derived_id, parsers, read, read_plans, read_together, recognise
 from fieldkit.shelf import plugins, trained_folder
 from tests.samples import SAMPLES, any_motor
 
@@ -115,3 +115,27 @@ def test_figures_that_contradict_each_other_are_told_and_taken() -> None:
     assert len(intake.flights) == 1
     assert [note.split(": ", 1)[0] for note in intake.notes] == ["t.csv, row 2"] * 3
     assert "ejection altitude 93 m is above apogee 71 m" in intake.notes[2]
+
+
+def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    nasty = "\x1b[2J\u202e" + "x" * 9999 + "\nrow 2"
+    found = [Note(nasty, row=1), DamagedLog(nasty, row=2, column=nasty), Reading({"apogee": 100.0})]
+    monkeypatch.setattr(parsing, "parsers", lambda: {"rude": Parser("Rude", lambda head: True, lambda log: found)})
+    intake = read(b"", "t", any_motor)
+    lines = [*intake.notes, intake.rejected[0].error, intake.rejected[0].column or ""]
+    assert all(len(line) < 2000 and line.isprintable() for line in lines)
+
+
+def test_a_fallback_is_asked_where_nobody_else_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
+    last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
+    shelf = {**parsers(), "last": last}
+    monkeypatch.setattr(parsing, "parsers", lambda: shelf)
+    assert recognise(b"rocket,apogee_m\nSwift,100\n").title == "Flight table (CSV)"
+    assert recognise(b"anything") is last
+
+
+@pytest.mark.parametrize("name", ["flight_table", "fieldkit_json", "altimetertwo_journal"])
+def test_a_table_of_flights_without_end_is_refused_at_once(name: str) -> None:
+    log = next(sample for sample in SAMPLES if sample.name.startswith(name)).read_bytes()
+    with pytest.raises(DamagedLog, match="found 5 MB, expected at most 4 in a table of flights; part it"):
+        read(log + b" " * (5 << 20), "t", any_motor, name)

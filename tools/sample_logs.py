@@ -216,7 +216,7 @@ def altos_csv_5(whole: Flight) -> Iterator[tuple[str, bytes]]:
         f"{first},{rest},{v + 0.2:8.2f},{v:8.2f}, 21.4, 3.91, 3.80, 3.81"
         for first, rest, v in altos_rows(whole.between(-0.3, 19.0, 0.1), call="N0CALL,", version=5, clock=True)
     ]
-    rows[60:66] = [row.replace("5,   coast", "3,   boost") for row in rows[60:66]]
+    rows[30:36] = [row.replace("5,   coast", "3,   boost") for row in rows[30:36]]
     fix = ", 1, 1,  9, 47.1000000,   8.4000000,   260, 2012, 33"
     yield (
         "altos_csv__version_5_with_a_comma_missing.csv",
@@ -316,7 +316,7 @@ def altos_eeprom() -> Iterator[tuple[str, bytes]]:
     )
     for i in range(40, 240, 40):
         place = little(471_000_000 + i, 4) + little(84_000_000 - i, 4) + little(PAD + 20 + i, 2) + little(0, 2)
-        metrum.insert(i, record("P", 65_000 + 10 * i, place, 16))
+        metrum.insert(i, record("P", 65_000 + 10 * i - 30, place, 16))
     metrum[30] = metrum[30][:-1] + b"\x07"
     lines = [*settings(7), *flash(metrum)]
     lines[60] = lines[60].replace(lines[60][:2], "zz", 1)

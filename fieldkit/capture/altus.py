@@ -3,7 +3,9 @@
 Source: AltosLink.java (Altus Metrum).
 """
 
-from fieldkit.capture.link import Link, Talk
+import time
+
+from fieldkit.capture.link import NOISE, Link, Talk
 
 ANSWER = 5.0
 """How long a unit may take for a line. [s]"""
@@ -21,7 +23,8 @@ def version(link: Link) -> Talk[dict[str, str]]:
     """The answer to `v`, key to value; nothing where it does not come to its end."""
     found: dict[str, str] = {}
     link.send(b"v\n")
-    while (line := (yield from link.text_line(ANSWER))) is not None:
+    ends = time.monotonic() + NOISE * ANSWER
+    while time.monotonic() < ends and (line := (yield from link.text_line(ANSWER))) is not None:
         key, _, value = line.strip().partition(" ")
         found[key] = value.strip().strip('"')
         if key == "software-version":

@@ -15,6 +15,8 @@ from fieldkit.errors import PortLost, PortTrouble
 
 LONGEST = 4096
 """No piece between two marks is longer; what is longer is noise, and all but its end is passed over. [bytes]"""
+NOISE = 4
+"""Noise is given up after so many times the silence that would be. [1]"""
 EVERY = 0.2
 """How often progress is told. [s]"""
 
@@ -106,8 +108,8 @@ class Link:
         raise PortTrouble(f"{self.line.name}: heard nothing in {wait:.0f} s; {asked}")
 
     def piece(self, mark: bytes, silence: float) -> Talk[bytes | None]:
-        """The bytes up to the next mark, without it; None after so many seconds of silence. [s]"""
-        quiet_since = time.monotonic()
+        """The bytes up to the next mark, without it; None after silence, or four times that of noise. [s]"""
+        began = quiet_since = time.monotonic()
         while True:
             at = self._pending.find(mark, max(0, self._searched - len(mark) + 1))
             if at >= 0:
@@ -123,9 +125,12 @@ class Link:
             chunk = yield from self.hear()
             self._pending[:] = held + chunk
             self._searched = len(held)
+            now = time.monotonic()
             if chunk:
-                quiet_since = time.monotonic()
-            elif time.monotonic() - quiet_since >= silence:
+                quiet_since = now
+            elif now - quiet_since >= silence:
+                return None
+            if mark not in self._pending and now - began >= NOISE * silence:
                 return None
 
     def text_line(self, silence: float) -> Talk[str | None]:
@@ -133,11 +138,11 @@ class Link:
         found = yield from self.piece(b"\n", silence)
         return None if found is None else found.decode("latin-1").rstrip("\r")
 
-    def drain(self, silence: float) -> Talk[bytes]:
-        """All that arrives until there is silence for so long. [s]"""
+    def drain(self, silence: float, patience: float = NOISE) -> Talk[bytes]:
+        """The end of what arrives until there is silence, or `patience` times that of noise. [s]"""
         heard = bytearray()
-        quiet_since = time.monotonic()
-        while time.monotonic() - quiet_since < silence:
+        began = quiet_since = time.monotonic()
+        while time.monotonic() - quiet_since < silence and time.monotonic() - began < patience * silence:
             chunk = yield from self.hear()
             if chunk:
                 heard += chunk

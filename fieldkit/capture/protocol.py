@@ -102,10 +102,16 @@ def known_device(name: str) -> Protocol:
 def logs_in(file: Path) -> list[Log]:
     """The logs that a capture holds, ready for parsers, by either of its files. Raises CaptureTrouble."""
     captured = read_capture(file)
-    found = known_devices().get(captured.device)
+    found = known_devices().get(captured.device) or _overheard(captured.raw)
     logs = found.logs(captured) if found else as_it_came(captured)
     if not logs:
         raise CaptureTrouble(
             f"{captured.file.name}: found no flight in {len(captured.raw)} bytes, expected at least one"
         )
     return logs
+
+
+def _overheard(raw: bytes) -> Protocol | None:
+    """The one protocol that bytes can be from, where the journal does not say it."""
+    fitting = [one for one in known_devices().values() if one.overhears(raw)]
+    return fitting[0] if len(fitting) == 1 else None

@@ -22,6 +22,10 @@ RATES = (9600, 19_200, 38_400)
 PATIENCE = 300.0
 """How long an unknown unit may stay silent. [s]"""
 
+MOST_LOSSES = 5
+"""A port that is lost so often with nothing heard in between is given up."""
+PAUSE = 0.5
+"""How much longer each time such a port is left alone before it is tried again. [s]"""
 AFTER_A_FAULT = 30.0
 """Silence that ends a capture which nobody understands any more. [s]"""
 
@@ -110,7 +114,8 @@ def _run(
     link = Link(line, stop)
     if wishes.seconds is not None:
         link.ends = time.monotonic() + wishes.seconds
-    why, whole = "all is read", False
+    why, whole = "", False
+    losses, at_loss = 0, -1
     try:
         yield Opened(port.name, name, tape.file)
         while True:
@@ -118,13 +123,17 @@ def _run(
                 if not link.line.protocol:
                     yield from _recognise(link, wishes)
                 whole = yield from _converse(link, wishes)
-                why = why if whole else "it went silent"
+                why = "all is read" if whole and not link.open_ended else "it went silent"
                 break
             except PortLost as lost:
+                losses, at_loss = (losses + 1 if link.heard == at_loss else 0), link.heard
+                if losses > MOST_LOSSES:
+                    raise
                 tape.note(lost=str(lost))
                 yield Lost(link.line.name, str(lost))
                 link.line.close()
                 link.forget()
+                time.sleep(losses * PAUSE)
                 link.line = yield from _reopened(link, port, settings, wishes.reconnect, look, lost)
                 yield Back(link.line.name)
     except Stopped as stopped:
@@ -217,4 +226,4 @@ def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
 def _kept(link: Link, silence: float | None) -> Talk[None]:
     """Keep what comes without a look at it, until it stops."""
     with suppress(Stopped, PortLost):
-        yield from link.drain(AFTER_A_FAULT if silence is None else silence)
+        yield from link.drain(AFTER_A_FAULT if silence is None else silence, patience=float("inf"))

@@ -114,7 +114,19 @@ def begin(folder: Path, about: Mapping[str, object]) -> Tape:
         raise CaptureTrouble(f"{folder}: no capture can be kept here ({error.strerror})") from error
     tape = Tape(file, raw, journal, began, _start=time.monotonic())
     tape.note(capture=1, began=began.isoformat(timespec="milliseconds"), **about)
+    tape._sync()
+    _sync_names(folder)
     return tape
+
+
+def _sync_names(folder: Path) -> None:
+    """Bring the names of new files to the disc, on systems where that is a step of its own."""
+    if os.name == "posix":
+        names = os.open(folder, os.O_RDONLY)
+        try:
+            os.fsync(names)
+        finally:
+            os.close(names)
 
 
 def _new(folder: Path, name: str) -> tuple[Path, FileIO]:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, print_table, say
+from fieldkit.cli.screen import complain, print_json, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
@@ -49,7 +49,9 @@ def capture(
     from fieldkit.cli.live import View
 
     if list_:
-        _list(json)
+        from fieldkit.cli.ports import print_ports
+
+        print_ports(json)
         return
     defaults = read_settings(split_settings(given or ()), MotorCheck())
     with _interrupt() as stop, View() as view:
@@ -58,7 +60,8 @@ def capture(
         wishes = Wishes(choose, live, hertz, baud, wait, silence, seconds, reconnect)
         end = _followed(_events(where or (), device, resume, wishes, stop), view.show)
     _tell(end)
-    receipt = _received(context, end, import_, defaults, json) if end.bytes else None
+    empty = not end.bytes or (end.whole and not end.samples and not resume)
+    receipt = None if empty else _received(context, end, import_, defaults, json)
     if json:
         print_json(_document(end, receipt))
     if not end.whole:
@@ -218,44 +221,3 @@ def _document(end: "Ended", receipt: "Receipt | None") -> dict[str, object]:
         document |= {"imported": len(receipt.ids), "duplicates": receipt.duplicates}
         document |= {"rejected": rejected, "flights": list(receipt.ids)}
     return document
-
-
-def _list(json: bool) -> None:
-    """Ports, devices, and devices that no program but their vendor's can read."""
-    from fieldkit.capture import known_devices, ports
-    from fieldkit.capture.protocol import NOT_PUBLIC
-
-    here = ports()
-    if json:
-        print_json(
-            {
-                "ports": [
-                    {
-                        "port": port.name,
-                        "vendor": port.vendor,
-                        "product": port.product,
-                        "serial": port.serial,
-                        "described": port.described,
-                        "about": port.about,
-                        "device": port.device or None,
-                    }
-                    for port in here
-                ],
-                "devices": {name: one.title for name, one in known_devices().items()},
-                "not_public": dict(NOT_PUBLIC),
-            }
-        )
-        return
-    rows = [(port.name, _numbers(port), port.about or port.described, port.device) for port in here]
-    if rows:
-        print_table(("port", "numbers", "what is known of it", "device"), rows)
-    else:
-        say("no serial port is there; plug the logger or its adapter in")
-    say()
-    print_table(("device", "what it is"), [(name, one.title) for name, one in known_devices().items()])
-    for name, text in NOT_PUBLIC.items():
-        complain(f"{name}: {text}")
-
-
-def _numbers(port: "Port") -> str:
-    return "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"

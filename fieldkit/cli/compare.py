@@ -25,15 +25,17 @@ def compare(
     from pathlib import Path
 
     from fieldkit.errors import NoFlights
+    from fieldkit.mapping import remembered
     from fieldkit.recording.compare import compare as against
     from fieldkit.replay import recordings
 
     found: list[Recording] = []
+    choices = list(remembered())
     if all(Path(one).is_file() for one in what):
-        found = [recording for one in what for recording in recordings(None, one, format)]
+        found = [recording for one in what for recording in recordings(None, one, format, choices)]
     else:
         with open_ledger(context) as ledger:
-            found = [recording for one in what for recording in recordings(ledger, one, format)]
+            found = [recording for one in what for recording in recordings(ledger, one, format, choices)]
     if len(found) < 2:
         raise NoFlights(f"{what[0]}: found {len(found)} recording, expected two or more to compare")
     compared = [against(found[0].recorded, other.recorded) for other in found[1:]]

@@ -29,6 +29,14 @@ def import_(
         list[str] | None,
         typer.Option("--set", metavar="COLUMN=VALUE", help="What the files leave open: rocket=Astra."),
     ] = None,
+    columns: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--map",
+            metavar="CHANNEL=COLUMN",
+            help="What a column of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
+        ),
+    ] = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -36,16 +44,23 @@ def import_(
     from dataclasses import asdict
 
     from fieldkit.intake import bring_in
+    from fieldkit.mapping import read_choice, remember, remembered
 
+    choices = ([read_choice(columns)] if columns else []) + list(remembered())
     check_motor = MotorCheck()
     defaults = read_settings(split_settings(given or ()), check_motor)
     with open_ledger(context) as ledger:
-        receipt = bring_in(ledger, files, check_motor, format=format, defaults=defaults, dry_run=dry_run)
+        receipt = bring_in(
+            ledger, files, check_motor, format=format, defaults=defaults, choices=choices, dry_run=dry_run
+        )
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
     for note in receipt.notes:
         complain(f"note: {note}")
+    for mapped in receipt.mapped:
+        if mapped.chosen and not dry_run:
+            remember(mapped.choice)
     if json:
         print_json(
             {

@@ -1,6 +1,7 @@
 """A capture while it runs: counts and altitude, drawn where there is a terminal, told in lines where there is none."""
 
 import sys
+import time
 from collections import deque
 from dataclasses import dataclass, field
 from types import TracebackType
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from fieldkit.capture import Event, Progress, Sample
 
 BARS = "▁▂▃▄▅▆▇█"
+OLD = 3.0
+"""An altitude that came longer ago is said to be old. [s]"""
 WIDTH = 60
 """How many of the last altitudes are drawn."""
 
@@ -28,6 +31,9 @@ class View:
     port: str = ""
     highest: float = float("-inf")
     heights: deque[float] = field(default_factory=lambda: deque(maxlen=WIDTH))
+    last: "Sample | None" = None
+    heard: float = 0.0
+    """When the last altitude came, on the monotonic clock. [s]"""
     _live: "Live | None" = None
 
     def __enter__(self) -> "View":
@@ -79,7 +85,8 @@ class View:
             self._live.console.print(printable(text), markup=False, highlight=False, soft_wrap=True)
 
     def _draw(self, progress: "Progress") -> None:
-        if progress.sample is not None:
+        if progress.sample is not None and progress.sample != self.last:
+            self.last, self.heard = progress.sample, time.monotonic()
             self.highest = max(self.highest, progress.sample.altitude)
             self.heights.append(progress.sample.altitude)
         if self._live is not None:
@@ -92,7 +99,10 @@ class View:
 
         lines = [f"{self.device or 'listening'} on {self.port}   {counts(progress)}"]
         if progress.sample is not None:
-            lines += [altitude_line(progress.sample, self.highest), sparkline(self.heights)]
+            altitude = in_both_units("apogee", progress.sample.altitude)
+            lines.append(f"altitude {altitude}   highest {in_both_units('apogee', self.highest)}")
+            lines.append(flight_line(progress.sample, time.monotonic() - self.heard))
+            lines.append(sparkline(self.heights))
         return Text(printable_lines(lines), no_wrap=True, overflow="ellipsis")
 
 
@@ -111,12 +121,12 @@ def counts(progress: "Progress") -> str:
     return ", ".join(parts)
 
 
-def altitude_line(sample: "Sample", highest: float) -> str:
-    """The altitude now and the highest so far, with what else the stream says."""
-    parts = [f"altitude {in_both_units('apogee', sample.altitude)}", f"highest {in_both_units('apogee', highest)}"]
-    if sample.speed is not None:
-        parts.append(f"{sample.speed:+.1f} m/s")
-    return "   ".join([*parts, sample.state] if sample.state else parts)
+def flight_line(sample: "Sample", age: float) -> str:
+    """What else the stream says of the flight, and how old it is where that is long. [s]"""
+    parts = [f"{sample.speed:+.1f} m/s"] if sample.speed is not None else []
+    parts += [sample.state] if sample.state else []
+    parts += [f"heard {age:.0f} s ago"] if age > OLD else []
+    return "   ".join(parts)
 
 
 def sparkline(heights: "deque[float]") -> str:

@@ -15,6 +15,10 @@ app = typer.Typer()
 def loop(
     context: typer.Context,
     rocket: Annotated[str | None, typer.Option(help="By default the one flown last.", show_default=False)] = None,
+    effect: Annotated[
+        str | None,
+        typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
+    ] = None,
     look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
     page: Annotated[
         Path | None,
@@ -36,9 +40,15 @@ def loop(
         check_page(page)
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
+        given = effect.split("+") if effect else []
         with progress("looking for an effect") as tell:
             diagnosis = close_loop(
-                ledger, known_motors(), name, accept=not look, progress=lambda text, share: tell(text, 0.7 * share)
+                ledger,
+                known_motors(),
+                name,
+                accept=not look,
+                progress=lambda text, share: tell(text, 0.7 * share),
+                given=given,
             )
             found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share))
     if page is not None:

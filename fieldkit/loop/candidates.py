@@ -1,21 +1,26 @@
 """What could be missing from a rocket's model: every effect, everywhere or in one group of flights, and plain
 patterns that no effect explains."""
 
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.flight import Flight
 from fieldkit.loop.model import Model, Term, groups
 from fieldkit.shapes import Array, Flags, Float
-from fieldkit.simulator.effect import Effect, effects
+from fieldkit.simulator.effect import Effect, effects, spoken
 from fieldkit.simulator.field import delays, recorded
+
+EACH = "each"
+"""The place of an effect that has a strength of its own in every group."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an effect acts: in one group of flights (empty for all), and only from a flight on (empty for
-    from the first)."""
+    """Where an effect acts: in one group of flights (empty for all, `EACH` for every one with a strength of its
+    own), and only from a flight on (empty for from the first)."""
 
     effect: str
     where: str = ""
@@ -23,6 +28,8 @@ class Place:
 
     def __str__(self) -> str:
         group = f" of {self.where}" if self.where else ""
+        if self.where == EACH:
+            group = f" of each {effects()[self.effect].per}"
         return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
 
 
@@ -41,19 +48,28 @@ class Candidate:
 
     @property
     def effect(self) -> str:
-        """The effect's name, or empty for a pattern."""
-        return self.place.effect
+        """The name by which a verdict speaks of the effect, or empty for a pattern."""
+        return spoken(self.place.effect)
 
 
 SINCE_SHARE = 0.4
 """Share of an effect's prior odds for beginning at some flight rather than at the first. [1]"""
 
 
-def effect_term(place: Place, model: Model) -> Term:
-    """The strength of an effect in a place as an unknown of a model."""
+def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
+    """The strength of an effect in a place, or its strengths, as unknowns of a model."""
     effect = effects()[place.effect]
     prior = effect.prior
-    return Term(str(place), effect, prior.mean, prior.sd, place_weight(place, model), prior.low, prior.high)
+    places = [place]
+    if place.where == EACH:
+        kinds = dict.fromkeys(groups(model.flights, model.found, effect.per))
+        places = [Place(place.effect, kind, place.since) for kind in kinds if kind]
+    weights = [(one, place_weight(one, model)) for one in places]
+    return tuple(
+        Term(str(one), effect, prior.mean, prior.sd, weight, prior.low, prior.high)
+        for one, weight in weights
+        if place.where != EACH or weight.any()
+    )
 
 
 def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
@@ -61,21 +77,24 @@ def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
 
     `teach` marks the flights that teach: a beginning is only looked for between them.
     """
-    for name, effect in effects().items():
-        if not _can_act(name, effect, model):
-            continue
+    acting = {name: effect for name, effect in effects().items() if _can_act(name, effect, model)}
+    places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
+    forms = Counter(spoken(name) for name in acting if places[name])
+    for name, effect in acting.items():
         prior = effect.prior
         starts = effect.starts or ((prior.mean, 0.02 * prior.sd) if np.isfinite(prior.low) else (prior.mean,))
-        whole, since = list(_groups(name, effect, model)), list(_beginnings(name, effect, model, teach))
-        share = SINCE_SHARE if since else 0.0
-        for place in whole:
-            yield Candidate(place, (effect_term(place, model),), starts, np.log((1 - share) / len(whole)))
+        since = list(_beginnings(name, effect, model, teach))
+        share, form = SINCE_SHARE if since else 0.0, forms[spoken(name)]
+        for place in places[name]:
+            yield Candidate(place, effect_terms(place, model), starts, np.log((1 - share) / len(places[name]) / form))
         for place in since:
-            yield Candidate(place, (effect_term(place, model),), starts, np.log(share / len(since)))
+            yield Candidate(place, effect_terms(place, model), starts, np.log(share / len(since) / form))
 
 
 def _can_act(name: str, effect: Effect, model: Model) -> bool:
     if name == "early_ejection" and not np.isfinite(delays(model.flights, model.found)).any():
+        return False
+    if effect.lacks and np.isfinite(recorded(model.flights, effect.lacks)).all():
         return False
     if not effect.needs:
         return True
@@ -89,7 +108,9 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
         yield Place(name)
     if effect.per:
         group = groups(model.flights, model.found, effect.per)
-        if len(set(group)) > 1:
+        if effect.each and len(set(group)) > 1:
+            yield Place(name, EACH)
+        elif len(set(group)) > 1:
             yield from (Place(name, kind) for kind in dict.fromkeys(group) if kind)
 
 
@@ -113,6 +134,8 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     first = names.index(place.since) if place.since in names else 0
     since = np.arange(len(names)) - first
     weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
+    if effect.lacks:
+        weight = weight * np.isnan(recorded(model.flights, effect.lacks))
     if not place.where:
         return np.asarray(weight)
     inside = [group == place.where for group in groups(model.flights, model.found, effect.per)]
@@ -122,37 +145,74 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
 def pattern_candidates(model: Model) -> list[Candidate]:
     """Patterns in thrust, drag and mass that no effect stands for, each kind of pattern with the same odds.
 
-    Single days, the hour, a lasting change between two flights, every second or third flight.
+    Single days, the hour, a lasting change between two flights, every second or third flight, a site, a condition
+    that was written down, and whatever else the flyer's own table has a column for.
     """
-    flights = model.flights
-    number = np.arange(len(flights))
-    days = [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
-    hours = np.array([f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights])
-    kinds: list[dict[str, Array]] = [
-        {
-            f"the day {day}": np.array([d == day for d in days], float)
-            for day in dict.fromkeys(days)
-            if 2 <= days.count(day) <= len(days) - 2
-        },
-        {"the hour of the day": (hours - hours.mean()) / 4} if np.isfinite(hours).all() and hours.std() > 1 else {},
-        {
-            f"every flight from {flights[k].flight_id} on": np.where(number >= k, 1.0, 0.0)
-            for k in range(3, len(flights) - 2)
-        },
-        {
-            f"every {n} flights, as {flights[k].flight_id}": np.where(number % n == k, 1.0, 0.0)
-            for n in (2, 3)
-            for k in range(n - (n == 2))
-        }
-        if len(flights) >= 8
-        else {},
-    ]
-    kinds = [kind for kind in kinds if kind]
+    kinds = [kind for kind in (*_in_time(model.flights), *_in_columns(model.flights)) if kind]
     return [
         Candidate(Place("", where), _odd(where, weight), log_share=float(-np.log(len(kind) * len(kinds))))
         for kind in kinds
         for where, weight in kind.items()
     ]
+
+
+Kind = Mapping[str, Float[Array, "flight"]]
+"""Patterns of one kind: how each is called, and how strongly it acts on each flight."""
+
+
+def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
+    """Patterns in the order and the hours of flying."""
+    number = np.arange(len(flights))
+    days = [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
+    hours = np.array([f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights])
+    yield {f"the day {day}": weight for day, weight in _members(days)}
+    if np.isfinite(hours).all() and hours.std() > 1:
+        yield {"the hour of the day": (hours - hours.mean()) / 4}
+    yield {
+        f"every flight from {flights[k].flight_id} on": np.where(number >= k, 1.0, 0.0)
+        for k in range(3, len(flights) - 2)
+    }
+    if len(flights) >= 8:
+        yield {
+            f"every {n} flights, as {flights[k].flight_id}": np.where(number % n == k, 1.0, 0.0)
+            for n in (2, 3)
+            for k in range(n - (n == 2))
+        }
+
+
+def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
+    """Patterns that go with what was written down of the flights."""
+    yield {f"the site {site}": weight for site, weight in _members([flight.site for flight in flights])}
+    columns = {name: recorded(flights, name) for name in ("temperature", "humidity", "pressure")}
+    for name in dict.fromkeys(name for flight in flights for name in flight.extra):
+        texts = [flight.extra.get(name, "") for flight in flights]
+        numbers = _numbers(texts)
+        if np.isfinite(numbers).all() and len(set(texts)) > MOST_VALUES:
+            columns[name] = numbers
+        elif 1 < len(set(texts)) <= MOST_VALUES:
+            yield {f"{name} {value}": weight for value, weight in _members(texts)}
+    for name, column in columns.items():
+        if np.isfinite(column).all() and np.ptp(column) > 0:
+            yield {f"{name}": (column - column.mean()) / column.std()}
+
+
+MOST_VALUES = 6
+"""Different texts in a column of the flyer's own up to which it is taken to sort flights. [1]"""
+
+
+def _members(labels: Sequence[str]) -> Iterator[tuple[str, Float[Array, "flight"]]]:
+    """The flights of every label that at least two flights bear and two do not."""
+    for label in dict.fromkeys(labels):
+        if label and 2 <= labels.count(label) <= len(labels) - 2:
+            yield label, np.array([own == label for own in labels], float)
+
+
+def _numbers(texts: Sequence[str]) -> Float[Array, "flight"]:
+    """The texts as numbers, nan for those that are none."""
+    try:
+        return np.array([float(text) for text in texts])
+    except ValueError:
+        return np.full(len(texts), np.nan)
 
 
 def _odd(name: str, weight: Float[Array, "flight"]) -> tuple[Term, ...]:

@@ -155,12 +155,19 @@ def _digest(prediction: Prediction) -> str:
 
 
 def close_loop(
-    ledger: Ledger, motors: Catalogue, rocket: str, *, accept: bool = True, progress: Progress | None = None
+    ledger: Ledger,
+    motors: Catalogue,
+    rocket: str,
+    *,
+    accept: bool = True,
+    progress: Progress | None = None,
+    given: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
 
-    A version is kept only where it differs from the one in use. Raises NoFlights for fewer than four clean
-    flights with an apogee.
+    `given` are effects that the flyer knows to be there: they are taken whatever the evidence. A version is kept
+    only where it differs from the one in use. Raises NoFlights for fewer than four clean flights with an apogee,
+    UnknownEffect for a given effect that these flights could not show.
     """
     history = flown(ledger, motors, rocket)
     teach = [flight.clean and flight.apogee is not None for flight, _ in history]
@@ -170,7 +177,7 @@ def close_loop(
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
-    diagnosis = diagnose(model, observe(flights, teach), progress)
+    diagnosis = diagnose(model, observe(flights, teach), progress, given)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis

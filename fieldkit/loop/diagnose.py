@@ -3,14 +3,15 @@
 The errors reported are of flights left out, with the whole choice made anew without them.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.candidates import effect_candidates, pattern_candidates
-from fieldkit.loop.choice import DECISIVE_MORE, Ranked, pick_in_folds, probability, rank, strongest
-from fieldkit.loop.fit import fit
+from fieldkit.errors import UnknownEffect
+from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
+from fieldkit.loop.choice import BETTER, Ranked, choose, choose_in_folds, confidence, may_leave, probability, rank
+from fieldkit.loop.fit import Fit, fit
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_family
@@ -58,6 +59,12 @@ class Diagnosis:
 
 CERTAIN = 0.99
 """Probability that something is missing, from which on it is said even where nothing known forecasts better."""
+FIRSTS = 3
+"""Effects beside which a second one is looked for."""
+LIKELY = -2.0
+"""Log odds against the plain model that it must have for that. [nat]"""
+BEHIND = 6.0
+"""Log odds behind the strongest, from which on an effect is not tried with a second one. [nat]"""
 _NO_BETTER = "but flights that were not seen are forecast no better with it, so it is left out until more have flown"
 
 
@@ -68,43 +75,30 @@ class _Verdict:
     why: str
     also: tuple[str, ...] = ()
     accepted: tuple[Trial, ...] = ()
-    pattern: bool = False
 
 
-def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diagnosis:
-    """Weigh everything that could be missing from a model against the flights that teach."""
+def diagnose(model: Model, data: Data, progress: Progress | None = None, given: Sequence[str] = ()) -> Diagnosis:
+    """Weigh everything that could be missing from a model against the flights that teach.
+
+    `given` are effects to take whatever the evidence for them, each where it is most at home. Raises UnknownEffect
+    for one that is none, or that these flights cannot show.
+    """
     tell = progress or (lambda text, share: None)
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
-    plain = fit(model, data)
-    for turn in range(TURNS):
-        trials = []
-        for number, (name, family) in enumerate(families.items()):
-            tell(name or "patterns", 0.5 * (turn + number / len(families)) / TURNS)
-            trials += try_family(model, data, family, plain)
-        better = plain_again(model, data, plain, trials)
-        settled = better.log_evidence < plain.log_evidence + 0.3
-        plain = better
-        if settled:
-            break
-    base = plain_trial(plain)
+    _check(given, families)
+    base, trials = _search(model, data, fit(model, data), families, lambda text, share: tell(text, 0.5 * share))
     ranking = rank(trials, base, truth, seen)
-    first = strongest(ranking, named=True)
-    pairs: tuple[Ranked, ...] = ()
-    if first is not None:
-        found = []
-        for number, (name, family) in enumerate(families.items()):
-            if name and name != first.effect:
-                tell(f"{first.effect}+{name}", 0.5 + number / (2 * len(families)))
-                found += try_family(first.best.fit.model, data, family, first.best.fit)
-        pairs = rank(found, first.best, truth, seen)
     before = forecasts_of(base.left_out)
     plain_score = score(before, truth, seen)
-    after = pick_in_folds(ranking, before, first.effect if first else "", pairs)
-    verdict = _verdict(ranking, first, strongest(ranking, named=False), pairs)
-    if first is not None and verdict.accepted and not first.worth(score(after, truth, seen), plain_score):
-        verdict = _rejected(ranking)
-    if not verdict.accepted and not verdict.pattern:
+    if given:
+        chosen = _given(ranking, data, families, given)
+        after, verdict = chosen.forecasts, _accepted((*ranking, chosen), chosen)
+    else:
+        options = (*ranking, *_pairs(ranking, data, families, tell))
+        after = choose_in_folds(options, before)
+        verdict = _verdict(options, choose(options), score(after, truth, seen), plain_score)
+    if verdict.effect == "none":
         after = before
     return Diagnosis(
         model=model,
@@ -123,37 +117,104 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None) -> Diag
     )
 
 
-def _verdict(
-    ranking: Sequence[Ranked], first: Ranked | None, pattern: Ranked | None, pairs: Sequence[Ranked]
-) -> _Verdict:
-    something = probability(ranking)
-    if first is None and pattern is None:
-        return _rejected(ranking)
-    second = strongest(pairs, named=True, decisive=DECISIVE_MORE) if first is not None else None
-    both = first.weight + (second.weight if second else 0.0) if first is not None else -np.inf
-    if first is None or (pattern is not None and pattern.weight > both):
-        assert pattern is not None
-        place = pattern.best.candidate.place.where
+Families = Mapping[str, Sequence[Candidate]]
+"""Candidates by the effect that a verdict would speak of, patterns under no name."""
+
+
+def _pairs(ranking: Sequence[Ranked], data: Data, families: Families, tell: Progress) -> list[Ranked]:
+    """Second effects beside the likeliest ones."""
+    pairs: list[Ranked] = []
+    for number, first in enumerate(firsts := _firsts(ranking)):
+        others = {name: family for name, family in families.items() if name and name != first.effect}
+
+        def further(text: str, share: float, done: int = number, name: str = first.effect) -> None:
+            tell(f"{name or 'a pattern'} and {text}", 0.5 + 0.5 * (done + share) / len(firsts))
+
+        pairs += _beside(first, data, others, further)
+    return pairs
+
+
+def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> tuple[Ranked, ...]:
+    """Every family tried beside an effect in the place in which that is most at home."""
+    with_first, found = _search(first.best.fit.model, data, first.best.fit, families, tell, turns=1)
+    return rank(found, with_first, data.values[:, 0], data.seen[:, 0], beside=first)
+
+
+def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Sequence[str]) -> Ranked:
+    """The effects named, each put where it is most at home beside those before it."""
+    first, *others = given
+    chosen = next(item for item in ranking if item.effect == first)
+    for name in others:
+        (chosen,) = _beside(chosen, data, {name: families[name]}, lambda text, share: None)
+    return chosen
+
+
+def _check(given: Sequence[str], families: Families) -> None:
+    """Raise UnknownEffect for a name that is no effect here, or given twice."""
+    for number, name in enumerate(given):
+        if not name or name not in families or name in given[:number]:
+            could = ", ".join(sorted(name for name in families if name))
+            raise UnknownEffect(f"found the effect {name!r}, expected one that these flights could show: {could}")
+
+
+def _search(
+    model: Model,
+    data: Data,
+    plain: Fit,
+    families: Families,
+    tell: Progress,
+    turns: int = TURNS,
+) -> tuple[Trial, list[Trial]]:
+    """Every candidate tried beside a model, and the model itself, whose best fit the trials help to find."""
+    for turn in range(turns):
+        trials: list[Trial] = []
+        for number, (name, family) in enumerate(families.items()):
+            tell(name or "patterns", (turn + number / len(families)) / turns)
+            trials += try_family(model, data, family, plain)
+        better = plain_again(model, data, plain, trials)
+        settled = better.log_evidence < plain.log_evidence + 0.3
+        plain = better
+        if settled:
+            break
+    return plain_trial(plain), trials
+
+
+def _firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
+    """The effects beside which a second one may be there: the likeliest, if they are likely at all."""
+    likely = sorted(ranking, key=lambda item: -item.weight)[:FIRSTS]
+    return [item for item in likely if item.weight > max(likely[0].weight - BEHIND, LIKELY)]
+
+
+def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, before: Score) -> _Verdict:
+    """What is said of the option chosen, if it forecasts flights not seen well enough when all is done without them."""
+    if chosen is None or after.mae > may_leave(chosen.weight) / BETTER * before.mae:
+        return _rejected(options)
+    if "" in chosen.effects:
+        place = chosen.accepted[0].candidate.place.where
         why = f"the flights differ from the model together with {place}, and no known effect accounts for it"
-        return _Verdict("unexplained", something, why, pattern=True)
-    accepted = (first.best, second.best) if second is not None else (first.best,)
-    names = [trial.candidate.effect for trial in accepted]
-    near = [item.effect for item in ranking if item.effect and item.log_bayes > first.log_bayes - APART]
-    rivals = np.logaddexp.reduce([item.weight for item in ranking])
-    share = float(np.exp(first.weight - rivals)) if second is None else probability(pairs)
-    also = tuple(name for name in near if name not in names)
-    return _Verdict("+".join(names), something * share, _because(accepted), also, accepted)
+        return _Verdict("unexplained", probability(options), why)
+    return _accepted(options, chosen)
 
 
-def _rejected(ranking: Sequence[Ranked]) -> _Verdict:
+def _accepted(options: Sequence[Ranked], chosen: Ranked) -> _Verdict:
+    """The verdict for an option, and the effects that these flights cannot tell from those in it."""
+    alike = [item for item in options if len(item.effects) == len(chosen.effects) and "" not in item.effects]
+    near = [name for item in alike if item.weight > chosen.weight - APART for name in item.effects]
+    also = tuple(dict.fromkeys(name for name in near if name not in chosen.effects))
+    sure = confidence(chosen, options)
+    return _Verdict("+".join(chosen.effects), sure, _because(chosen.accepted), also, chosen.accepted)
+
+
+def _rejected(options: Sequence[Ranked]) -> _Verdict:
     """Nothing is accepted: because nothing is there, or because what is there helps no forecast."""
-    something = probability(ranking)
-    best = max(ranking, key=lambda item: item.weight, default=None)
+    something = probability(options)
+    best = max(options, key=lambda item: item.weight, default=None)
     if best is None or best.weight < 0:
         why = "the flights differ from the model by no more than their own scatter, as far as they can show"
         return _Verdict("none", 1 - something, why)
     why = f"{best.best.candidate.place if best.effect else best.best.candidate.place.where} fits best, {_NO_BETTER}"
-    return _Verdict("unexplained", something, why) if something >= CERTAIN else _Verdict("none", 1 - something, why)
+    certain = best.weight > np.log(CERTAIN / (1 - CERTAIN))
+    return _Verdict("unexplained", something, why) if certain else _Verdict("none", 1 - something, why)
 
 
 def _because(accepted: Sequence[Trial]) -> str:

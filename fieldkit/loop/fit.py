@@ -26,6 +26,8 @@ _LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 2.0) / 0.7) ** 2
 _LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
 ROUNDS = 5
 """Times the point of linearisation is moved."""
+HOPELESS = 8.0
+"""Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is begun. [s]"""
 FEWEST = 3
@@ -41,7 +43,8 @@ class Fit:
     """A normal posterior of the terms for every pair of scales, at the last point of linearisation.
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
-    posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model).
+    posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `noise` is the
+    covariance of each flight's readouts about what the terms say, `sharpness` its inverse.
     """
 
     model: Model
@@ -51,6 +54,7 @@ class Fit:
     precision: Float[Array, "scale term term"]
     gain: Float[Array, "scale term"]
     noise: Float[Array, "scale flight readout readout"]
+    sharpness: Float[Array, "scale flight readout readout"]
     log_weight: Float[Array, "scale"]
 
     @property
@@ -110,14 +114,20 @@ def fit_lanes(
     at = [np.asarray(lane.start, float) for lane in lanes]
     results: list[Fit | None] = [None] * len(lanes)
     moving = list(range(len(lanes)))
-    for _ in range(rounds):
+    for turn in range(rounds):
         near = tangents(model, [(lanes[i].terms, at[i]) for i in moving], lean)
         for i, tangent in zip(moving, near, strict=True):
             results[i] = solve(parts[i], data, tangent)
-        moving = [i for i in moving if _advance(at, i, results[i])]
+        best = max(result.log_evidence for result in results if result is not None)
+        moving = [i for i in moving if (turn == 0 or _near(results[i], best)) and _advance(at, i, results[i])]
         if not moving:
             break
     return [result for result in results if result is not None]
+
+
+def _near(result: Fit | None, best: float) -> bool:
+    """Whether a fit may still matter beside the best."""
+    return result is not None and result.log_evidence > best - HOPELESS
 
 
 def _advance(at: list[Array], lane: int, result: Fit | None) -> bool:
@@ -141,18 +151,18 @@ def solve(model: Model, data: Data, near: Tangent) -> Fit:
     noise, usable = _noise(data, near)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
-    weighed = np.linalg.solve(noise, np.broadcast_to(slope, (*noise.shape[:2], *slope.shape[1:])))
-    precision = prior_precision + np.einsum("fot,sfou->stu", slope, weighed)
+    sharpness = np.asarray(np.linalg.inv(noise), float)
+    weighed = sharpness @ slope
+    precision = prior_precision + np.einsum("fot,sfou->stu", slope, weighed, optimize=True)
     gain = np.einsum("fo,sfou->su", miss, weighed)
     offset = np.linalg.solve(precision, gain[..., None])[..., 0]
     _, log_det = np.linalg.slogdet(noise)
-    whitened = np.linalg.solve(noise, np.broadcast_to(miss, noise.shape[:3])[..., None])[..., 0]
-    misfit = np.einsum("fo,sfo->s", miss, whitened) - np.einsum("st,st->s", gain, offset)
+    misfit = np.einsum("fo,sfop,fp->s", miss, sharpness, miss, optimize=True) - np.einsum("st,st->s", gain, offset)
     log_terms = np.linalg.slogdet(precision)[1] - np.linalg.slogdet(prior_precision)[1]
     log_likelihood = -0.5 * (misfit + log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
     cut = _log_inside(model, mean, precision)
-    return Fit(model, data, near, mean, precision, gain, noise, log_likelihood + scale_grid()[2] + cut)
+    return Fit(model, data, near, mean, precision, gain, noise, sharpness, log_likelihood + scale_grid()[2] + cut)
 
 
 def _noise(data: Data, near: Tangent) -> tuple[Array, Flags]:
@@ -213,8 +223,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     prior_mean = np.array([term.mean for term in model.terms])
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
-    weighed = np.linalg.solve(result.noise, np.broadcast_to(slope, (*result.noise.shape[:2], *slope.shape[1:])))
-    precision = result.precision[:, None] - np.einsum("fot,sfou->sftu", slope, weighed)
+    weighed = result.sharpness @ slope
+    precision = result.precision[:, None] - np.swapaxes(slope, 1, 2) @ weighed
     gain = result.gain[:, None] - np.einsum("fo,sfou->sfu", miss, weighed)
     offset = np.linalg.solve(precision, gain[..., None])[..., 0]
     apogee = near.slope[:, 0]

@@ -114,9 +114,11 @@ def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 
 
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
-    """The group each flight belongs to: its motor type, configuration or site."""
+    """The group each flight belongs to: its motor type, configuration, site or day."""
     if per == "motor":
         return [f"{item.motor.maker} {item.motor.designation}" for item in found]
+    if per == "day":
+        return [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
     return [str(getattr(flight, per)) for flight in flights]
 
 

@@ -10,13 +10,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.loop.candidates import Place, effect_term
+from fieldkit.loop.candidates import Place, effect_terms
 from fieldkit.loop.fit import Fit, fit_robustly, own_reading_sd, scale_grid
 from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.effect import effects
+from fieldkit.simulator.effect import effects, spoken
 from fieldkit.simulator.field import recorded
 
 DRAWS = 1000
@@ -70,12 +70,13 @@ def rocket_model(
 ) -> Model:
     """The model of a rocket with the effects that were accepted into it; `slack` as in `base_model`."""
     model = base_model(flights, found, slack)
-    return model.with_terms(*(effect_term(place, model) for place in accepted if place.effect in effects()))
+    known = [place for place in accepted if place.effect in effects()]
+    return model.with_terms(*(term for place in known for term in effect_terms(place, model)))
 
 
 def model_name(accepted: Sequence[Place]) -> str:
     """`field`, or `field+wind`."""
-    return "+".join(["field", *(place.effect for place in accepted)])
+    return "+".join(["field", *(spoken(place.effect) for place in accepted)])
 
 
 def predict(

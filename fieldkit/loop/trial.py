@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.candidates import Candidate, Place
-from fieldkit.loop.fit import Fit, Lane, LeftOut, fit_lanes, leave_one_out
+from fieldkit.loop.candidates import EACH, Candidate, Place
+from fieldkit.loop.fit import HOPELESS, Fit, Lane, LeftOut, fit_lanes, leave_one_out
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, mixed
 from fieldkit.shapes import Array, Float
@@ -38,12 +38,18 @@ class Trial:
         return np.asarray(np.logaddexp.reduce(self.left_out.log_weight, axis=0))
 
     def strength(self) -> tuple[float, float]:
-        """Posterior mean and standard deviation of the strength, in the effect's unit."""
-        term = self.candidate.terms[0]
-        mean, sd = self.fit.moments()
-        index = self.fit.model.names.index(term.name)
-        fitted, spread = float(mean[index]), float(sd[index])
-        if isinstance(term.bends, Effect) and term.bends.squared:
+        """Posterior mean and standard deviation of the strength, in the effect's unit.
+
+        Of an effect with a strength in every group, the root mean square over the groups.
+        """
+        names = [term.name for term in self.candidate.terms]
+        index = [self.fit.model.names.index(name) for name in names]
+        means, sds = self.fit.moments()
+        bends = self.candidate.terms[0].bends
+        if self.candidate.place.where == EACH:
+            return float(np.sqrt((means[index] ** 2).mean())), float(np.sqrt((sds[index] ** 2).mean()))
+        fitted, spread = float(means[index[0]]), float(sds[index[0]])
+        if isinstance(bends, Effect) and bends.squared:
             fitted = max(fitted, spread / 10, 1e-12)
             return float(np.sqrt(fitted)), float(spread / (2 * np.sqrt(fitted)))
         return fitted, spread
@@ -55,7 +61,10 @@ def plain_trial(fitted: Fit) -> Trial:
 
 
 def try_family(model: Model, data: Data, family: Sequence[Candidate], near: Fit) -> list[Trial]:
-    """Fit the candidates of one effect side by side, each from all its starts, from where a smaller model ended."""
+    """Fit the candidates of one effect side by side, each from all its starts, from where a smaller model ended.
+
+    Those whose evidence leaves them no say beside the best are dropped.
+    """
     wide, lanes, owners = model, [], []
     base = tuple(range(len(model.terms)))
     for candidate in family:
@@ -71,7 +80,10 @@ def try_family(model: Model, data: Data, family: Sequence[Candidate], near: Fit)
         known = best.get(candidate.place)
         if known is None or result.log_evidence > known.log_evidence:
             best[candidate.place] = result
-    return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in family]
+    say = {place: result.log_evidence for place, result in best.items()}
+    least = max(say.values()) - HOPELESS
+    kept = [candidate for candidate in family if say[candidate.place] >= least]
+    return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in kept]
 
 
 def plain_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:

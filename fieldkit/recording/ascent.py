@@ -185,7 +185,7 @@ def _levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
     if rest.size < 3:
         return push.felt - GRAVITY
     level = float(np.median(rest))
-    if abs(level - GRAVITY) > 6.0:
+    if abs(level - GRAVITY) > 12.0:
         return None
     return push.felt - (level if abs(level - GRAVITY) < 1.5 else GRAVITY)
 
@@ -235,7 +235,7 @@ def _fitted(
     weight = np.ones(rest.size)
     early = phases[np.minimum(rows.first, phases.size - 1)] == 1
     lasting = np.sqrt(max(1.0, _LASTING / median_step(time))) if fused else 0.15
-    speed = np.interp(time, grid.time, guess.speed)
+    speed = np.clip(np.interp(time, grid.time, guess.speed), 0, 4 * _SOUND)
     ram = lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * _SOUND)) ** 6)
 
     def variance(settings: Float[Array, "four"]) -> Float[Array, "time"]:
@@ -253,7 +253,7 @@ def _fitted(
         return float(-curve(settings).evidence + 0.5 * (far**2).sum())
 
     settings = centre
-    for tries in (60, 60, 40):
+    for tries in (45, 30, 20):
         for _ in range(4):
             left = (rest - apply(rows, curve(settings).mean)) / np.sqrt(variance(settings))
             weight = (_STUDENT + 1) / (_STUDENT + left**2)

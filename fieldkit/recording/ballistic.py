@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.shapes import Array, Float
 from fieldkit.standard_air import GRAVITY
 
-_STEP = 0.05
+_STEP = 0.1
 _SCALE_HEIGHT = 9500.0
 """Height in which the air of the lower troposphere thins by e. [m]"""
 _SOUND = 335.0

@@ -28,6 +28,11 @@ SPOKEN = {
 }
 FEWEST = 12
 """Samples below which nothing is measured."""
+_MANY, _FINE, _COARSE = 20_000, 200.0, 20.0
+_CLIMBING = 8.0
+"""Speed at which something in a log moves as a rocket does. [m/s]"""
+_STRONGEST = 10_000.0
+"""Accelerations beyond this are faults of the log. [m/s^2]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 
@@ -66,7 +71,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
             values = getattr(series, name)
             if values is None or np.isfinite(values).sum() < FEWEST:
                 continue
-            time, values = _usable(series.time, values)
+            time, values = _thinned(*_usable(series.time, values), name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
             found = _despiked(time, height, name)
             if found is not None:
@@ -74,18 +79,23 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
     return None
 
 
-def pushes(clocks: Sequence[Series]) -> Push | None:
-    """The best acceleration along the axis, or None."""
+def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
+    """The best acceleration along the axis from one time to another, or None."""
     for name in ("felt", "acceleration", "inertial_speed"):
         for series in clocks:
             values = getattr(series, name)
-            if values is None or np.isfinite(values).sum() < FEWEST:
+            if values is None:
                 continue
-            time, values = _usable(series.time, values)
+            near = slice(*np.searchsorted(series.time, (begin, end)))
+            time, values = _usable(series.time[near], values[near])
             if time.size < FEWEST or np.ptp(values) == 0:
                 continue
             if name == "inertial_speed":
                 values = np.gradient(values, time)
+            believed = np.abs(values) < _STRONGEST
+            time, values = time[believed], values[believed]
+            if time.size < FEWEST:
+                continue
             return Push(time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", SPOKEN[name])
     return None
 
@@ -93,13 +103,47 @@ def pushes(clocks: Sequence[Series]) -> Push | None:
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:
     """Times and values without missing samples; of several at one time, their mean."""
     kept = np.isfinite(values) & np.isfinite(time)
-    time, values = time[kept], values[kept]
+    if not kept.all():
+        time, values = time[kept], values[kept]
     again = np.diff(time) <= 0
     if again.any():
         start = np.flatnonzero(np.concatenate(([True], ~again)))
         values = np.add.reduceat(values, start) / np.diff(np.append(start, values.size))
         time = time[start]
     return time, values
+
+
+def _thinned(time: Float[Array, "_"], values: Float[Array, "_"], pressure: bool) -> tuple[Array, Array]:
+    """A channel with too many samples to need them all, by medians of blocks: `_FINE` a second about the climb.
+
+    Where the climb is shows in `_MANY` blocks of the whole; away from it `_COARSE` a second are enough.
+    """
+    if time.size <= 2 * _MANY:
+        return time, values
+    rough_time, rough = _blocks(time, values, time.size // _MANY + 1)
+    height = pressure_height(rough) if pressure else rough
+    usual = running_median(height, 5)
+    calm = np.abs(height - usual) <= 5 * max(mad_sd(height - usual), 0.5) + 50
+    moving = np.abs(np.gradient(usual[calm], rough_time[calm])) > _CLIMBING
+    if moving.any():
+        lift, top = rough_time[calm][moving][0], rough_time[calm][int(np.argmax(usual[calm]))]
+    else:
+        lift, top = rough_time[0], rough_time[-1]
+    first, last = np.searchsorted(time, (min(lift, top) - 30, top + 30))
+    step = median_step(time[first:last]) if last - first > 2 else median_step(time)
+    fine, coarse = max(1, int(1 / (_FINE * step))), max(1, int(1 / (_COARSE * step)))
+    parts = [(slice(0, first), coarse), (slice(first, last), fine), (slice(last, None), coarse)]
+    thin = [_blocks(time[part], values[part], size) for part, size in parts]
+    return np.concatenate([one[0] for one in thin]), np.concatenate([one[1] for one in thin])
+
+
+def _blocks(time: Float[Array, "_"], values: Float[Array, "_"], size: int) -> tuple[Array, Array]:
+    """Medians over blocks of samples, and the middles of their times; a rest shorter than a block is left out."""
+    count = time.size // size
+    if size == 1 or count == 0:
+        return time, values
+    whole = slice(0, count * size)
+    return time[whole].reshape(count, size).mean(axis=1), np.median(values[whole].reshape(count, size), axis=1)
 
 
 def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> Heights | None:

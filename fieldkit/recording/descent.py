@@ -21,14 +21,14 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
     """The first blow that an accelerometer felt around apogee."""
     if push is None or push.vertical:
         return None
-    near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 8)
+    near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
     time, felt = push.time[near], push.felt[near]
     if time.size < 8:
         return None
     blow = np.flatnonzero(np.abs(felt - np.median(felt)) > max(_SHOCK, 8 * mad_sd(felt)))
     if blow.size == 0:
         return None
-    return Event(float(time[blow[0]]), max(median_step(time), 0.02), push.source)
+    return Event(float(time[blow[0]]), max(median_step(time), 0.05), push.source)
 
 
 def ejection(
@@ -145,7 +145,12 @@ def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> F
         last = int(np.searchsorted(track.time, moment.time - 0.02))
         first = min(int(np.searchsorted(track.time, moment.time - 1)), max(0, last - 6))
         when, where = track.time[first:last] - moment.time, track.height[first:last] - seen.pad
+        if when.size < 3:
+            return Figure(
+                float(np.interp(moment.time, track.time, seen.calm)) - seen.pad, 3 * track.noise + 5, track.source
+            )
         _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
-        spread = 3 * track.noise / np.sqrt(when.size)
+        left = where - np.polyval(np.polyfit(when, where, 2), when)
+        spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
     sd = np.sqrt(spread**2 + seen.pad_sd**2 + (slope * moment.sd) ** 2)
     return Figure(value, float(sd), track.source)

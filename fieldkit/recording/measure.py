@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.flight import Series
 from fieldkit.recording.ascent import Ascent, ascend
-from fieldkit.recording.channels import Heights, heights, pushes
+from fieldkit.recording.channels import Heights, Push, heights, pushes
 from fieldkit.recording.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.recording.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.recording.liftoff import liftoff
@@ -39,15 +39,19 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     seen = outline(track)
     if seen is None:
         return Recorded(notes=(NO_FLIGHT,))
-    push = pushes(clocks)
+    start = seen.lift if seen.lift is not None else seen.fastest
+    push = pushes(clocks, start - 15, seen.top + 20)
     lift = liftoff(track, push, seen)
     if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(push, seen.fastest, seen.top)
-    ascent = ascend(track, push, seen, lift.time if lift else None, blow.time if blow else stated.get("apogee"))
+    try:
+        ascent = ascend(track, push, seen, lift.time if lift else None, blow.time if blow else stated.get("apogee"))
+    except np.linalg.LinAlgError:  # samples so wild that no curve goes through them
+        ascent = None
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
-    return _told(track, seen, ascent, lift, clocks, stated)
+    return _told(track, seen, ascent, lift, push, clocks, stated)
 
 
 def _told(
@@ -55,11 +59,12 @@ def _told(
     seen: Outline,
     ascent: Ascent,
     lift: Event | None,
+    push: Push | None,
     clocks: Sequence[Series],
     stated: Mapping[str, float],
 ) -> Recorded:
     """What a fitted ascent and the descent after it come to."""
-    push, notes = pushes(clocks), []
+    notes: list[str] = []
     source = track.source + (f" and {push.source}" if push and ascent.fused else "")
     begin = lift.time if lift else float(ascent.time[0])
     events: dict[str, Event] = {"liftoff": lift} if lift else {}
@@ -98,14 +103,14 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
     sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + _LEAST**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
-    event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04)), track.source)
+    event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
 
 
 def _boost_figures(
     figures: dict[str, Figure],
     ascent: Ascent,
-    push: object,
+    push: Push | None,
     lift: Event,
     boost: tuple[Event, Figure],
     source: str,
@@ -118,7 +123,7 @@ def _boost_figures(
     mean = speed.value / burn.value
     sd = mean * np.hypot(speed.sd / speed.value, burn.sd / burn.value)
     figures["avg_accel"] = Figure(mean, float(sd), source)
-    peak = peak_push(push, ascent, lift.time, boost[0].time, source)  # type: ignore[arg-type]
+    peak = peak_push(push, ascent, lift.time, boost[0].time, source)
     if peak:
         figures["peak_accel"] = peak
 
@@ -130,14 +135,14 @@ def _down(
     track: Heights,
     seen: Outline,
     ascent: Ascent,
-    push: object,
+    push: Push | None,
     apogee: Event,
     lift: Event | None,
     burnout: float,
     stated: Mapping[str, float],
 ) -> float:
     """Add what the way down tells, and say when the coast ended. [s]"""
-    blow = shock(push, burnout, apogee.time)  # type: ignore[arg-type]
+    blow = shock(push, burnout, apogee.time)
     ejected = ejection(stated, blow, track, seen, apogee)
     if ejected:
         events["ejection"] = ejected

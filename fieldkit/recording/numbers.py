@@ -14,7 +14,7 @@ def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
     """Median over a window of an odd number of samples, shorter towards the ends."""
     from scipy.ndimage import median_filter
 
-    return np.asarray(median_filter(values, size=min(size, values.size), mode="nearest"), float)
+    return np.asarray(median_filter(values, size=min(size, values.size), mode="reflect"), float)
 
 
 def median_step(time: Float[Array, "_"]) -> float:

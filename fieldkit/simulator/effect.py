@@ -36,9 +36,11 @@ class Effect:
     """One bend of the flight model.
 
     `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
-    (`squared`), it is the square that is fitted and the prior speaks of. `per` names the column of a flight
-    whose groups may differ in strength ("motor", "config", "site"), `everywhere` says whether it may also
-    act on all flights alike. `needs` is the column without which the effect cannot act. One that `grows`
+    (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of group of flights may
+    have a strength of its own, `everywhere` whether it may also act on all flights alike, `each` whether
+    every group has its own at once. `needs` is the column without which the effect cannot act, `lacks` one that
+    a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
+    may come about: verdicts speak of the other. One that `grows`
     acts with its strength times the flights flown before; one that `starts_anywhere` may be there only from
     some flight on, as with a new lot of motors or a new altimeter. `starts` are strengths from which a fit is
     begun, several where what the effect does is far from linear. `explains` tells a flyer what it is, `tell_apart`
@@ -55,9 +57,12 @@ class Effect:
     setup: BendSetup | None = None
     acceleration: Force | None = None
     reading: BendReading | None = None
-    per: Literal["", "motor", "config", "site"] = ""
+    per: Literal["", "motor", "config", "site", "day"] = ""
     everywhere: bool = True
+    each: bool = False
     needs: str = ""
+    lacks: str = ""
+    form_of: str = ""
     grows: bool = False
     starts_anywhere: bool = False
     starts: tuple[float, ...] = ()
@@ -84,3 +89,8 @@ class Effect:
 def effects() -> Mapping[str, Effect]:
     """Every effect on the shelf, by name."""
     return cast(Mapping[str, Effect], plugins("models.effects", "EFFECT"))
+
+
+def spoken(name: str) -> str:
+    """The name by which verdicts speak of an effect: its own, or that of the one it is a form of."""
+    return effects()[name].form_of or name if name in effects() else name

@@ -1,20 +1,19 @@
 """AltiMulti, AltiDuo, TTGO Bear, AltiGPS and their kin (bdureau): sentences asked for with one-letter commands.
 
-A sentence is `$name,field,...,checksum;`, the checksum being the sum of the characters from the name up to the
-comma before it, modulo 256. A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come between.
+A flight is `$start;`, `$data,...;` and so on, `$end;`. Telemetry may come between.
 Source: RocketFlightLogger.ino, config.cpp, logger_i2c_eeprom.cpp (bdureau/RocketFlightLogger).
 """
 
 import re
-from collections.abc import Iterable
-from dataclasses import dataclass, replace
+import time
+from dataclasses import dataclass
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.checks import sum_256
 from fieldkit.capture.events import Listed, Sample, Stored, Told
 from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.link import NOISE, Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
 
 MOST = 25
@@ -27,35 +26,6 @@ REFUSALS = ("KO", "K0", "UNKNOWN")
 TRIES = 3
 STREAM = 60.0
 """How long telemetry may pause. [s]"""
-
-
-@dataclass(frozen=True, slots=True)
-class Sentence:
-    """A sentence; `sound` when its checksum is right, or when it is one that has none."""
-
-    name: str
-    fields: tuple[str, ...]
-    sound: bool
-
-
-def sentence(piece: bytes) -> Sentence | None:
-    """The sentence at the end of what came before a semicolon, None where there is none."""
-    start = piece.rfind(b"$")
-    if start < 0:
-        return None
-    body = piece[start + 1 :]
-    name, *fields = body.decode("latin-1").split(",")
-    if not fields:
-        return Sentence(name.strip(), (), name.strip().isalnum())
-    right = str(sum_256(body[: body.rfind(b",") + 1])) == fields[-1].strip()
-    return Sentence(name, tuple(fields[:-1]), right)
-
-
-def sentences(content: bytes) -> Iterable[Sentence]:
-    """All sentences of bytes."""
-    for piece in content.split(b";")[:-1]:
-        if (one := sentence(piece)) is not None:
-            yield one
 
 
 def overhears(heard: bytes) -> bool:
@@ -120,8 +90,9 @@ def _greeted(link: Link) -> Talk[None]:
 
 
 def _next(link: Link, silence: float) -> Talk[Sentence | None]:
-    """The next sentence that is no telemetry, None after silence. [s]"""
-    while (piece := (yield from link.piece(b";", silence))) is not None:
+    """The next sentence that is no telemetry, None after silence, or after a while of nothing but telemetry. [s]"""
+    ends = time.monotonic() + NOISE * silence
+    while time.monotonic() < ends and (piece := (yield from link.piece(b";", silence))) is not None:
         one = sentence(piece)
         if one is None:
             continue
@@ -138,12 +109,12 @@ def _telemetry(link: Link, one: Sentence) -> None:
         link.damaged += 1
         return
     try:
-        altitude, lifted, apogee, _, main, _, landed, time = (float(text) for text in one.fields[:8])
+        altitude, lifted, apogee, _, main, _, landed, clock = (float(text) for text in one.fields[:8])
     except ValueError:
         return
     flags = (("landed", landed), ("main", main), ("drogue", apogee), ("flying", lifted))
     state = next((name for name, flag in flags if flag > 0), "pad")
-    link.sample = Sample(altitude, time / 1000, state=state)
+    link.sample = Sample(altitude, clock / 1000, state=state)
 
 
 def _identified(link: Link) -> Talk[None]:
@@ -159,7 +130,7 @@ def _identified(link: Link) -> Talk[None]:
 def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     count = yield from _counted(link)
     _same_unit(link, count, captured)
-    flights = [Stored(number, f"flight {number + 1}") for number in range(min(count, MOST))]
+    flights = [Stored(number, f"flight {number}") for number in range(min(count, MOST))]
     wanted = set(wishes.choose(flights)) if flights else set()
     chosen = [flight.number for flight in flights if flight.number in wanted]
     yield Listed(tuple(flights), tuple(chosen))
@@ -206,7 +177,7 @@ def _flight(link: Link, number: int) -> Talk[bool]:
             return True
         fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
         again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
-        yield Told(f"flight {number + 1}: {fault}{again}")
+        yield Told(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False
 
@@ -251,7 +222,7 @@ def logs(captured: Captured) -> list[Log]:
     if not flown:
         return [Log(captured.file.name, captured.raw)] if any(True for _ in sentences(captured.raw)) else []
     settings = [answer.content for answer in captured.answers() if answer.command == b"b;"]
-    head = [replace(_frame(content)).content for content in settings[-1:] if b"$alticonfig" in content]
+    head = [_frame(content).content for content in settings[-1:] if b"$alticonfig" in content]
     return [Log(captured.file.name, b"\n".join([*head, *flown]) + b"\n")]
 
 

@@ -22,6 +22,8 @@ TRIES = 3
 BLOCK, ROW, LINE = 256, 8, 32
 """Bytes of a block, of a line that a unit sends, and of a line of a file. [bytes]"""
 ERASED = b"\xff" * BLOCK
+MOST_LINES = 5000
+"""No list of flights is longer."""
 MOST = 100_000
 """No flight has more blocks; one that claims so has its line torn."""
 
@@ -86,7 +88,7 @@ def _flights(link: Link) -> Talk[list[Extent]]:
     for _ in range(TRIES):
         link.send(b"l\n")
         lines: list[str] = []
-        while (line := (yield from link.text_line(ANSWER))) is not None:
+        while len(lines) < MOST_LINES and (line := (yield from link.text_line(ANSWER))) is not None:
             if line.strip() == "done":
                 return extents(lines)
             lines.append(line)
@@ -131,7 +133,7 @@ def _block(link: Link, number: int) -> Talk[Block]:
                 break
         block = assembled(lines)
         if not block.missing:
-            link.samples += 1
+            link.samples += BLOCK // ROW
             return block
         link.damaged += 1
         again = "; reading it again" if attempt < TRIES else "; they stay empty"

@@ -6,11 +6,12 @@ Source: readme.md, cmd/dump.go, cmd/stats.go (ukhpr/mawd), which its author call
 """
 
 import re
+import time
 
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Told
 from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.link import NOISE, Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
 
@@ -45,8 +46,13 @@ def _lines(link: Link, command: bytes, wanted: int) -> Talk[list[str]]:
         yield from link.drain(0.2)
         link.send(command)
         found = []
-        while len(found) < wanted and (line := (yield from link.text_line(ANSWER))) is not None:
-            if line.strip():
+        ends = time.monotonic() + NOISE * ANSWER
+        while (
+            len(found) < wanted
+            and time.monotonic() < ends
+            and (line := (yield from link.text_line(ANSWER))) is not None
+        ):
+            if line.strip() and line.strip().isprintable():
                 found.append(line.strip())
         if len(found) == wanted:
             break

@@ -6,7 +6,6 @@ Sources: MicroData.java and ao_log_micro.c (Altus Metrum).
 """
 
 import time
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 
 from fieldkit.capture.captured import Captured, Log
@@ -57,23 +56,37 @@ class Stream:
     _needed: int = 20
     _last: int = 0
 
-    def feed(self, chunk: Iterable[int]) -> list[Record | None]:
+    def feed(self, chunk: bytes) -> list[Record | None]:
         """The records that end in a chunk, None for one that noise broke."""
         found: list[Record | None] = []
-        for byte in chunk:
-            if self.start >= 0 and byte in _HEX:
+        at = 0
+        while at < len(chunk):
+            if self.start < 0:
+                at = self._begun(chunk, at)
+                continue
+            byte = chunk[at]
+            if byte in _HEX:
                 self.digits.append(byte)
                 if len(self.digits) == self._needed and self._complete():
-                    found.append(self._record())
-            elif self.start >= 0 and byte not in _WHITE:
+                    found.append(self._record(self.place + at + 1))
+            elif byte not in _WHITE:
                 self.start = -1
                 found.append(None)
-            if self.start < 0 and self._last == ord("M") and byte == ord("P"):
-                self.start, self._needed = self.place - 1, 20
-                self.digits.clear()
-            self._last = byte
-            self.place += 1
+                continue  # it may begin another
+            at += 1
+        self.place += len(chunk)
+        self._last = chunk[-1] if chunk else self._last
         return found
+
+    def _begun(self, chunk: bytes, at: int) -> int:
+        """Where to go on: after the next `MP`, with a record begun, or at the end."""
+        while (letter := chunk.find(b"P", at)) >= 0:
+            at = letter + 1
+            if (chunk[letter - 1] if letter else self._last) == ord("M"):
+                self.start, self._needed = self.place + letter - 1, 20
+                self.digits.clear()
+                return at
+        return len(chunk)
 
     def _complete(self) -> bool:
         """Whether all digits are there, now that the header says how many there are."""
@@ -81,11 +94,10 @@ class Stream:
         self._needed = max(needed, self._needed)
         return len(self.digits) >= needed
 
-    def _record(self) -> Record:
+    def _record(self, end: int) -> Record:
         content = bytes.fromhex(self.digits.decode())
-        record = Record(
-            self.start, self.place + 1, content[:-2], crc_x25(content[:-2]) == int.from_bytes(content[-2:], "big")
-        )
+        sound = crc_x25(content[:-2]) == int.from_bytes(content[-2:], "big")
+        record = Record(self.start, end, content[:-2], sound)
         self.start = -1
         return record
 

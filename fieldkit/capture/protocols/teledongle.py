@@ -53,6 +53,7 @@ def overhears(heard: bytes) -> bool:
 
 
 def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+    link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
     yield from silence_echo(link)
     if not (yield from version(link)):
         raise PortTrouble(

@@ -1,0 +1,1 @@
+"""Protocols, a file each; `fieldkit.capture.protocol` finds them."""

@@ -1,0 +1,45 @@
+"""Which rows of a log its clock can be believed of, and where it starts anew."""
+
+from array import array
+from bisect import bisect_right
+
+import numpy as np
+
+from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
+
+TWO_DAYS = 172_800.0
+"""Rows further apart than this cannot be of one flight. [s]"""
+
+
+def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
+    """Which rows to keep so that a clock never runs backwards and shows no time days away, as many as can be."""
+    middle = np.quantile(clock, 0.5, method="lower")
+    kept = np.asarray(np.abs(clock - middle) < TWO_DAYS)
+    kept[kept] = onward(clock[kept])
+    return kept
+
+
+def restarts(clock: Float[Array, "row"]) -> Int[Integers, "restart"]:
+    """Where a clock starts anew: three rows before, each of them, say later than three rows from there on."""
+    if len(clock) < 6:
+        return np.empty(0, np.int64)
+    three = np.lib.stride_tricks.sliding_window_view(clock, 3)
+    return np.flatnonzero(three[:-3].min(axis=1) > three[3:].max(axis=1)) + 3
+
+
+def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
+    """Which rows to keep so that a clock never runs backwards, as many as can be."""
+    if not (np.diff(clock) < 0).any():
+        return np.ones(len(clock), bool)
+    tails = array("d")  # the least last value of a run of each length, and the row that it is in
+    ends, before = array("q"), array("q", bytes(8 * len(clock)))
+    for row, value in enumerate(clock.tolist()):
+        length = bisect_right(tails, value)
+        before[row] = ends[length - 1] if length else -1
+        tails[length : length + 1] = array("d", [value])
+        ends[length : length + 1] = array("q", [row])
+    kept, row = np.zeros(len(clock), bool), ends[-1]
+    while row >= 0:
+        kept[row] = True
+        row = before[row]
+    return kept

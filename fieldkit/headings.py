@@ -1,0 +1,204 @@
+"""What the header of a table of samples says: the channel of `Series` that a column holds, and its unit.
+
+Every logger and every team names its columns anew: `Alt (ft)`, `altitude[m]`, `timestamp_seconds`,
+`Velocity Feet / Sec`. A name gives a channel only where there is one meaning left: what is predicted, angular
+or sideways is nobody's altitude. A unit is never assumed; a header without one has none.
+"""
+
+import re
+import unicodedata
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from fieldkit.units import UNITS, Unit
+
+QUANTITIES: Mapping[str, str] = {
+    "time": "time",
+    "altitude": "length",
+    "altitude_msl": "length",
+    "pressure": "pressure",
+    "speed": "speed",
+    "acceleration": "acceleration",
+    "felt": "acceleration",
+    "felt_x": "acceleration",
+    "felt_y": "acceleration",
+    "felt_z": "acceleration",
+    "felt_total": "acceleration",
+    "inertial_altitude": "length",
+    "inertial_speed": "speed",
+    "gps_altitude_msl": "length",
+    "gps_speed": "speed",
+    "latitude": "degree",
+    "longitude": "degree",
+    "tilt": "angle",
+    "temperature": "temperature",
+    "voltage": "voltage",
+    "thrust": "force",
+    "drag": "force",
+    "mass": "mass",
+}
+"""Channels of `Series`, and the three axes of an accelerometer, with the quantity that finds their units."""
+
+DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
+"""Latitude and longitude are degrees wherever no other unit is written."""
+
+_WORDS = {
+    "s": "second seconds sec secs",
+    "ms": "millisecond milliseconds millis msec",
+    "us": "microsecond microseconds micros usec μs",
+    "ns": "nanosecond nanoseconds nanos nsec",
+    "min": "minute minutes",
+    "m": "meter meters metre metres mtr",
+    "ft": "foot feet",
+    "in": "inch inches",
+    "pa": "pascal pascals",
+    "hpa": "hectopascal hectopascals",
+    "kpa": "kilopascal kilopascals",
+    "mbar": "millibar millibars mbars",
+    "c": "celsius degreescelsius centigrade",
+    "f": "fahrenheit degreesfahrenheit",
+    "k": "kelvin",
+    "g": "gs g's gee gees gee's",
+    "mg": "mgs millig milligs",
+    "v": "volt volts",
+    "mv": "millivolt millivolts",
+    "n": "newton newtons",
+    "lb": "pound pounds",
+    "oz": "ounce ounces",
+    "kg": "kilogram kilograms",
+    "deg": "degree degrees",
+    "mph": "miles/hour",
+}
+_SAME = {word: unit for unit, words in _WORDS.items() for word in words.split()}
+
+
+@dataclass(frozen=True, slots=True)
+class Heading:
+    """A header as it is spelt, its words without the unit in brackets, and that unit; "" if none is written."""
+
+    spelled: str
+    words: tuple[str, ...]
+    unit: str = ""
+
+
+def _set(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
+_BRACKETS = re.compile(r"[(\[{]([^()\[\]{}]*)[)\]}]")
+_QUALIFIERS = _set("x y z agl msl asl raw filtered baro gps imu kf est")
+
+
+def heading(spelled: str) -> Heading:
+    """What a header says: `Alt (ft)` is the word `alt` and the unit `ft`."""
+    spelled = "".join(char for char in spelled if unicodedata.category(char) != "Cf").strip()
+    name, unit = spelled, ""
+    for match in reversed(list(_BRACKETS.finditer(spelled))):
+        inside = match[1].strip()
+        if inside.lower() not in _QUALIFIERS:
+            name, unit = spelled[: match.start()] + " " + spelled[match.end() :], inside
+            break
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", name)
+    return Heading(spelled, tuple(re.findall(r"[^\W_]+(?:'s)?|/", name.lower())), unit)
+
+
+def plain(unit: str) -> str:
+    """A unit in the spelling of `fieldkit.units`: `Feet / Sec` is `ft/s`, `m/s²` and `m/s/s` are `m/s2`."""
+    text = unicodedata.normalize("NFKC", unit).lower().replace("per", "/").replace("µ", "μ")
+    parts = [re.sub(r"[\s^*·_.]+", "", part) for part in text.split("/")]
+    parts = [_SAME.get(part, part) for part in parts]
+    if len(parts) == 3 and parts[1] == parts[2]:
+        parts = [parts[0], f"{parts[1]}2"]
+    return re.sub(r"/(sec|s)2$|/s\^2$", "/s2", "/".join(parts))
+
+
+def unit_named(quantity: str, text: str) -> Unit | None:
+    """The unit of a quantity that a text names in whatever spelling, or None."""
+    if quantity == "degree":
+        return DEGREES.get(plain(text))
+    known = UNITS[quantity]
+    if quantity == "force" and plain(text) == "lb":
+        return known["lbf"]
+    return known.get(plain(text)) or known.get(text.strip().lower())
+
+
+def stated_unit(head: Heading, channel: str) -> str:
+    """The unit that a header states for a channel, in its own spelling; "" if it states none.
+
+    It stands in brackets, or is the end of the name: `time_ms`, `Velocity Feet / Sec`.
+    """
+    quantity = QUANTITIES[channel]
+    if head.unit:
+        return head.unit
+    if quantity == "degree":
+        return "deg"
+    for length in (5, 4, 3, 2, 1):
+        if len(head.words) > length:
+            ending = "".join(head.words[-length:])
+            if unit_named(quantity, ending):
+                return ending
+    return ""
+
+
+_NOT_A_SAMPLE = _set(
+    "predicted prediction predictor target max maximum min apogee gyro angular rate rotation mag magnetic "
+    "magnetometer quaternion quat error sd std variance covariance var bias offset wind horizontal "
+    "lateral ground sats hdop vdop dop horz north east motor chamber dynamic differential pitot "
+    "velocity_pressure total_pressure derivative jerk pad home distance range stage flag flags count id "
+    "deployment threshold setting index limit"
+)
+_WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
+_TIME = _set("time t ts timestamp millis micros elapsed met timems times clock epoch")
+_HEIGHT = _set("alt altitude height altura hoehe höhe altitud hauteur")
+_SPEED = _set("velocity vel speed veloc vz velz vely velx")
+_ACCEL = _set("accel acceleration acc a accelerometer ax ay az accx accy accz accelx accely accelz")
+_TOTAL = _set("total magnitude norm resultant mag abs sum")
+
+
+def channel(head: Heading) -> str:
+    """The channel that a header names beyond doubt, or "".
+
+    `acceleration` without a word on gravity is felt or not: it comes back as `felt?`.
+    """
+    words = set(head.words)
+    axis = next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), "")
+    if words & _ACCEL and not words & (_NOT_A_SAMPLE - {"mag", "max"}):
+        if words & _WORKED_OUT or "linear" in words or "lin" in words:
+            return ""
+        if axis:
+            return f"felt_{axis}"
+        if words & _TOTAL:
+            return "felt_total"
+        return "acceleration" if words & {"vertical", "net"} else "felt?"
+    if words & _NOT_A_SAMPLE:
+        return ""
+    gps = bool(words & {"gps", "gnss"})
+    if words & _HEIGHT or words & {"agl"}:
+        if words & _WORKED_OUT:
+            return "" if gps else "inertial_altitude" * bool(words & {"inertial", "integrated"})
+        if gps:
+            return "gps_altitude_msl"
+        return "altitude_msl" if words & {"msl", "asl", "sea"} else "altitude"
+    if words & _WORKED_OUT:
+        return ""
+    if words & {"pressure", "press", "baro", "barometer", "pres"}:
+        return "pressure"
+    if words & _SPEED:
+        if words & {"x", "y", "velx", "vely"}:
+            return ""
+        return "gps_speed" if gps else "speed"
+    if words & _TIME and not gps and not words & {"update", "utc", "gps", "to", "since", "last"}:
+        return "time"
+    return _others(words)
+
+
+def _others(words: set[str]) -> str:
+    if words & {"lat", "latitude"}:
+        return "latitude"
+    if words & {"lon", "lng", "long", "longitude"}:
+        return "longitude"
+    if words & {"temperature", "temp"}:
+        return "temperature"
+    if words & {"voltage", "volts", "battery", "batt", "vbat"}:
+        return "voltage"
+    return ""

@@ -1,0 +1,198 @@
+"""Units that a table does not write, settled by physics, or not at all.
+
+Pressure falls with height in a known way, a coasting rocket is slowed by one g or more, speed is the change of
+height, an accelerometer at rest feels one g, and a logger samples neither every hour nor every nanosecond.
+A unit is settled when one candidate alone agrees with what is known; nothing is ever guessed from habit.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from itertools import product
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+from fieldkit.units import STANDARD_GRAVITY, UNITS
+
+CANDIDATES: Mapping[str, tuple[str, ...]] = {
+    "time": ("s", "ms", "us"),
+    "altitude": ("m", "ft"),
+    "speed": ("m/s", "ft/s", "mph", "km/h"),
+}
+_EPOCH = (9.4e8, 2.6e9)
+"""Unix time from 1999 to 2052. [s]"""
+_PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.0), "atm": (0.6, 1.08)}
+"""Where the highest pressure of a log is on a launch site below 4000 m, in units that exclude each other."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settled:
+    """A unit, and the reason in a few words."""
+
+    unit: str
+    why: str
+
+
+def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[str, str]) -> dict[str, Settled]:
+    """Units of `time`, `altitude` and `speed` that `units` leaves open, as far as they can be settled.
+
+    `raw` are columns as they stand; `pressure` among them is of any unit. What does not come back stays open.
+    """
+    settled: dict[str, Settled] = {}
+    time = raw["time"]
+    if "time" not in units and (epoch := epoch_unit(time)):
+        settled["time"] = Settled(epoch, "Unix time")
+    known = {**units, **{name: one.unit for name, one in settled.items()}}
+    unsettled = [name for name in CANDIDATES if name in raw and name not in known]
+    if not unsettled:
+        return settled
+    ways = [known | dict(zip(unsettled, way, strict=True)) for way in product(*(CANDIDATES[n] for n in unsettled))]
+    ways = [way for way in ways if _steps_are_a_loggers(time * UNITS["time"][way["time"]].factor)]
+    reasons = ["its steps"]
+    for reason, test in _TESTS:
+        agreeing = [way for way in ways if test(raw, way)]
+        if agreeing and len(agreeing) < len(ways):
+            ways, reasons = agreeing, [*reasons, reason]
+    for name in unsettled:
+        left = {way[name] for way in ways}
+        if len(left) == 1:
+            settled[name] = Settled(left.pop(), "by " + " and ".join(reasons[1:] or reasons))
+    return settled
+
+
+def epoch_unit(time: Float[Array, "time"]) -> str:
+    """The unit in which a clock counts from 1970, or "" if it does not."""
+    first = _median(time[:9])
+    return next((u for u in ("s", "ms", "us", "ns") if _EPOCH[0] < first * UNITS["time"][u].factor < _EPOCH[1]), "")
+
+
+def settle_pressure(pressure: Float[Array, "time"]) -> Settled | None:
+    """The unit in which the pressure on the pad is one of this planet, if it is one alone."""
+    finite = pressure[np.isfinite(pressure)]
+    pad = float(np.percentile(finite, 98)) if len(finite) else float("nan")
+    fits = [unit for unit, (low, high) in _PAD_PRESSURE.items() if low <= pad <= high]
+    return Settled(fits[0], "by the pressure on the pad") if len(fits) == 1 else None
+
+
+def rest(acceleration: Float[Array, "time"]) -> float:
+    """What an accelerometer shows where it is quietest, as it stands."""
+    values = acceleration[np.isfinite(acceleration)]
+    length = max(len(values) // 40, 5)
+    pieces = values[: len(values) // length * length].reshape(-1, length)
+    if not len(pieces):
+        return float("nan")
+    return float(pieces[pieces.std(axis=1).argmin()].mean())
+
+
+def settle_felt(acceleration: Float[Array, "time"]) -> Settled | None:
+    """The unit in which an accelerometer at rest feels one g."""
+    at_rest = abs(rest(acceleration))
+    for unit in ("g", "m/s2", "mg", "ft/s2"):
+        if 0.93 < at_rest * UNITS["acceleration"][unit].factor / STANDARD_GRAVITY < 1.07:
+            return Settled(unit, "by one g at rest")
+    return None
+
+
+def _median(values: Float[Array, "some"]) -> float:
+    finite = values[np.isfinite(values)]
+    return float(np.median(finite)) if len(finite) else float("nan")
+
+
+def _steps_are_a_loggers(time: Float[Array, "time"]) -> bool:
+    """Whether steps are of a tenth of a millisecond to five seconds, and the whole of seconds to a day."""
+    steps = np.diff(time[np.isfinite(time)])
+    steps = steps[steps > 0]
+    return len(steps) > 0 and 2e-4 <= float(np.median(steps)) <= 5.0 and 1.5 <= float(steps.sum()) <= 1e5
+
+
+def _pressure_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether height grows as the standard atmosphere has it for this ratio of pressures."""
+    if "pressure" not in raw or "altitude" not in raw:
+        return False
+    altitude = raw["altitude"] * UNITS["length"][way["altitude"]].factor
+    return _ratio_is_one(height_of_ratio(raw["pressure"]), altitude - _median(altitude[:5]))
+
+
+def height_unit_by_pressure(raw: Mapping[str, Float[Array, "time"]]) -> str:
+    """The unit in which heights are those of the pressure beside them, or "" if none is or both might be."""
+    fits = [unit for unit in CANDIDATES["altitude"] if _pressure_agrees(raw, {"altitude": unit})]
+    return fits[0] if len(fits) == 1 else ""
+
+
+def height_of_ratio(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
+    """Height above where a log begins, of pressures in any one unit. [m]
+
+    Source: U.S. Standard Atmosphere 1976, the pad taken at sea level: a scale within some 5 % of the true one.
+    """
+    pad = _median(pressure[:5])
+    ratio = np.where(pressure > 0, pressure, np.nan) / pad if pad > 0 else np.full_like(pressure, np.nan)
+    return np.asarray(44330.77 * (1 - ratio**0.190263))
+
+
+def _ratio_is_one(one: Float[Array, "time"], other: Float[Array, "time"]) -> bool:
+    with np.errstate(all="ignore"):
+        high = np.isfinite(one) & np.isfinite(other) & (np.abs(one) > 0.3 * np.nanmax(np.abs(one), initial=0.0))
+        ratios = other[high] / one[high]
+    return len(ratios) >= 5 and 0.8 < float(np.median(ratios)) < 1.25
+
+
+def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether the speed, summed up on the way to the top, makes the height."""
+    if "speed" not in raw or "altitude" not in raw:
+        return False
+    time, height = _ascent(raw, way)
+    if time is None or height is None:
+        return False
+    speed = raw["speed"][: len(time)] * UNITS["speed"][way["speed"]].factor
+    whole = np.isfinite(speed) & np.isfinite(height) & np.isfinite(time)
+    if whole.sum() < 8:
+        return False
+    summed = np.trapezoid(speed[whole], time[whole])
+    rise = height[whole][-1] - height[whole][0]
+    return bool(rise > 0 and 0.8 < summed / rise < 1.25)
+
+
+def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]) -> bool:
+    """Whether the last of the climb is slowed by one g and a little drag, and the whole took its time."""
+    if "altitude" not in raw:
+        return False
+    time, height = _ascent(raw, way)
+    if time is None or height is None or len(time) < 12:
+        return False
+    top, bottom = height[-1], np.nanmin(height)
+    last = np.flatnonzero(height < top - 0.06 * (top - bottom))
+    begin = last[-1] + 1 if len(last) else 0
+    t, h = time[begin:] - time[-1], height[begin:]
+    whole = np.isfinite(t) & np.isfinite(h)
+    if whole.sum() < 6 or np.ptp(t[whole]) <= 0:
+        return False
+    span = float(np.ptp(t[whole]))
+    powers = np.vander(t[whole] / span, 3)
+    slowing = -2 * float(np.linalg.lstsq(powers, h[whole], rcond=None)[0][0]) / span**2
+    off = np.flatnonzero(height < bottom + 0.03 * (top - bottom))
+    climb = time[-1] - time[off[-1] if len(off) else 0]
+    pull = 2 * float(top - bottom) / float(climb) ** 2 if climb > 0 else 0.0
+    return 0.75 < slowing / STANDARD_GRAVITY < 1.45 and 0.4 < pull / STANDARD_GRAVITY < 3.2
+
+
+def _ascent(
+    raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str]
+) -> tuple[Float[Array, "time"] | None, Float[Array, "time"] | None]:
+    """Time and height up to the top, without spikes of one or two samples; None where there is no climb."""
+    height = raw["altitude"] * UNITS["length"][way["altitude"]].factor
+    time = raw["time"] * UNITS["time"][way["time"]].factor
+    if np.isfinite(height).sum() < 12:
+        return None, None
+    padded = np.pad(height, 2, mode="edge")
+    calm = np.median(np.lib.stride_tricks.sliding_window_view(padded, 5), axis=1)
+    if not np.isfinite(calm).any():
+        return None, None
+    top = int(np.nanargmax(calm))
+    return (time[: top + 1], calm[: top + 1]) if top >= 4 else (None, None)
+
+
+_TESTS = (
+    ("the pressure", _pressure_agrees),
+    ("speed and height", _speed_agrees),
+    ("free fall", _free_fall_agrees),
+)

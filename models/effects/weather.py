@@ -1,0 +1,36 @@
+"""Weather: days that were hotter or colder than the standard air that is assumed where no temperature is known.
+
+Hot air is thin, so the rocket flies higher; and it makes a barometric altimeter read low by the same share.
+"""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.effect import Effect, Prior
+from fieldkit.simulator.state import Setup
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The air of a pad that is warmer by this [K], and what an altimeter shows that takes it for standard."""
+    warmth = setup.air.temperature + strength
+    share = setup.air.temperature / warmth
+    air = replace(setup.air, density=setup.air.density * share, temperature=warmth)
+    return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * share)
+
+
+EFFECT = Effect(
+    title="hot and cold days",
+    explains="days were hotter or colder than the air that was assumed, which moves both drag and the altimeter",
+    unit="K",
+    prior=Prior(mean=0.0, sd=12.0, low=-45.0, high=45.0),
+    source="U.S. Standard Atmosphere 1976 and the ideal gas: 0.35 % of density and of the reading for each kelvin",
+    tell_apart="write down the temperature at the pad",
+    setup=setup,
+    per="day",
+    everywhere=False,
+    each=True,
+    lacks="temperature",
+    form_of="air_density",
+)

@@ -1,0 +1,135 @@
+"""OpenRocket's CSV export of a simulation.
+
+The header is a comment, `# Time (s),Altitude (m),...`, unless somebody took the mark off. Between the rows stand
+`# Event APOGEE occurred at t=5.2 seconds`. What separates cells and what marks a comment is the user's choice, and
+so are the columns, their units and the language of their names; a zero-width character in the brackets is "no unit".
+
+Format: openrocket/openrocket, core/.../file/CSVExport.java.
+"""
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, replace
+
+from fieldkit.errors import DamagedLog
+from fieldkit.headings import heading, unit_named
+from fieldkit.logtext import decode
+from fieldkit.parsing import HEAD, Found, Parser, Reading
+from fieldkit.simulations import TIME_WORDS, channel_of, read_simulation
+
+EVENTS = {
+    "LIFTOFF": "liftoff",
+    "BURNOUT": "burnout",
+    "APOGEE": "apogee",
+    "EJECTION_CHARGE": "ejection",
+    "GROUND_HIT": "landing",
+}
+"""Events that have a word of ours; others keep theirs in lower case, and one that recurs a number."""
+MOST_EVENTS = 200
+"""So many events are kept. [1]"""
+_EVENT = re.compile(r"Event ([A-Z][A-Z_]{1,40}) occurred at t=([+-]?[\d.]+(?:[eE][+-]?\d+)?) seconds")
+_POINTS = re.compile(r"\d+ data points written for \d+ variables")
+_STATE = re.compile(
+    r"(?P<name>.*) \((?P<state>Up to date|Out of date|Data loaded from a file|Imported data|Not simulated yet)\)\s*$"
+)
+_HEADER = re.compile(r"(?P<mark>[^\w\s(]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)(?P<after>.?)")
+_SIMULATED = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off."""
+
+    names: tuple[str, ...]
+    row: int
+    separator: str | None
+    mark: str
+
+
+def recognises(head: bytes) -> bool:
+    text = decode(head)
+    header = _header(text)
+    if header is None:
+        return False
+    if header.mark or _EVENT.search(text) or _POINTS.search(text):
+        return True
+    return any(" ".join(heading(name).words) in _SIMULATED for name in header.names)
+
+
+def read(log: bytes) -> list[Found]:
+    head = decode(log[:HEAD])
+    header = _header(head)
+    if header is None:
+        raise DamagedLog("found no header, expected one such as # Time (s),Altitude (m)", row=1)
+    mark = header.mark or _mark(head)
+    table, found = read_simulation(
+        log, header.names, "OpenRocket", after=header.row, separator=header.separator, comment=mark
+    )
+    events = _events(line for _, line in table.remarks)
+    extra = _description(head.splitlines()[: header.row - 1], mark)
+    return [replace(item, events=events, extra=extra) if isinstance(item, Reading) else item for item in found]
+
+
+def _header(text: str) -> Header | None:
+    """The line of names, in which time comes with its unit and every cell ends in brackets."""
+    for row, line in enumerate(text.splitlines()[:500], start=1):
+        match = _HEADER.match(line)
+        if match and match["first"].lower() in TIME_WORDS and unit_named("time", match["unit"]):
+            after = match["after"]
+            separator = None if after in (" ", "") else after
+            names = _split(line[match.start("first") :], separator)
+            bracketed = all(name.endswith(")") for name in names)
+            heights = any(channel_of(heading(name)) == "altitude" for name in names)
+            if bracketed and (heights or match["mark"]) and len(names) > 1:
+                return Header(tuple(names), row, separator, match["mark"])
+    return None
+
+
+def _split(line: str, separator: str | None) -> list[str]:
+    """The names of a header; blanks between cells are those that follow a bracket."""
+    if separator is not None:
+        return [name.strip() for name in line.strip().rstrip(separator).split(separator)]
+    return re.split(r"(?<=\))\s+(?=[^\s(])", line.strip())
+
+
+def _mark(text: str) -> str:
+    """The comment mark of the events, where the header lost its own."""
+    match = re.search(r"^([^\w\s]{1,4})\s*Event [A-Z_]+ occurred", text, re.MULTILINE)
+    return match[1] if match else "#"
+
+
+def _events(lines: Iterable[str]) -> dict[str, float]:
+    """Seconds by event; the second burn-out is `burnout 2`. [s]"""
+    events: dict[str, float] = {}
+    for line in lines:
+        match = _EVENT.search(line)
+        if not match or len(events) >= MOST_EVENTS:
+            continue
+        try:
+            time = float(match[2])
+        except ValueError:
+            continue
+        name = EVENTS.get(match[1], match[1].lower())
+        number = 1 + sum(known.split()[0] == name for known in events)
+        if abs(time) < 1e6:
+            events[name if number == 1 else f"{name} {number}"] = time
+    return events
+
+
+def _description(lines: Sequence[str], mark: str) -> dict[str, str]:
+    """What the comments above the header say of the simulation."""
+    said = [line.removeprefix(mark).strip() for line in lines]
+    extra: dict[str, str] = {}
+    for line in said:
+        if match := _STATE.match(line):
+            extra = {"simulation": match["name"][:200], "state": match["state"]}
+            break
+    if "Simulation warnings:" in said:
+        rest = said[said.index("Simulation warnings:") + 1 :]
+        warnings = rest[: rest.index("")] if "" in rest else rest
+        if warnings:
+            extra["warnings"] = "; ".join(warnings)[:1000]
+    return extra
+
+
+PARSER = Parser("OpenRocket simulation (CSV)", recognises, read)

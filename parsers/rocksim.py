@@ -1,0 +1,44 @@
+"""RockSim's CSV export of a simulation.
+
+One line of names, each followed by its unit after a blank: `Time,Thrust N,Altitude Feet,Velocity Feet / Sec`. Cells
+have leading blanks, and some names one before their comma. Time alone has no unit; it counts seconds, and the climb
+that the speed makes of them must be the one that the height shows.
+"""
+
+from fieldkit.errors import DamagedLog
+from fieldkit.headings import heading, stated_unit, unit_named
+from fieldkit.logtext import decode, first_row
+from fieldkit.parsing import HEAD, Found, Parser
+from fieldkit.simulations import base_words, channel_of, read_simulation
+
+_OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
+
+
+def recognises(head: bytes) -> bool:
+    return _is_rocksims(first_row(decode(head), ",")[1])
+
+
+def read(log: bytes) -> list[Found]:
+    row, names = first_row(decode(log[:HEAD]), ",")
+    if not _is_rocksims(names):
+        raise DamagedLog("found no header of RockSim, expected one such as Time,Thrust N,Altitude Feet", row=row or 1)
+    return read_simulation(log, names, "RockSim", after=row, seconds=True)[1]
+
+
+def _is_rocksims(names: list[str]) -> bool:
+    """Whether time comes first and bare, height has its unit after a blank, and something only a program knows too."""
+    if not names or names[0].strip().lower() != "time" or any(mark in name for name in names for mark in "()[]_"):
+        return False
+    heads = [heading(name) for name in names]
+    found = set()
+    for head in heads:
+        name = channel_of(head)
+        if name == "altitude" and stated_unit(head, name) and len(base_words(head)) < len(head.words):
+            found.add("height")
+        quantity = _OF_A_SIMULATION.get(name)
+        if quantity and unit_named(quantity, stated_unit(head, name)):
+            found.add("program")
+    return found == {"height", "program"}
+
+
+PARSER = Parser("RockSim simulation (CSV)", recognises, read)

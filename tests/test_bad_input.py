@@ -1,0 +1,162 @@
+"""Bad input: never a traceback, never a hang, never a number in a wrong unit without a word."""
+
+import random
+import subprocess
+import sys
+import time
+from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Series
+from fieldkit.parsing import Mapped, Reading, parsers
+from tests.badinput import CHANGES, Seed, faults_among, must_hold, mutated, patience, seeds
+from tests.samples import SAMPLES, owner
+
+ROOT = Path(__file__).parent.parent
+SEEDS = seeds()
+MANY = 50_000
+LARGEST = 200.0
+"""What reading a log of 100 MB may take. [MB]"""
+
+
+@pytest.mark.parametrize("change", CHANGES, ids=lambda change: change.__name__)
+@pytest.mark.parametrize("name", parsers())
+def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
+    rng = random.Random(f"{name} {change.__name__}")
+    for seed in [seed for seed in SEEDS if seed.format == name][:2]:
+        for _ in range(3):
+            with patience():
+                must_hold(change(seed.log, rng), name)
+
+
+@settings(max_examples=60, deadline=None)
+@given(number=st.integers(0, 2**32))
+def test_any_bad_log_brings_lines_and_no_traceback(number: int) -> None:
+    done, name, log = mutated(SEEDS, random.Random(number))
+    with patience():
+        must_hold(log, name)
+    assert done
+
+
+@pytest.mark.slow
+def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
+    begun, tried, faults = time.monotonic(), Counter[str](), dict[str, str]()
+    with ProcessPoolExecutor(mp_context=get_context("spawn")) as pool:
+        for some, found in pool.map(faults_among, [range(i, i + 500) for i in range(0, MANY, 500)]):
+            tried += some
+            faults = {**found, **faults}
+    with capsys.disabled():
+        counts = ", ".join(f"{name} {number}" for name, number in sorted(tried.items()))
+        took = time.monotonic() - begun
+        sys.stdout.write(f"\n{tried.total()} bad logs of {len(SEEDS)} seeds in {took:.0f} s: {counts}\n")
+    assert tried.total() >= MANY
+    assert not faults, "\n".join(f"{fault}: {where}" for fault, where in faults.items())
+
+
+def test_a_damaged_header_is_refused_or_its_unit_is_what_it_says() -> None:
+    """One letter of the header is wrong and the rows are whole: heights stay, or a height in ft is no more said."""
+    log = next(s for s in SAMPLES if s.name.startswith("mapped_table__time_three_axes")).read_bytes()
+    header, rows = log.split(b"\n", 1)
+    rng = random.Random(4)
+    whole = 0
+    for _ in range(300):
+        hurt = bytearray(header)
+        hurt[rng.randrange(len(hurt))] = rng.choice(b"abmfs([ )#")
+        if hurt.count(b",") != header.count(b","):
+            continue  # a row of names that is one cell short is another table
+        for series, line in _read(bytes(hurt) + b"\n" + rows):
+            whole += 1
+            if series.altitude is not None:
+                top = 250.9 if "in ft" in line.split("altitude = ")[1] else 250.9 / 0.3048
+                assert series.altitude.max() == pytest.approx(top, rel=0.01), line
+    assert whole > 150
+
+
+def _read(log: bytes) -> list[tuple[Series, str]]:
+    """The series of a table, each with the line that says how it was read; none if it is refused."""
+    try:
+        items = parsers()["mapped_table"].read(log)
+    except FieldkitError:
+        return []
+    (line,) = (item.text for item in items if isinstance(item, Mapped))
+    return [(series, line) for item in items if isinstance(item, Reading) for series in item.clocks]
+
+
+BIG = """
+import resource, sys, time
+from pathlib import Path
+from fieldkit.errors import FieldkitError
+from fieldkit.parsing import read
+log = Path(sys.argv[1]).read_bytes()
+begun = time.monotonic()
+try:
+    intake = read(log, "big.log", lambda name: None, sys.argv[2])
+    said = f"{len(intake.flights)} flights, {len(intake.rejected)} rejected, {len(intake.notes)} notes"
+except FieldkitError as error:
+    said = str(error)[:100]
+used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
+print(f"{used:.0f} MB, {time.monotonic() - begun:.1f} s, {said}")
+"""
+
+
+CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
+"""Starts a process that does not inherit the peak of the one that tests."""
+
+
+def write_repeated(file: Path, log: bytes, size: int) -> None:
+    """A log of a size: its rows over and over, below one header."""
+    start = log.find(b"\n", min(len(log) // 2, 2000)) + 1
+    rows = log[start:] or log
+    rows = rows if rows.endswith(b"\n") else rows + b"\n"
+    with file.open("wb") as stream:
+        stream.write(log[:start])
+        while stream.tell() < size:
+            stream.write(rows)
+        stream.truncate(size)
+
+
+def write_waiting(file: Path, size: int) -> None:
+    """A logger that waited on the pad for hours: one table that goes on."""
+    with file.open("wb") as stream:
+        stream.write(b"time_ms,alt_m,pressure_pa,temp_c\n")
+        for i in range(size // 26):
+            stream.write(b"%d,%.2f,%d,21.5\n" % (i * 5, i % 7 / 10, 99500 + i % 5))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", [*parsers(), "mapped_table that goes on"])
+def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
+    name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    size = 100 * 1024 * 1024
+    file = tmp_path / "big.log"
+    if name in parsers():
+        sample = max((s for s in SAMPLES if owner(s) == name), key=lambda s: s.stat().st_size)
+        write_repeated(file, sample.read_bytes(), size)
+    else:
+        write_waiting(file, size)
+    ran = subprocess.run(
+        [sys.executable, "-c", CLEAN, sys.executable, "-c", BIG, str(file), name.split()[0]],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env={"PYTHONPATH": str(ROOT), "PATH": "", "HOME": str(tmp_path)},
+    )
+    file.unlink()
+    assert ran.returncode == 0, ran.stderr[-2000:]
+    with capsys.disabled():
+        sys.stdout.write(f"\n{name}: {ran.stdout.strip()}\n")
+    assert float(ran.stdout.split()[0]) < LARGEST
+
+
+def test_seeds_are_logs_that_are_read() -> None:
+    assert {seed.format for seed in SEEDS} == set(parsers())
+    assert all(isinstance(seed, Seed) for seed in SEEDS)

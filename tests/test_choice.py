@@ -1,0 +1,133 @@
+"""How the loop chooses: what one flight says alone decides nothing, and what is given is taken."""
+
+from datetime import datetime
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given as drawn
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from fieldkit.errors import UnknownEffect
+from fieldkit.flight import Flight
+from fieldkit.loop.candidates import EACH, Place, effect_candidates, effect_terms, pattern_candidates
+from fieldkit.loop.choice import MOST, may_leave, steady_evidence
+from fieldkit.loop.diagnose import SEARCH_SLACK, diagnose
+from fieldkit.loop.model import OBSERVED, Model, base_model, observe, shown
+from fieldkit.motors import catalogue
+
+says = arrays(float, st.integers(3, 20), elements=st.floats(-3, 10))
+
+
+@drawn(says)
+def test_steady_evidence_lacks_the_flight_that_says_most(says: np.ndarray) -> None:
+    total = float(says.sum())
+    steady, folds = steady_evidence(total, total - says, np.ones(len(says), bool))
+    assert steady == pytest.approx(total - max(says.max(), 0.0))
+    for row in range(len(says)):
+        rest = np.delete(says, row)
+        assert folds[row] == pytest.approx(rest.sum() - max(rest.max(), 0.0))
+
+
+def test_one_odd_flight_is_no_evidence_and_many_alike_are() -> None:
+    every = np.ones(20, bool)
+    alone, _ = steady_evidence(12.0, np.where(np.arange(20) == 4, 0.0, 12.0), every)
+    shared, _ = steady_evidence(12.0, np.full(20, 11.4), every)
+    assert alone == 0
+    assert shared == pytest.approx(11.4)
+
+
+def test_a_surer_effect_may_leave_more_but_never_much_more() -> None:
+    limits = may_leave(np.linspace(0, 50, 200))
+    assert np.all(np.diff(limits) >= 0)
+    assert limits[0] < 1
+    assert limits[-1] == MOST
+
+
+def season(**columns: list[Any]) -> Model:
+    """Sixteen flights on four days of one rocket in two configurations, at a site that nobody described."""
+    flights = [
+        Flight(
+            f"{number:02d}",
+            "Astra",
+            "AB"[number % 2],
+            ("F24", "F39", "E35")[number % 3],
+            datetime(2026, 5, 1 + 7 * (number // 4), 10 + number % 4),
+            dry_mass=(0.322, 0.448)[number % 2],
+            diameter=0.066,
+            delay=12.0,
+        ).with_changes(**{name: values[number] for name, values in columns.items()})
+        for number in range(16)
+    ]
+    return base_model(flights, [catalogue().resolve(flight.motor) for flight in flights], SEARCH_SLACK)
+
+
+def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
+    """The same flights with the readouts of a flight of each, thrust and drag a little different every time."""
+    rng = np.random.default_rng(seed)
+    values = np.array([[term.mean for term in model.terms]])
+    size = (1, len(model.flights))
+    luck = {"thrust": scatter * rng.normal(size=size), "drag": scatter * rng.normal(size=size)}
+    readings = shown(model, values, luck)
+    read = {name: readings[name][0] * (1 + 0.004 * rng.normal(size=size[1])) for name in OBSERVED}
+    flights = [
+        flight.with_changes(**{name: float(read[name][row]) for name in OBSERVED})
+        for row, flight in enumerate(model.flights)
+    ]
+    return Model(tuple(flights), model.found, model.area, model.terms)
+
+
+def test_hot_and_cold_days_are_air_and_move_the_altimeter_with_it() -> None:
+    kelvin = [288.15 + (-10.0, 14.0, 2.0, 22.0)[number // 4] for number in range(16)]
+    flown = measured(season(temperature=kelvin))
+    forgotten = [flight.with_changes(temperature=None) for flight in flown.flights]
+    model = base_model(forgotten, flown.found, SEARCH_SLACK)
+    diagnosis = diagnose(model, observe(forgotten, [True] * 16))
+    assert diagnosis.effect == "air_density"
+    (trial,) = diagnosis.accepted
+    assert trial.candidate.place == Place("weather", EACH)
+    mean, sd = trial.strength()
+    assert abs(mean - np.sqrt(np.mean([100, 196, 4, 484]))) < 3 * sd
+    assert diagnosis.after.mae < diagnosis.before.mae
+
+
+def test_an_effect_that_the_flyer_knows_of_is_taken_whatever_the_evidence() -> None:
+    model = measured(season())
+    data = observe(model.flights, [True] * 16)
+    taken = diagnose(model, data, given=("wear", "mass_offset"))
+    assert taken.effect == "wear+mass_offset"
+    assert [trial.candidate.effect for trial in taken.accepted] == ["wear", "mass_offset"]
+    assert abs(taken.accepted[0].strength()[0]) < 0.01
+    assert taken.confidence < 0.5
+
+
+@pytest.mark.parametrize("name", ["gremlins", "", "wind"])
+def test_an_effect_that_nobody_knows_or_no_flight_could_show_is_an_error(name: str) -> None:
+    model = measured(season())
+    with pytest.raises(UnknownEffect, match="mass_offset"):
+        diagnose(model, observe(model.flights, [True] * 16), given=(name,))
+
+
+def test_an_effect_of_each_day_has_a_strength_for_every_day_without_a_temperature() -> None:
+    model = season(temperature=[290.0] * 4 + [None] * 12)
+    terms = effect_terms(Place("weather", EACH), model)
+    assert len(terms) == 3
+    np.testing.assert_array_equal(sum(term.weight for term in terms), [0.0] * 4 + [1.0] * 12)
+
+
+def test_the_forms_of_an_effect_share_its_prior_odds() -> None:
+    model = season(site=["mead", "hill"] * 8)
+    shares: dict[str, float] = {}
+    for candidate in effect_candidates(model, np.ones(16, bool)):
+        shares[candidate.effect] = shares.get(candidate.effect, 0.0) + float(np.exp(candidate.log_share))
+    assert shares.pop("air_density") == pytest.approx(1.0)
+    assert all(share == pytest.approx(1.0) for share in shares.values())
+
+
+def test_a_column_of_the_flyers_own_is_looked_at_as_a_pattern() -> None:
+    paint = [{"paint": "rough" if number % 3 else "smooth"} for number in range(16)]
+    names = [candidate.place.where for candidate in pattern_candidates(season(extra=paint))]
+    assert "paint rough" in names
+    assert "paint smooth" in names
+    assert not any("paint" in candidate.place.where for candidate in pattern_candidates(season()))

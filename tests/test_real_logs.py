@@ -1,0 +1,103 @@
+"""Real recordings beside the repository, read by whatever parser recognises them and measured."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Series
+from fieldkit.parsing import Reading, read_recordings
+from fieldkit.recording import Recorded, measure
+
+LOGS = Path(__file__).parent.parent.parent / "shared" / "logs"
+FLIGHTS = {
+    "altos_csv__2012-04-07-serial-882-flight-001.csv": None,
+    "altos_csv__2012-11-17-serial-209-flight-013.csv": 13.68,
+    "altos_csv__prometheus_2022-06-24-serial-5115-flight-0001-TeleMetrum.csv": 29.1,
+    "blueraven_app_lr__SN0829_2024-05-11.csv": 14.75,
+    "cats__hedy_flightInfo.csv": 33.45,
+    "cats__hedy_filteredDataInfo.csv": 33.58,
+    "entacore_aim_xtra__e190_h148r.csv": 12.21,
+    "featherweight_gps__adventurer_j510w.csv": None,
+    "featherweight_gps_derived__juno3_cots_GNSS.csv": 27.84,
+    "generic__andromeda_flight_data.csv": 26.59,
+    "generic__ncsu_firm_jackpot_launch_1.csv": None,
+    "generic__polito_altimeter_cavour.csv": 23.33,
+    "perfectflite__pnut_top_shot.pf2": 8.81,
+    "raven_fip__top_shot.csv": None,
+    "raven_fip_variant__ndrt_2020_flight_data.csv": 17.34,
+}
+"""Logs with an apogee in them, and its time on the log's clock where the samples show it: the top of the parabola
+through the 11-sample medians from four seconds before the highest of them to one after. [s]"""
+
+pytestmark = pytest.mark.skipif(not LOGS.is_dir(), reason="the real logs are not beside this checkout")
+
+
+def flown(name: str) -> tuple[Reading, Recorded]:
+    """The one flight of a log; skips where no parser recognises it, or it cannot be read without a mapping."""
+    path = LOGS / name
+    if not path.exists():
+        pytest.skip(f"{name} is not there")
+    try:
+        readings = read_recordings(path.read_bytes(), name)
+    except FieldkitError as error:
+        pytest.skip(f"not read yet: {error}")
+    (reading,) = [one for one in readings if one.describes == "flight"]
+    return reading, measure(reading.clocks, reading.events)
+
+
+def robust_apogee(clocks: tuple[Series, ...]) -> float:
+    """The highest 11-sample median of the heights, where needed above that of the first in the minute before."""
+    for name in ("altitude", "pressure", "altitude_msl", "gps_altitude_msl"):
+        for series in clocks:
+            values = getattr(series, name)
+            if values is None:
+                continue
+            there = np.isfinite(values)
+            time, values = series.time[there], values[there]
+            if name == "pressure":
+                values = 44330.77 * (1 - (values / 101325) ** 0.190263)
+            medians = np.median(np.lib.stride_tricks.sliding_window_view(values, 11), axis=1)
+            pad = values[time > time[np.argmax(medians)] - 60][:11]
+            return float(medians.max() - (0 if name == "altitude" else np.median(pad)))
+    raise AssertionError("no heights")
+
+
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_apogee_is_within_half_a_percent_of_the_robust_one(name: str) -> None:
+    reading, recorded = flown(name)
+    right = robust_apogee(reading.clocks)
+    if name.startswith("raven_fip__"):
+        right = 313.3 - 4.5  # thinned to 4 Hz, its first samples are in the boost: the other device, less its spikes
+    assert abs(recorded.figures["apogee"].value - right) < max(1.0, 0.005 * right)
+
+
+@pytest.mark.parametrize("name", [name for name, time in FLIGHTS.items() if time is not None])
+def test_apogee_is_when_the_samples_turn(name: str) -> None:
+    _, recorded = flown(name)
+    assert recorded.events["apogee"].time == pytest.approx(FLIGHTS[name], abs=0.25)
+
+
+def test_a_failed_flight_has_no_apogee() -> None:
+    _, recorded = flown("altos_csv__2012-08-31-serial-334-flight-003.csv")
+    assert not recorded.figures
+
+
+def test_the_spike_of_a_rocket_that_broke_is_no_apogee() -> None:
+    _, recorded = flown("altos_csv__2012-05-28-serial-319-flight-005.csv")
+    apogee = recorded.figures.get("apogee")
+    assert apogee is None or apogee.value < 155
+
+
+def test_charges_at_the_top_are_no_apogee() -> None:
+    _, recorded = flown("rrc3__juno3_cots_altimeter.csv")
+    assert 3140 < recorded.figures["apogee"].value < 3185
+    assert "duration" not in recorded.figures
+
+
+def test_two_devices_on_one_flight_agree() -> None:
+    _, one = flown("perfectflite__pnut_top_shot.pf2")
+    _, other = flown("raven_fip__top_shot.csv")
+    for name, apart in {"apogee": 2.0, "top_speed": 6.0, "duration": 1.5, "descent_speed": 0.3}.items():
+        assert abs(one.figures[name].value - other.figures[name].value) < apart

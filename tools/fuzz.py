@@ -1,0 +1,66 @@
+"""Fuzzes every parser with atheris: python tools/fuzz.py [--seconds 60] [--format NAME] [--runs N]
+
+Begins with the sample logs, keeps what is new in build/fuzz/corpus, and stops at the first fault with the input that
+brings it, in build/fuzz. `python tools/fuzz.py --again FILE` runs that input alone. What must hold is what
+tests/test_bad_input.py asks of bad logs. atheris is no dependency: pip install atheris into the environment that has
+the rest; where there is none, this says so and the test with hypothesis stands.
+"""
+
+import argparse
+import sys
+import warnings
+from pathlib import Path
+
+ROOT = Path(__file__).parent.parent
+FOLDER = ROOT / "build" / "fuzz"
+sys.path.insert(0, str(ROOT))
+
+
+def main() -> int:
+    """Run what the command line asks for; the exit status."""
+    reader = argparse.ArgumentParser(description="Fuzz every parser.")
+    reader.add_argument("--seconds", type=int, default=60)
+    reader.add_argument("--runs", type=int, default=-1, help="So many inputs, whatever time they take.")
+    reader.add_argument("--seed", type=int, default=1, help="The same seed tries the same inputs.")
+    reader.add_argument("--format", help="One parser only, by its name.")
+    reader.add_argument("--again", type=Path, help="An input to run once more.")
+    options = reader.parse_args()
+    try:
+        import atheris
+    except ImportError:
+        print("atheris is not installed (pip install atheris); tests/test_bad_input.py tries bad logs without it")
+        return 0
+    with atheris.instrument_imports(include=["fieldkit.parsers", "fieldkit.columns", "fieldkit.layout"]):
+        from fieldkit.parsing import parsers
+
+        names = [options.format] if options.format else list(parsers())
+    from tests.badinput import must_hold, patience
+    from tests.samples import SAMPLES, owner
+
+    warnings.simplefilter("error")
+
+    def one_input(data: bytes) -> None:
+        if data:
+            with patience():
+                must_hold(data[1:], names[data[0] % len(names)])
+
+    if options.again:
+        one_input(options.again.read_bytes())
+        print("nothing wrong with it")
+        return 0
+    corpus, seeds = FOLDER / "corpus", FOLDER / "seeds"
+    corpus.mkdir(parents=True, exist_ok=True)
+    seeds.mkdir(exist_ok=True)
+    for sample in SAMPLES:
+        if owner(sample) in names:
+            log = sample.read_bytes()
+            (seeds / sample.name).write_bytes(bytes([names.index(owner(sample))]) + log[:6000])
+    limits = [f"-max_total_time={options.seconds}"] if options.runs < 0 else [f"-runs={options.runs}"]
+    more = [f"-seed={options.seed}", "-max_len=8000", f"-artifact_prefix={FOLDER}/", "-print_final_stats=1"]
+    atheris.Setup([sys.argv[0], *limits, *more, str(corpus), str(seeds)], one_input)
+    atheris.Fuzz()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
