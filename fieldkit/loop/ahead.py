@@ -1,8 +1,8 @@
 """The choice made forward in time: each flight forecast by the model that the flights before it would have chosen.
 
 At every flight the evidence, the flights left out and the rules of the choice are taken anew from the earlier
-flights alone. Two things are not repeated, for the time it would take: the point about which readouts are taken as
-linear is that of the whole history, and second effects beside a first are not tried.
+flights alone. Some things are not repeated, for the time it would take: the point about which readouts are taken as
+linear is that of the whole history, places that all flights together make hopeless are not tried, nor second effects.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.choice import Ranked, pick_in_folds, rank, strongest
+from fieldkit.loop.choice import BETTER, ODDS, Ranked, choose, choose_in_folds, may_leave, rank
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.fit import Fit, leave_one_out, solve
 from fieldkit.loop.model import Data
@@ -69,21 +69,19 @@ def _at(diagnosis: Diagnosis, flight: int) -> tuple[Forecasts, Forecasts, str]:
         trial
         for item in diagnosis.ranking
         for trial in item.trials
-        if np.any(trial.candidate.terms[0].weight[:flight][seen[:flight]] != 0)
+        if any(term.weight[:flight][seen[:flight]].any() for term in trial.candidate.terms)
     ]
     ranking = rank(_tried(trials, base, data, flight), base, truth, seen)
-    chosen = strongest(ranking, named=True)
+    chosen = choose(ranking)
     if chosen is None or not _stands(chosen, ranking, plain, truth, seen):
         return _last(plain), _last(plain), ""
     return _last(plain), _last(chosen.forecasts), chosen.effect
 
 
 def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: Array, seen: Flags) -> bool:
-    """Whether no pattern is likelier, and the whole choice, made anew in every fold, forecasts better."""
-    pattern = strongest(ranking, named=False)
-    if pattern is not None and pattern.weight > chosen.weight:
-        return False
-    return chosen.worth(score(pick_in_folds(ranking, plain), truth, seen), score(plain, truth, seen))
+    """Whether it is an effect, and the whole choice, made anew in every fold, forecasts well enough."""
+    after, before = (score(forecasts, truth, seen).mae for forecasts in (choose_in_folds(ranking, plain), plain))
+    return bool(chosen.effect) and bool(after <= may_leave(chosen.weight) / BETTER * before)
 
 
 def _plain(diagnosis: Diagnosis, data: Data, flight: int) -> Trial:
@@ -100,13 +98,14 @@ def _tried(trials: Sequence[Trial], base: Trial, data: Data, flight: int) -> lis
         for trial, fitted in zip(trials, fits, strict=True)
     }
     best = {name: max(weight[id(candidate)] for candidate in family) for name, family in families.items()}
-    possible = np.logaddexp.reduce(list(weight.values())) > np.log(len(families)) - NEGLIGIBLE / 3
+    least = float(np.log(len(families) / ODDS)) - NEGLIGIBLE
+    possible = np.logaddexp.reduce(list(weight.values())) > least
     found = []
     for trial, fitted in zip(trials, fits, strict=True):
         top = best[trial.candidate.effect]
         if weight[id(trial.candidate)] < top - NEGLIGIBLE:
             continue
-        worth = possible and top > np.log(len(families)) - NEGLIGIBLE
+        worth = possible and top > least
         found.append(Trial(trial.candidate, fitted, leave_one_out(fitted) if worth else base.left_out))
     return found
 

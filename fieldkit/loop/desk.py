@@ -231,6 +231,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
         {
             "effect": item.effect,
             "evidence": item.log_bayes,
+            "steady_evidence": item.steady,
             "parameters": {
                 str(item.best.candidate.place): {
                     **dict(zip(("mean", "sd"), item.best.strength(), strict=True)),

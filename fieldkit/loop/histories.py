@@ -126,7 +126,8 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     ways, inside = tally(forecasts)
     yield ""
     yield fill(
-        f"And all {len(forecasts)} flights that had at least one clean flight of their rocket before them, forecast from "
+        f"And all {len(forecasts)} flights that had at least one clean flight of their rocket before them, "
+        "forecast from "
         "those, next to three simpler ways (`fieldkit score`):",
         118,
     )

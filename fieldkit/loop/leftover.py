@@ -4,11 +4,13 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.loop.choice import strongest
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.residual import columns_of, kinds_of, patterns
 from fieldkit.loop.widen import widening
 from fieldkit.shapes import Array, Flags, Float
+
+HOUR = "the hour of the day"
+"""The name of the pattern."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -47,11 +49,12 @@ def leftover(diagnosis: Diagnosis) -> Leftover:
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
     """What the apogees' residuals go with most: the strongest pattern, else the most telling column."""
     error = _shares(diagnosis)
-    pattern = strongest(diagnosis.ranking, named=False)
-    if pattern is not None:
+    pattern = next((item for item in diagnosis.ranking if not item.effect), None)
+    if pattern is not None and pattern.weight > 0:
         place, weight = pattern.best.candidate.place.where, pattern.best.candidate.terms[0].weight
-        inside = weight > 0 if set(np.unique(weight)) <= {0.0, 1.0} else weight > np.median(weight)
-        return _compared(_pattern_words(place), inside, error)
+        sorts = set(np.unique(weight)) <= {0.0, 1.0}
+        name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its middle"
+        return _compared(name, weight > (0 if sorts else np.median(weight)), error)
     for row in patterns(diagnosis)[:1]:
         if row.against in (numbers := columns_of(diagnosis)):
             values = numbers[row.against]
@@ -80,9 +83,11 @@ def _compared(name: str, inside: Flags, error: Float[Array, "flight"]) -> Leftov
 
 
 def _pattern_words(place: str) -> str:
+    if place.startswith("the site "):
+        return f"from {place.removeprefix('the site ')}"
     if place.startswith("the day "):
         return f"on {place.removeprefix('the day ')}"
-    if place == "the hour of the day":
+    if place == HOUR:
         return "later in the day"
     if place.startswith("every flight from "):
         return place.removeprefix("every flight ")

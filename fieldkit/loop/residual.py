@@ -115,9 +115,9 @@ def fingerprint(trial: Trial) -> dict[str, float]:
     """
     fit = trial.fit
     mean, _ = fit.moments()
-    last = len(fit.model.terms) - 1
-    acts = fit.model.terms[last].weight != 0
-    shift = fit.tangent.slope[acts][..., last].mean(axis=0) * mean[last]
+    own = [fit.model.names.index(term.name) for term in trial.candidate.terms]
+    acts = np.any([term.weight != 0 for term in trial.candidate.terms], axis=0)
+    shift = (fit.tangent.slope[acts][..., own] @ mean[own]).mean(axis=0)
     return {name: float(value) for name, value in zip(OBSERVED, shift, strict=True)}
 
 

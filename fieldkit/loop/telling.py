@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.loop.candidates import Place
+from fieldkit.loop.candidates import EACH, Place
 from fieldkit.loop.diagnose import SEARCH_SLACK
 from fieldkit.loop.fit import Fit, scale_grid
 from fieldkit.loop.model import OBSERVED, Model, reading_sd
@@ -83,7 +83,10 @@ def telling(model: Model, first: Explanation, second: Explanation) -> list[Advic
 
 def _flights(model: Model, first: Explanation, second: Explanation) -> Iterator[Advice]:
     plans = list(options(model))
-    ahead = [_forecast(model, side, plans) for side in (first, second)]
+    flown = [_planned(model, side, plans) for side in (first, second)]
+    if any(made.names != side.fit.model.names for made, side in zip(flown, (first, second), strict=True)):
+        return  # a planned flight would bring unknowns that none had
+    ahead = [_forecast(made, side) for made, side in zip(flown, (first, second), strict=True)]
     for row, (what, plan, _) in enumerate(plans):
         one, other = ((mean[row], cov[row]) for mean, cov in ahead)
         known = np.isfinite(one[0]) & np.isfinite(other[0])
@@ -119,7 +122,7 @@ def _measurements(side: Explanation) -> Iterator[Advice]:
     mean, sd = side.fit.moments()
     for place in side.places:
         effect = effects()[place.effect]
-        if not effect.measured:
+        if not effect.measured or place.where == EACH:
             continue
         row = side.fit.model.names.index(str(place))
         there = (np.array([mean[row]]), np.array([[sd[row] ** 2 + effect.measured**2]]))
@@ -153,10 +156,9 @@ def options(model: Model) -> Iterator[Planned]:
 
 
 def _forecast(
-    model: Model, side: Explanation, plans: Sequence[Planned]
+    ahead: Model, side: Explanation
 ) -> tuple[Float[Array, "plan readout"], Float[Array, "plan readout readout"]]:
     """Mean and covariance of the readouts of flights that are planned, as they are compared."""
-    ahead = _planned(model, side, plans)
     at = side.fit.tangent.at
     terms = tuple(range(len(at)))
     (near,) = tangents(ahead, [(terms, at)], lean_slope(ahead, at))
@@ -179,8 +181,6 @@ def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model
     flights = [*model.flights, *(flight for _, flight, _ in plans)]
     found = [*model.found, *(motor for *_, motor in plans)]
     wide = rocket_model(flights, found, side.places, slack=SEARCH_SLACK)
-    if wide.names != side.fit.model.names:
-        raise AssertionError("a planned flight brought unknowns that no flight had")
     area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
     own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
     return replace(wide, area=own).part(slice(len(model.flights), None))

@@ -43,12 +43,12 @@ def report(found: Findings) -> Iterator[str]:
     yield ""
     yield from _fingerprints(found)
     yield ""
-    yield "  could be missing                  evidence   strength"
+    yield "  could be missing                  evidence  steady   strength"
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
-            yield f"  {place:34.34}{item.log_bayes:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            yield f"  {place:34.34}{item.log_bayes:+8.1f}{item.steady:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield from _verdict(found)
     yield ""

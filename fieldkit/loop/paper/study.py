@@ -53,6 +53,7 @@ class Study:
     ejection: Ejection
     loop: Diagnosis
     left_out: Judged
+    left_out_after: Judged
     pair: TwoFlights
 
 
@@ -72,6 +73,7 @@ def study() -> Study:
         _ejection(valid),
         loop,
         judge(loop.forecasts_before, loop.data.values[:, 0], loop.data.seen[:, 0]),
+        judge(loop.forecasts_after, loop.data.values[:, 0], loop.data.seen[:, 0]),
         two_flights(every),
     )
 

@@ -141,9 +141,8 @@ def _remains(study: Study) -> Iterator[str]:
         f"`fieldkit loop`, which starts from certified curves, says *{loop.effect}* on these flights: "
         f"{loop.why}. It forecasts flights left out to {before.score.mae:.1f} m "
         f"({before.mae[0]:.1f} to {before.mae[1]:.1f}), bias {before.score.bias:+.1f} m, with "
-        f"{before.score.coverage90:.0%} of them in the 90 % interval. Its evidence for each effect, the apogees "
-        "alone to "
-        "go by (log Bayes factor against no effect, to be paid for by the number tried):"
+        f"{before.score.coverage90:.0%} of them in the 90 % interval{_after(study)}. Its evidence for each effect, the "
+        "apogees alone to go by (log Bayes factor against no effect, to be paid for by the number tried):"
     )
     yield ""
     items = [item for item in loop.ranking if item.effect]
@@ -152,6 +151,18 @@ def _remains(study: Study) -> Iterator[str]:
         [(str(item.best.candidate.place), f"{item.log_bayes:+.1f}", f"{item.score.mae:.1f}") for item in items],
     )
     yield ""
+
+
+def _after(study: Study) -> str:
+    """What the loop's choice, made anew without each flight, makes of that."""
+    after = study.left_out_after
+    if not study.loop.accepted:
+        return ""
+    return (
+        f", and to {after.score.mae:.1f} m ({after.mae[0]:.1f} to {after.mae[1]:.1f}), "
+        f"{after.score.coverage90:.0%} in the interval, with what the choice made without each of them adds: with "
+        f"{after.flights} flights and one readout of each, no more than a hint"
+    )
 
 
 def _pair(study: Study) -> Iterator[str]:

@@ -135,7 +135,7 @@ def _area(flight: Flight, alpha: float) -> float:
     def miss(log_area: float) -> float:
         return float(fly(_setup(flight, np.exp(log_area), alpha)).apogee_shown[0]) - _apogee(flight)
 
-    return float(np.exp(brentq(miss, np.log(1e-5), np.log(0.1), xtol=1e-7)))
+    return float(np.exp(brentq(miss, np.log(1e-5), np.log(0.1), xtol=1e-5)))
 
 
 def _gain(heavy: Flight, light: Flight, alpha: float) -> float:
@@ -197,7 +197,7 @@ def _refined(miss: Callable[[Array], float], ends: Array) -> float:
 
     if not len(ends):
         return float("nan")
-    root = float(brentq(lambda x: miss(np.array([x])), ends[0], ends[1], xtol=1e-6))
+    root = float(brentq(lambda x: miss(np.array([x])), ends[0], ends[1], xtol=1e-4))
     return root if abs(miss(np.array([root]))) < NEAR else float("nan")
 
 

@@ -33,7 +33,7 @@ def axis(found: Findings) -> Axis:
     """By the effect that is accepted, else by what the residual goes with most, else in the order flown."""
     diagnosis = found.diagnosis
     for trial in diagnosis.accepted[:1]:
-        effect = effects()[trial.candidate.effect]
+        effect = effects()[trial.candidate.place.effect]
         if effect.needs:
             column = BY_NAME[effect.needs]
             return Axis(f"{column.title.lower()} [{column.unit}]", recorded(diagnosis.model.flights, column.name))

@@ -137,7 +137,7 @@ def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
     rows = []
     for trial in diagnosis.accepted:
         mean, sd = trial.strength()
-        effect = effects()[trial.candidate.effect]
+        effect = effects()[trial.candidate.place.effect]
         rows.append(
             {
                 "place": str(trial.candidate.place),

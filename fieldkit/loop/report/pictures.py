@@ -12,7 +12,6 @@ from warnings import catch_warnings, filterwarnings
 import numpy as np
 
 from fieldkit.flight import BY_NAME
-from fieldkit.loop.choice import DECISIVE
 from fieldkit.loop.findings import Findings
 from fieldkit.loop.marks import Mark
 from fieldkit.loop.report.axis import Axis, axis
@@ -158,24 +157,27 @@ def _fingerprint(panel: "Axes", row: tuple[Mark, ...]) -> None:
 
 
 def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
-    """The evidence for each effect, and how much it would have to be to be believed."""
+    """The evidence for each effect, what of it stays without its strongest flight, and what would be enough."""
     panel = figure.subplots()
     items = [item for item in found.diagnosis.ranking if item.effect]
-    bayes = np.array([item.log_bayes for item in items])
-    need = float(np.log(DECISIVE / (1 - DECISIVE)) - max((item.log_odds for item in items), default=0.0))
-    shown = np.clip(bayes, -6.0, max(4 * need, 12.0))
+    whole, steady = (np.array([getattr(item, name) for item in items]) for name in ("log_bayes", "steady"))
+    need = -max((item.log_odds for item in items), default=0.0)
+    ends = (-6.0, max(5 * need, 12.0))
     accepted = [item.effect in found.diagnosis.effect.split("+") for item in items]
-    colours = [AFTER if one else "#c7ccd3" for one in accepted]
-    panel.barh(range(len(items)), shown, height=0.7, color=colours)
+    colours = [AFTER if one else FAINT for one in accepted]
+    rows = range(len(items))
+    panel.barh(rows, np.clip(whole, *ends), height=0.7, color=colours, alpha=0.3, label="all flights")
+    panel.barh(rows, np.clip(steady, *ends), height=0.36, color=colours, label="without the flight that says most")
     panel.axvline(0, color=INK, linewidth=1)
     panel.axvline(need, color=BEFORE, linewidth=1.2, linestyle=(0, (4, 2)))
-    panel.text(need, -0.9, " needed of one alone", fontsize=7.5, color=BEFORE, va="bottom")
-    for row, (value, end) in enumerate(zip(bayes, shown, strict=True)):
-        panel.text(max(end, 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT)
-    panel.set_yticks(range(len(items)), [_short(str(item.best.candidate.place), 34) for item in items])
+    panel.text(need, -0.9, " enough for one alone", fontsize=7.5, color=BEFORE, va="bottom")
+    for row, value in enumerate(whole):
+        panel.text(max(min(value, ends[1]), 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT)
+    panel.set_yticks(rows, [_short(str(item.best.candidate.place), 34) for item in items])
     panel.invert_yaxis()
     panel.margins(x=0.12)
     panel.set_xlabel("log Bayes factor against the plain model [nat]")
+    panel.legend(loc="lower right", fontsize=8)
     panel.grid(axis="y", visible=False)
 
 
