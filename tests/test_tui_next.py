@@ -82,6 +82,24 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert ledger.names("rocket")[0] == "Comet"
 
 
+async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file: Path) -> None:
+    rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
+    for name in ("one.csv", "two.csv"):
+        (file.parent / "field" / name).write_text("quux;frob\n" + rows)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down")
+        assert "would bring" not in told(pilot, "#said")
+        await press(pilot, "m", *typed("time=quux;height=frob"), "enter")
+        assert "expected one of" in words(pilot)
+        await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
+        assert "would bring 1 flight" in told(pilot, "#said")
+        await press(pilot, "s", *typed("rocket=Comet"), "enter", "enter")
+        assert "1 imported" in words(pilot)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down", "down")
+        assert "would bring 1 flight" in told(pilot, "#said")
+
+
 # Next flight
 
 

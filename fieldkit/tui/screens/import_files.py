@@ -64,14 +64,19 @@ class ImportScreen(PageScreen):
         (
             ("format", "The parser that recognised the file, by what is in it. f names another one."),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
+            ("columns", "What each column of a table is: altitude=Alt (ft); time=T. Remembered for such tables."),
             ("set", "Columns the file leaves open, such as rocket=Astra; several apart by a semicolon."),
         ),
-        ("fieldkit import FILE --dry-run", "fieldkit import FILE --format NAME --set rocket=Astra"),
+        (
+            "fieldkit import FILE --dry-run",
+            "fieldkit import FILE --format NAME --set rocket=Astra --map 'altitude=Alt (ft)'",
+        ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("f", "format", "Format", tooltip="Name the parser to read with"),
         Binding("s", "set", "Set", tooltip="What the file leaves open: rocket=Astra"),
+        Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
     DEFAULT_CSS = """
@@ -92,6 +97,7 @@ class ImportScreen(PageScreen):
         self._format: str | None = None
         self._given: dict[str, str] = {}
         self._look: Look | None = None
+        self._columns: list[str] = []
 
     def body(self) -> Iterable[Widget]:
         """Where we are, the files, what one would bring."""
@@ -142,19 +148,12 @@ class ImportScreen(PageScreen):
         self.ask(partial(self._read, path, self._format, dict(self._given)), self._examined, "look")
 
     def _read(self, path: Path, format: str | None, given: dict[str, str]) -> Look:
-        from fieldkit.intake import bring_in, read_file
+        from fieldkit.intake import read_file
         from fieldkit.parsing import parsers, recognise
 
         try:
             parser = recognise(read_file(path), format, path.name)
-            receipt = bring_in(
-                self.desk.ledger,
-                [path],
-                self.desk.motors.complaint,
-                format=format,
-                defaults=self._defaults(given),
-                dry_run=True,
-            )
+            receipt = self._bring_in(path, format, given, dry_run=True)
         except FieldkitError as error:
             return Look(path, "", None, str(error))
         name = next(name for name, one in parsers().items() if one is parser)
@@ -207,11 +206,30 @@ class ImportScreen(PageScreen):
         elif self._look is not None:
             self.complain(self._look.trouble)
 
-    def _store(self, path: Path, format: str | None, given: dict[str, str]) -> "Receipt":
+    def _bring_in(self, path: Path, format: str | None, given: dict[str, str], *, dry_run: bool) -> "Receipt":
+        """What a file brings, its columns read as chosen now, or once for such a table."""
         from fieldkit.intake import bring_in
+        from fieldkit.mapping import read_choice, remembered
 
-        check, defaults = self.desk.motors.complaint, self._defaults(given)
-        return bring_in(self.desk.ledger, [path], check, format=format, defaults=defaults)
+        choices = ([read_choice(self._columns)] if self._columns else []) + list(remembered())
+        return bring_in(
+            self.desk.ledger,
+            [path],
+            self.desk.motors.complaint,
+            format=format,
+            defaults=self._defaults(given),
+            choices=choices,
+            dry_run=dry_run,
+        )
+
+    def _store(self, path: Path, format: str | None, given: dict[str, str]) -> "Receipt":
+        from fieldkit.mapping import remember
+
+        receipt = self._bring_in(path, format, given, dry_run=False)
+        for mapped in receipt.mapped:
+            if mapped.chosen:
+                remember(mapped.choice)
+        return receipt
 
     def _stored(self, receipt: "Receipt") -> None:
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
@@ -254,6 +272,28 @@ class ImportScreen(PageScreen):
             self.complain(str(error))
             return
         self._given = given
+        self._examine()
+
+    def action_columns(self) -> None:
+        """Say which column of a table is what."""
+        from fieldkit.headings import QUANTITIES
+
+        known = ", ".join(QUANTITIES)
+        about = f"CHANNEL=COLUMN, several apart by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."
+        self.app.push_screen(AskText("Columns", "; ".join(self._columns), about), self._mapped)
+
+    def _mapped(self, text: str | None) -> None:
+        from fieldkit.mapping import read_choice
+
+        if text is None:
+            return
+        columns = [part.strip() for part in text.split(";") if part.strip()]
+        try:
+            read_choice(columns)
+        except FieldkitError as error:
+            self.complain(str(error))
+            return
+        self._columns = columns
         self._examine()
 
     def action_folder(self) -> None:
