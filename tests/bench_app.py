@@ -29,10 +29,10 @@ FLYER = {k: v for k, v in os.environ.items() if k != "FIELDKIT_CHECK_SHAPES"} | 
 MANY = 5000
 
 PAINTED = """
-import asyncio
+import asyncio, os
 async def painted():
-    async with app.run_test(size=(80, 24)) as pilot:
-        app.exit()
+    async with app.run_test(size=(80, 24)):
+        os._exit(0)
 asyncio.run(painted())
 """
 EMPTY = "from textual.app import App\napp = App()\n" + PAINTED

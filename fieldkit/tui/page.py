@@ -111,7 +111,7 @@ class PageScreen(Screen[None]):
     def on_screen_resume(self) -> None:
         """Show what is waiting to be read, and what has changed while another page was in front."""
         self.query_one(NoticeBar).tell(self.field_app.notices)
-        self.refresh_if_changed()
+        self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
 
     def refresh_if_changed(self) -> None:
         """Reload where the ledger or the settings have changed since the last time."""
