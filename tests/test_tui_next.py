@@ -72,7 +72,7 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert "PerfectFlite" in words(pilot)
         await press(pilot, "s", *typed("apogy=3"), "enter")
         assert "did you mean apogee" in words(pilot)
-        await press(pilot, "escape", "s", *typed("rocket=Comet"), "enter", "enter")
+        await press(pilot, "escape", "s", *typed("rocket=Comet"), "enter", "_", "enter")
         assert "1 imported" in words(pilot)
         await press(pilot, "backspace")
         assert "logs/" in shown(pilot)
@@ -93,7 +93,7 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         assert "expected one of" in words(pilot)
         await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
         assert "would bring 1 flight" in told(pilot, "#said")
-        await press(pilot, "s", *typed("rocket=Comet"), "enter", "enter")
+        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
         assert "1 imported" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
@@ -131,7 +131,7 @@ async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path)
 
 async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("f24"), "enter", "enter")
+        await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
         assert "kept: AeroTech F24W to" in words(pilot)
     with Ledger.open(file) as ledger:
         (_, said) = ledger.predictions("Astra")

@@ -152,10 +152,13 @@ class ImportScreen(PageScreen):
         from fieldkit.parsing import parsers, recognise
 
         try:
-            parser = recognise(read_file(path), format, path.name)
             receipt = self._bring_in(path, format, given, dry_run=True)
         except FieldkitError as error:
             return Look(path, "", None, str(error))
+        try:
+            parser = recognise(read_file(path), format, path.name)
+        except FieldkitError:
+            return Look(path, "a table of samples, by its columns", receipt)
         name = next(name for name, one in parsers().items() if one is parser)
         return Look(path, f"{parser.title} ({name})", receipt)
 
@@ -205,6 +208,8 @@ class ImportScreen(PageScreen):
             self.ask(partial(self._store, path, self._format, dict(self._given)), self._stored, "store")
         elif self._look is not None:
             self.complain(self._look.trouble)
+        else:
+            self.tell("it is still being read; Enter again stores it")
 
     def _bring_in(self, path: Path, format: str | None, given: dict[str, str], *, dry_run: bool) -> "Receipt":
         """What a file brings, its columns read as chosen now, or once for such a table."""
