@@ -87,7 +87,7 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     terminal.press("1")
     terminal.until("▸13")
     terminal.press("t")
-    terminal.until("weak_launch")
+    terminal.until("With these tags")
     terminal.press("Enter")
     terminal.until("[x] weak_launch")
     terminal.press("u")
