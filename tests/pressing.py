@@ -108,6 +108,15 @@ async def calm(pilot: Pilot[None]) -> None:
             await asyncio.sleep(0.01)
 
 
+async def still(pilot: Pilot[None]) -> None:
+    """Wait until the page stands still, whatever was put off for a moment."""
+    before, now = "", pilot.app.export_screenshot()
+    while before != now:
+        await asyncio.sleep(0.3)
+        await calm(pilot)
+        before, now = now, pilot.app.export_screenshot()
+
+
 async def press(pilot: Pilot[None], *keys: str) -> None:
     """Press keys one after the other, `_` waits until the app is calm, and so does the end."""
     for key in keys:

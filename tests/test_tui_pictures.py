@@ -14,7 +14,7 @@ from textual.pilot import Pilot
 
 from fieldkit import settings
 from fieldkit.tui.themes import SUN, THEMES
-from tests.pressing import calm, frozen, looked_at, opened, press, season, typed
+from tests.pressing import calm, frozen, looked_at, opened, press, season, still, typed
 
 SIZES = ((80, 24), (160, 50))
 SCENES: dict[str, tuple[str, ...]] = {
@@ -55,6 +55,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
     with patch("fieldkit.tui.screens.loop.LoopScreen._look", lambda self, rocket: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
+            await still(pilot)
             for theme in THEMES:
                 pilot.app.theme = theme
                 await calm(pilot)
