@@ -26,6 +26,7 @@ GROUPS = (
     "score",
     "journal",
     "motors",
+    "plan",
     "simulate",
     "paper",
     "train",

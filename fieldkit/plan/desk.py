@@ -14,12 +14,13 @@ def learn_rocket(ledger: Ledger, motors: Catalogue, plan: Flight, *, draws: int 
     """
     history = flown(ledger, motors, plan.rocket)
     plan = completed(plan, [flight for flight, _ in history])
+    return learn(history, plan, _stranger(motors, history), accepted_places(ledger, plan.rocket), draws=draws)
+
+
+def _stranger(motors: Catalogue, history: list[tuple[Flight, Found]]) -> Found:
+    """A motor that was not flown, of the class that was flown last: it stands for all the others."""
     known = {id(item.motor) for _, item in history}
-    stranger = next(motor for motor in (_typical(motors, history)) if id(motor) not in known)
-    return learn(history, plan, Found(stranger, None), accepted_places(ledger, plan.rocket), draws=draws)
-
-
-def _typical(motors: Catalogue, history: list[tuple[Flight, Found]]):  # type: ignore[no-untyped-def]
-    """Motors by how close their impulse is to the last flown, so that the stand-in flies like those asked for."""
-    impulse = history[-1][1].motor.total_impulse if history else 40.0
-    return sorted(motors.motors, key=lambda motor: (abs(motor.total_impulse - impulse), motor.designation))
+    letter = history[-1][1].motor.name[:1] if history else "F"
+    every = [listing for listings in motors.shelf.values() for listing in listings]
+    likely = sorted(every, key=lambda listing: (listing.name[:1] != letter, not listing.available, listing.label))
+    return Found(next(motor for listing in likely if id(motor := listing.motor()) not in known), None)

@@ -10,7 +10,15 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 
 DATA = Path(__file__).parents[1] / "data" / "limits.toml"
-QUANTITIES = {"m/s": "speed", "mph": "speed", "ft/s": "speed", "deg": "angle", "1": "number", "m": "length", "ft": "length"}
+QUANTITIES = {
+    "m/s": "speed",
+    "mph": "speed",
+    "ft/s": "speed",
+    "deg": "angle",
+    "1": "number",
+    "m": "length",
+    "ft": "length",
+}
 
 
 @dataclass(frozen=True, slots=True)

@@ -116,14 +116,18 @@ def _ceiling(heights: Array, waiver: float | None) -> Line:
     if waiver is None:
         return Line("ceiling", "unknown", f"{text}; no ceiling given, see --waiver", "the waiver of the field")
     verdict: Verdict = "ok" if high <= waiver else "unsafe"
-    return Line("ceiling", verdict, f"{text}; ceiling {waiver:.0f} m ({waiver / FOOT:.0f} ft)", "the waiver of the field")
+    return Line(
+        "ceiling", verdict, f"{text}; ceiling {waiver:.0f} m ({waiver / FOOT:.0f} ft)", "the waiver of the field"
+    )
 
 
 def _ejection(speeds: Array, limits: Limits) -> Line:
     limit = limits["eject_speed"]
     known = speeds[np.isfinite(speeds)]
     if not known.size:
-        return Line("ejection speed", "unknown", "no ejection charge fires before landing, or no delay known", limit.source)
+        return Line(
+            "ejection speed", "unknown", "no ejection charge fires before landing, or no delay known", limit.source
+        )
     chance = float(np.mean(known > limit.value))
     verdict: Verdict = "ok" if chance < 0.1 else "caution" if chance < 0.5 else "unsafe"
     text = f"{np.median(known):.0f} m/s; chance of more than {limit.value:.0f} m/s {chance:.0%}"

@@ -1,0 +1,66 @@
+"""`fieldkit delay`, `fieldkit ballast`: what is decided between flights."""
+
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
+from fieldkit.cli.session import known_motors, open_ledger
+
+app = typer.Typer()
+
+
+@app.command()
+def delay(
+    context: typer.Context,
+    motor: Annotated[str, typer.Option(help="F24-4W, or F24.")],
+    rocket: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
+    config: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
+    dry_mass: Annotated[str | None, typer.Option(help="In g, or with its unit.")] = None,
+    limit: Annotated[str | None, typer.Option(help="Too fast at ejection: 15m/s.")] = None,
+    step: Annotated[float | None, typer.Option(help="Seconds your drilling tool takes off at a time.", min=0.1)] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Choose the ejection delay to buy or drill, from how long the rocket coasts."""
+    from fieldkit.cli.guide import planned
+    from fieldkit.places import data_folder
+    from fieldkit.plan.delay import delays
+    from fieldkit.plan.desk import learn_rocket
+    from fieldkit.plan.limits import limits
+    from fieldkit.plan.safety import DECIDES
+    from fieldkit.units import parse
+
+    motors = known_motors()
+    found = motors.resolve(motor)
+    with open_ledger(context) as ledger:
+        plan = planned(ledger, rocket, {"config": config, "dry_mass": dry_mass})
+        learnt = learn_rocket(ledger, motors, plan, draws=1000)
+    fast = limits(data_folder() / "limits.toml")["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
+    judged = delays(learnt, found, fast, step)
+    if json:
+        p05, p50, p95 = judged.coast
+        document = {"rocket": plan.rocket, "motor": found.motor.designation, "limit_mps": fast, "decides": DECIDES}
+        document |= {"coast_s": {"p05": p05, "p50": p50, "p95": p95}, "flights": learnt.rests_on}
+        print_json({**document, "delays": [one.json() for one in judged.delays], "words": list(judged.words)})
+        return
+    for note in found.notes:
+        complain(f"note: {note}")
+    p05, p50, p95 = judged.coast
+    say(f"{plan.rocket} on {found.motor.maker} {found.motor.designation}: coasts {p50:.1f} s from burnout to apogee")
+    say(f"90 % between {p05:.1f} and {p95:.1f} s; rests on {learnt.rests_on} clean flights")
+    headers = ("delay s", "after apogee s", "5 %", "95 %", "speed m/s", f"over {fast:.0f} m/s", "")
+    rows = [
+        (
+            f"{one.delay:g}",
+            *(f"{one.after_apogee[i]:+.1f}" for i in (1, 0, 2)),
+            f"{one.speed[1]:.0f}",
+            f"{one.too_fast:.0%}",
+            "" if one.on_sale else "drilled",
+        )
+        for one in judged.delays
+    ]
+    if rows:
+        print_table(headers, rows, numbers=headers[:6])
+    for words in judged.words:
+        say_wrapped(words)
+    say_wrapped(f"Delays vary by 20 % or 1.5 s (NFPA 1125), which is in these figures. {DECIDES}")
