@@ -13,6 +13,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.loop.desk import flown, predict_plans
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.motors import Catalogue, catalogue
+from fieldkit.plan.ballast import ballast
 from fieldkit.plan.delay import delays
 from fieldkit.plan.desk import learn_rocket
 from fieldkit.plan.guide import Wanted, fitting, guide, mount_of
@@ -104,3 +105,31 @@ def test_the_commands_answer_as_json(path: str, capsys: pytest.CaptureFixture[st
     assert json.loads(capsys.readouterr().out)["motors"][0]["safety"]
     assert main(["--ledger", path, "delay", "--motor", "F67W", "--json"]) == 0
     assert json.loads(capsys.readouterr().out)["coast_s"]["p50"] > 0
+
+
+def test_ballast_beats_both_neighbours_and_today(motors: Catalogue, learnt: Learnt) -> None:
+    found = motors.resolve("F24-4W")
+    best = ballast(learnt, found, target=240.0, within=10.0)
+    masses = [best.mass + change for change in (-0.03, 0.0, 0.03)]
+    plans = [learnt.plan.with_changes(dry_mass=mass) for mass in masses]
+    apogee = outcomes(learnt, plans, [found] * 3).of("apogee")
+    chances = (np.abs(apogee - 240.0) < 10.0).mean(axis=0)
+    assert best.met
+    assert chances[1] == max(chances)
+    assert best.chance == pytest.approx(chances[1], abs=0.05)
+    assert best.chance >= best.today[0]
+    assert best.slope < 0
+
+
+def test_a_target_out_of_reach_says_what_can_be(motors: Catalogue, learnt: Learnt) -> None:
+    best = ballast(learnt, motors.resolve("F24-4W"), target=2000.0, within=3.0)
+    assert not best.met
+    assert best.reach[0] < best.reach[1] < 2000.0
+
+
+def test_ballast_is_printed_in_grams(path: str, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["--ledger", path, "ballast", "--target", "800ft", "--motor", "F24"]) == 0
+    out = capsys.readouterr().out
+    assert "a gram more is -" in out
+    assert "dry mass" in out

@@ -64,3 +64,53 @@ def delay(
     for words in judged.words:
         say_wrapped(words)
     say_wrapped(f"Delays vary by 20 % or 1.5 s (NFPA 1125), which is in these figures. {DECIDES}")
+
+
+@app.command()
+def ballast(
+    context: typer.Context,
+    target: Annotated[str, typer.Option(help="Apogee wanted, as the altimeter shows it: 800ft.")],
+    motor: Annotated[str | None, typer.Option(help="That of the last flight, where not said.")] = None,
+    within: Annotated[str, typer.Option(help="The band about the target that counts as met.")] = "10ft",
+    rocket: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
+    config: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
+    dry_mass: Annotated[str | None, typer.Option(help="As it is now; in g, or with its unit.")] = None,
+    lightest: Annotated[str | None, typer.Option(help="The least dry mass possible: 280g.")] = None,
+    heaviest: Annotated[str | None, typer.Option(help="The most: 420g.")] = None,
+    temperature: Annotated[str | None, typer.Option(help="In c, or with its unit.")] = None,
+    pressure: Annotated[str | None, typer.Option(help="Reduced to sea level; in hpa, or with its unit.")] = None,
+    site_elevation: Annotated[str | None, typer.Option(help="In m, or with its unit.")] = None,
+    wind: Annotated[str | None, typer.Option(help="In m/s, or with its unit.")] = None,
+    points: Annotated[bool, typer.Option("--points", help="Minimise the mean miss, not the chance to miss.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Find the dry mass that best meets a target, and the grams to add or take off."""
+    from fieldkit.cli.guide import planned
+    from fieldkit.plan.ballast import ballast as solve
+    from fieldkit.plan.desk import learn_rocket
+    from fieldkit.units import FOOT, parse
+
+    given = {"config": config, "dry_mass": dry_mass, "temperature": temperature, "pressure": pressure, "wind": wind}
+    motors = known_motors()
+    with open_ledger(context) as ledger:
+        plan = planned(ledger, rocket, {**given, "site_elevation": site_elevation})
+        last = ledger.latest(plan.rocket)
+        found = motors.resolve(motor or (last.motor if last else ""))
+        learnt = learn_rocket(ledger, motors, plan, draws=500)
+    wanted, band = parse(target, "length", "m"), parse(within, "length", "m")
+    low, high = (None if edge is None else parse(edge, "mass", "g") for edge in (lightest, heaviest))
+    best = solve(learnt, found, wanted, band, "error" if points else "chance", (low, high))
+    if json:
+        print_json({"rocket": plan.rocket, "motor": found.motor.designation, "target_m": wanted, **best.json()})
+        return
+    p05, p50, p95 = best.apogee
+    say(f"{plan.rocket} on {found.motor.maker} {found.motor.designation}, target {wanted / FOOT:.0f} ft")
+    say(f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'take off'} {abs(best.add) * 1e3:.0f} g")
+    say(f"  apogee    {p50:.0f} m, 90 % between {p05:.0f} and {p95:.0f} m, as the altimeter will show it")
+    say(f"  within {band / FOOT:.0f} ft  chance {best.chance:.0%} ({best.today[0]:.0%} without change)")
+    say(f"  mean miss {best.error / FOOT:.0f} ft ({best.today[1] / FOOT:.0f} ft without change)")
+    say(f"  a gram more is {best.slope / FOOT / 1e3:+.1f} ft")
+    say(f"  rests on  {learnt.rests_on} clean flights, model {learnt.name}")
+    if not best.met:
+        low, high = (f"{height:.0f} m ({height / FOOT:.0f} ft)" for height in best.reach)
+        say_wrapped(f"  Out of reach: with these masses the altimeter will show from {low} to {high} in the middle.")
