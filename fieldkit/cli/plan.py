@@ -114,3 +114,63 @@ def ballast(
     if not best.met:
         low, high = (f"{height:.0f} m ({height / FOOT:.0f} ft)" for height in best.reach)
         say_wrapped(f"  Out of reach: with these masses the altimeter will show from {low} to {high} in the middle.")
+
+
+@app.command()
+def contest(
+    context: typer.Context,
+    season: Annotated[int, typer.Option(help="2020 to 2027.")],
+    motor: Annotated[str | None, typer.Option(help="Plan with this motor, and say what points to expect.")] = None,
+    rocket: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
+    dry_mass: Annotated[str | None, typer.Option(help="Of the plan; in g, or with its unit.")] = None,
+    cut: Annotated[float | None, typer.Option(help="Points that qualify; asks for --motor.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Score flights by the rule of a season, and say what points a plan can expect."""
+    import numpy as np
+
+    from fieldkit.cli.guide import planned
+    from fieldkit.plan.contest import chance_to_qualify, expected_points, score
+    from fieldkit.plan.contest import season as season_of
+    from fieldkit.plan.desk import learn_rocket
+
+    if cut is not None and motor is None:
+        raise typer.BadParameter("found --cut without --motor, expected both: the chance is that of a plan")
+    rule = season_of(season)
+    motors = known_motors()
+    document: dict[str, object] = {"season": rule.year, "checked": rule.checked, "remarks": rule.remarks}
+    with open_ledger(context) as ledger:
+        plan = planned(ledger, rocket, {"dry_mass": dry_mass})
+        flights = ledger.flights(plan.rocket)
+        scored = score(rule, flights)
+        document["flights"] = [
+            {"flight_id": flight.flight_id, "points": points, "timed": flight.duration is not None}
+            for flight, points in scored
+        ]
+        if motor is not None:
+            found = motors.resolve(motor)
+            learnt = learn_rocket(ledger, motors, plan, draws=1000)
+            points, timed = expected_points(rule, learnt, learnt.plan, found, flights)
+            p05, p50, p95 = (float(value) for value in np.quantile(points, (0.05, 0.5, 0.95)))
+            expected: dict[str, object] = {"mean": float(points.mean()), "p05": p05, "p50": p50, "p95": p95}
+            document["plan"] = {"motor": found.motor.designation, "points": expected, "timed": timed}
+            if cut is not None:
+                document["qualifies"] = {"cut": cut, "chance": chance_to_qualify(rule, points, cut)}
+    if json:
+        print_json(document)
+        return
+    if not rule.checked:
+        say(f"The rule of {season} ({rule.remarks}) was not checked against the official text.")
+    for flight, own in scored:
+        say(f"  {flight.flight_id:>8}  {own:6.1f} points{'' if flight.duration is not None else ', height alone'}")
+    if motor is not None:
+        say(
+            f"With {motor}: {points.mean():.0f} points expected, 90 % between {p05:.0f} and {p95:.0f}, median {p50:.0f}"
+        )
+        if not timed:
+            say("  height alone: no flight told how fast this rocket comes down")
+    if cut is not None:
+        say(
+            f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: "
+            f"{chance_to_qualify(rule, points, cut):.0%}"
+        )
