@@ -112,8 +112,8 @@ def ballast(
     say(f"  a gram more is {best.slope / FOOT / 1e3:+.1f} ft")
     say(f"  rests on  {learnt.rests_on} clean flights, model {learnt.name}")
     if not best.met:
-        low, high = (f"{height:.0f} m ({height / FOOT:.0f} ft)" for height in best.reach)
-        say_wrapped(f"  Out of reach: with these masses the altimeter will show from {low} to {high} in the middle.")
+        least, most = (f"{height:.0f} m ({height / FOOT:.0f} ft)" for height in best.reach)
+        say_wrapped(f"  Out of reach: with these masses the altimeter will show from {least} to {most} in the middle.")
 
 
 @app.command()
