@@ -125,6 +125,7 @@ def outcomes(learnt: Learnt, plans: Sequence[Flight], found: Sequence[Found]) ->
     lean = learnt.lean[rows] * rng.normal(size=(draws, 1)) * learnt.scales[:, :1]
     apogee = figures["apogee"] * np.exp(lean)
     error = own_reading_sd(apogee) * learnt.scales[:, 1:] * rng.normal(size=(draws, 1))
+    error = np.clip(error, -1.0, 1.0)  # of a hop of a metre the error in ratio knows no bounds
     figures["apogee"] = np.nan_to_num(apogee * np.exp(error))
     figures["true"] = figures["true"] * np.exp(lean)
     return Outcomes(tuple(plans), tuple(found), figures)
