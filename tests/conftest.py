@@ -11,7 +11,7 @@ from jaxtyping import install_import_hook
 
 from tests import checker
 
-CHECKED = ("fieldkit.simulator", "fieldkit.motors", "fieldkit.inference", "fieldkit.loop")
+CHECKED = ("fieldkit.simulator", "fieldkit.motors", "fieldkit.inference", "fieldkit.loop", "fieldkit.plan")
 
 if os.environ["FIELDKIT_CHECK_SHAPES"]:
     install_import_hook(CHECKED, f"{checker.__name__}.{checker.check.__name__}")

@@ -28,6 +28,7 @@ GROUPS = (
     "score",
     "journal",
     "motors",
+    "plan",
     "simulate",
     "paper",
     "study",

@@ -14,20 +14,46 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+GUIDE = "With --fit"
 MOST = 40
 """How many motors a table lists."""
 
 
 @app.command()
 def motors(
+    context: typer.Context,
     search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")] = None,
     about: Annotated[bool, typer.Option("--about", help="Say where the motors are from.")] = False,
     import_: Annotated[
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
     ] = None,
+    fit: Annotated[
+        str | None, typer.Option(metavar="ROCKET", help="Fly each motor that fits this rocket.", rich_help_panel=GUIDE)
+    ] = None,
+    target: Annotated[str | None, typer.Option(help="Apogee wanted: 250m, 800ft.", rich_help_panel=GUIDE)] = None,
+    class_: Annotated[str, typer.Option("--class", help="D, or D-F.", rich_help_panel=GUIDE)] = "",
+    mount: Annotated[str | None, typer.Option(help="Motor mount: 29mm.", rich_help_panel=GUIDE)] = None,
+    adapter: Annotated[
+        bool, typer.Option("--adapter", help="Also motors narrower than the mount.", rich_help_panel=GUIDE)
+    ] = False,
+    max_length: Annotated[str | None, typer.Option(help="Longest motor: 124mm.", rich_help_panel=GUIDE)] = None,
+    max_impulse: Annotated[float | None, typer.Option(help="In N s.", rich_help_panel=GUIDE)] = None,
+    dry_mass: Annotated[str | None, typer.Option(help="In g, or with its unit.", rich_help_panel=GUIDE)] = None,
+    wind: Annotated[str | None, typer.Option(help="In m/s, or with its unit.", rich_help_panel=GUIDE)] = None,
+    waiver: Annotated[str | None, typer.Option(help="Ceiling above the pad: 500m.", rich_help_panel=GUIDE)] = None,
+    retired: Annotated[
+        bool, typer.Option("--retired", help="Also motors no longer made.", rich_help_panel=GUIDE)
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Search the motors, or add your own."""
+    """Search the motors, add your own, or with --fit fly each that fits a rocket."""
+    if fit is not None:
+        from fieldkit.cli.guide import print_guide
+
+        given = {"dry_mass": dry_mass, "wind": wind}
+        lengths = {"target": target, "mount": mount, "max_length": max_length, "waiver": waiver}
+        print_guide(context, fit, given, lengths, class_, max_impulse, adapter=adapter, retired=retired, json=json)
+        return
     from fieldkit.errors import UnknownMotor
     from fieldkit.motors import describe
 

@@ -1,0 +1,63 @@
+"""Thresholds of the safety lines: shipped with their source, changed one by one in the flyer's own file."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+
+DATA = Path(__file__).parents[1] / "data" / "limits.toml"
+QUANTITIES = {
+    "m/s": "speed",
+    "mph": "speed",
+    "ft/s": "speed",
+    "deg": "angle",
+    "1": "number",
+    "m": "length",
+    "ft": "length",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Limit:
+    """A threshold in SI, and where it is from."""
+
+    value: float
+    source: str
+
+
+Limits = Mapping[str, Limit]
+"""Thresholds by name, as in `fieldkit/data/limits.toml`."""
+
+
+def limits(own: Path | None = None) -> dict[str, Limit]:
+    """The shipped thresholds, with those of the flyer's own file in their place. Raises BadValue."""
+    known = _read(DATA)
+    if own is None or not own.exists():
+        return known
+    changed = _read(own)
+    if strange := sorted(set(changed) - set(known)):
+        raise BadValue(f"{own.name}: found {strange[0]!r}, expected one of {', '.join(known)}")
+    return known | changed
+
+
+def _read(file: Path) -> dict[str, Limit]:
+    try:
+        tables = tomllib.loads(file.read_text(encoding="utf-8"))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise BadValue(f"{file.name}: found {error}, expected TOML") from error
+    return {name: _limit(file, name, table) for name, table in tables.items()}
+
+
+def _limit(file: Path, name: str, table: Any) -> Limit:
+    value = table.get("value") if isinstance(table, dict) else None
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        raise BadValue(f"{file.name}, {name}: found {value!r}, expected value = a number")
+    unit = str(table.get("unit", "1"))
+    if unit not in QUANTITIES:
+        raise BadValue(f"{file.name}, {name}: found the unit {unit!r}, expected one of {', '.join(QUANTITIES)}")
+    scale = units.Unit(1.0) if unit == "1" else units.unit(QUANTITIES[unit], unit)
+    return Limit(scale.to_si(float(value)), str(table.get("source", f"your own {file.name}")))
