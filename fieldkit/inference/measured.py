@@ -9,6 +9,7 @@ import numpy as np
 from fieldkit.inference.observed import DECLARED, READOUT_NAMES, Observed
 from fieldkit.inference.simulated import TAIL, Truth
 from fieldkit.shapes import Flags
+from fieldkit.simulator.atmosphere import GRAVITY
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,9 +24,9 @@ class Noise:
 NOISE: Mapping[str, Noise] = MappingProxyType(
     {
         "apogee": Noise(0.8, 0.006, 0.3048),
-        "top_speed": Noise(0.4, 0.025, 0.44704),
+        "top_speed": Noise(0.4, 0.015, 0.44704),
         "burn_time": Noise(0.05, 0.04, 0.1),
-        "peak_accel": Noise(1.5, 0.09, 0.980665),
+        "peak_accel": Noise(1.0, 0.15, 0.980665),
         "avg_accel": Noise(0.0, 0.0, 0.980665),
         "coast_to_apogee": Noise(0.1, 0.02, 0.1),
         "apogee_to_eject": Noise(0.15, 0.0, 0.1),
@@ -34,11 +35,13 @@ NOISE: Mapping[str, Noise] = MappingProxyType(
         "duration": Noise(0.4, 0.015, 0.1),
     }
 )
-"""What the sensors add to each readout by itself, with `TAIL` degrees of freedom; average acceleration follows from
-speed and burn time as measured."""
-OFFSET = 0.0
-"""Of the accelerometer, standard deviation: peak acceleration is off by it, and speed by it times the burn. [m/s^2]"""
-GAIN = 0.0
+"""What sensors, judging when a burn or a flight ends, and writing down add to each readout by itself. Most errors
+are small and a few are large: they follow a Student t with `TAIL` degrees of freedom. Average acceleration follows
+from speed and burn time as measured."""
+OFFSET = 0.15 * GRAVITY
+"""Of the accelerometer, standard deviation: its zero is set once on the pad, nose up or not quite, and drifts by
+tenths of a g. Peak acceleration is off by it, and speed by it times the burn: a tenth of a slow flight's. [m/s^2]"""
+GAIN = 0.02
 """Of the accelerometer, standard deviation; peak acceleration and speed share it. [1]"""
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
