@@ -1,5 +1,6 @@
 """Files into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
 
+import hashlib
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -7,8 +8,8 @@ from pathlib import Path
 
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
-from fieldkit.flight import BY_NAME, Flight
-from fieldkit.ledger import Arrival, Ledger
+from fieldkit.flight import BY_NAME, FIELDS, READOUTS, Flight
+from fieldkit.ledger import OTHER_LOGS, Arrival, Ledger
 from fieldkit.mapping import Choice
 from fieldkit.parsing import CheckMotor, Mapped, Rejected, read, read_together
 
@@ -42,6 +43,7 @@ def bring_in(
     """
     opened = [(path, name, content) for path in paths for name, content in _logs(path)]
     intakes = read_together([(name, log) for _, name, log in opened], check_motor, format, choices)
+    contents = _by_digest([log for _, _, log in opened]) if len(opened) > 1 else {}
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
@@ -50,9 +52,10 @@ def bring_in(
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
             try:
-                arrival, remarks = _with_log(
-                    Arrival(_completed(flight, defaults or {}), content, name, row), path.parent, check_motor
-                )
+                given = _left_open(flight, defaults or {})
+                others = _others(flight, contents)
+                arrival = Arrival(flight.with_changes(**given), content, name, row, given, others)
+                arrival, remarks = _with_log(arrival, path.parent, check_motor)
             except BadValue as error:
                 rejected.append(Rejected(name, row, "log", str(error)))
             else:
@@ -62,6 +65,15 @@ def bring_in(
     rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
     mapped = tuple(one for intake in intakes for one in intake.mapped)
     return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes), mapped)
+
+
+def _by_digest(logs: Iterable[bytes]) -> dict[str, bytes]:
+    return {hashlib.sha256(log).hexdigest(): log for log in logs}
+
+
+def _others(flight: Flight, contents: Mapping[str, bytes]) -> tuple[bytes, ...]:
+    """The further files that a flight was put together from."""
+    return tuple(contents[digest] for digest in flight.extra.get(OTHER_LOGS, "").split() if digest in contents)
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
@@ -76,10 +88,10 @@ def _name(path: Path) -> str:
     return os.fsencode(path).decode("utf-8", "replace")
 
 
-def _completed(flight: Flight, defaults: Mapping[str, object]) -> Flight:
-    """A flight with defaults for the fields that it leaves open."""
+def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
+    """Defaults for the fields that a flight leaves open."""
     empty = (None, "", ())
-    return flight.with_changes(**{f: v for f, v in defaults.items() if getattr(flight, f) in empty})
+    return {f: v for f, v in defaults.items() if getattr(flight, f) in empty}
 
 
 def read_file(path: Path) -> bytes:
@@ -109,8 +121,11 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     try:
         found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
-        return replace(arrival, log=content), [f"kept but not read: {error}"]
-    return replace(arrival, flight=_filled(flight, found.flights), log=content), list(found.notes)
+        return replace(arrival, log=content, given=None), [f"kept but not read: {error}"]
+    measured = {column.name for column in READOUTS if flight.number(column.name) is None}
+    row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
+    filled = _filled(flight, found.flights)
+    return replace(arrival, flight=filled, log=content, given=row), list(found.notes)
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:

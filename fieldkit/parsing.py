@@ -230,7 +230,7 @@ def read_together(
     before anything is taken from any.
     """
     logs = list(files)
-    joined = _joined([(source, *_open(log, source, format, choices)) for source, log in logs])
+    joined = _joined([(source, *_open(log, source, format, choices)) for source, log in logs], [log for _, log in logs])
     opened = [
         (source, name, _with_figures(found, name, log))
         for (source, name, found), (_, log) in zip(joined, logs, strict=True)
@@ -258,8 +258,11 @@ Opened = tuple[str, str, Sequence[Found]]
 """A file as it was opened: its name, the parser, what that found."""
 
 
-def _joined(opened: Sequence[Opened]) -> list[Opened]:
-    """Files in which the parts of each flight are one reading; the files of the other parts say where it is."""
+def _joined(opened: Sequence[Opened], logs: Sequence[bytes]) -> list[Opened]:
+    """Files in which the parts of each flight are one reading; the files of the other parts say where it is.
+
+    The one reading names the digests of the other files. A part that has no other says that it may have.
+    """
     places = [(i, item) for i, (_, _, found) in enumerate(opened) for item in found if isinstance(item, Reading)]
     groups: list[list[tuple[int, Reading]]] = []
     for place in (place for place in places if place[1].part):
@@ -267,14 +270,22 @@ def _joined(opened: Sequence[Opened]) -> list[Opened]:
         fitting = [group for group in groups if all(_are_parts(place, other, same) for other in group)]
         fitting[0].append(place) if len(fitting) == 1 else groups.append([place])
     found = [list(items) for _, _, items in opened]
-    for group in (group for group in groups if len(group) > 1):
+    for group in groups:
         (home, main), *others = sorted(group, key=lambda place: _worth(place[1]))
+        if not others:
+            found[home].append(Note(_PART.format(main.part, main.device), main.row))
+            continue
         whole = _whole(main, [other for _, other in others])
+        digests = dict.fromkeys(hashlib.sha256(logs[i]).hexdigest() for i, _ in others)
+        whole = replace(whole, extra={**whole.extra, "other_logs": " ".join(digests)})
         found[home] = [whole if item is main else item for item in found[home]]
         for i, other in others:
             note = Note(f"is part of the flight of {opened[home][0]}")
             found[i] = [note if item is other else item for item in found[i]]
     return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
+
+
+_PART = "is the {} file of a flight by {}; its other files count where they are imported with it, in one command"
 
 
 def _worth(part: Reading) -> int:

@@ -11,8 +11,8 @@ from sqlalchemy import Connection, func, insert, or_, select
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger.journal import Pen
-from fieldkit.ledger.records import Added, Arrival, Conflict
-from fieldkit.ledger.rows import Row, differences, flight_of, row_of, same
+from fieldkit.ledger.records import OTHER_LOGS, Added, Arrival, Conflict
+from fieldkit.ledger.rows import Row, agrees, differences, flight_of, row_of, same
 from fieldkit.ledger.tables import flights, logs, tags
 
 
@@ -32,20 +32,39 @@ class Known:
     def __init__(self, connection: Connection, new: Sequence[Flight]) -> None:
         self.now: dict[tuple[str, str], Flight] = {}
         self.once: dict[tuple[str, str], Flight] = {}
+        self.digests: dict[int, str | None] = {}
         for held in load(connection, rockets={flight.rocket for flight in new}):
             self.note(held.flight)
+            self.digests[id(held.flight)] = held.log_digest
             if held.entered:
                 self.once[held.entered.rocket, held.entered.flight_id] = held.entered
+                self.digests[id(held.entered)] = held.log_digest
 
     def note(self, flight: Flight) -> None:
         """Know this flight from now on."""
         self.now[flight.rocket, flight.flight_id] = flight
 
-    def match(self, flight: Flight) -> Flight | None:
-        """The very same flight, as it is now or as it once came in."""
+    def match(self, arrival: Arrival, digest: str | None) -> Flight | None:
+        """The very same flight, as it is now or as it once came in; of the same bytes, whatever is read in them now."""
+        flight = arrival.flight
         identity = flight.rocket, flight.flight_id
-        known = (self.now.get(identity), self.once.get(identity))
-        return next((one for one in known if one and same(one, flight)), None)
+        known = [one for one in (self.now.get(identity), self.once.get(identity)) if one]
+        return next((one for one in known if same(one, flight) or self._reread(one, arrival, digest)), None)
+
+    def _reread(self, one: Flight, arrival: Arrival, digest: str | None) -> bool:
+        return (
+            digest is not None
+            and self.digests.get(id(one)) == digest
+            and arrival.given is not None
+            and agrees(one, arrival.given)
+            and not lacks_files(one, arrival.flight)
+        )
+
+
+def lacks_files(there: Flight, flight: Flight) -> bool:
+    """Whether a flight as it arrives is of more files than the one that is there."""
+    named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (there, flight)]
+    return not named[1] <= named[0]
 
 
 def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
@@ -53,15 +72,18 @@ def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     known, conflicts, duplicates = Known(pen.connection, [one.flight for one in arrivals]), [], 0
     entry = pen.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
+    digests = {id(one.log): hashlib.sha256(one.log).hexdigest() for one in _once(arrivals) if one.log is not None}
     for arrival in arrivals:
-        flight = arrival.flight
-        if known.match(flight):
+        flight, digest = arrival.flight, digests.get(id(arrival.log))
+        if known.match(arrival, digest):
             duplicates += 1
         elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
             conflicts.append(Conflict(arrival, error))
         else:
             known.note(flight)
-            digest = None if arrival.log is None else keep_log(pen.connection, arrival.log)
+            for content in (arrival.log, *arrival.others):
+                if content is not None:
+                    keep_log(pen.connection, content, digests.get(id(content)))
             entry += 1
             rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": arrival.source})
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
@@ -71,10 +93,20 @@ def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     return Added(tuple(names[row["rocket"], row["flight_id"]] for row in rows), duplicates, tuple(conflicts))
 
 
+def _once(arrivals: Sequence[Arrival]) -> Iterable[Arrival]:
+    """Arrivals, one for each log: a table of a thousand flights is one."""
+    return {id(arrival.log): arrival for arrival in arrivals}.values()
+
+
 def _objection(flight: Flight, there: Flight | None) -> str | None:
     """Why a flight cannot be taken in, in one line."""
     if not flight.flight_id:
         return "found no flight_id, expected one that is unique within the rocket"
+    if there and lacks_files(there, flight):
+        return (
+            f"flight {flight.flight_id} of {flight.rocket or 'no rocket'} is in the ledger without the other files "
+            f"of its logger; `fieldkit remove` it and import them together again"
+        )
     if there:
         fields = ", ".join(differences(there, flight))
         return (
@@ -202,9 +234,9 @@ def next_flight_id(connection: Connection, rocket: str) -> str:
     return str(max((int(one) for one in taken if one.isdecimal()), default=0) + 1)
 
 
-def keep_log(connection: Connection, content: bytes) -> str:
+def keep_log(connection: Connection, content: bytes, digest: str | None = None) -> str:
     """The digest under which a log's bytes are kept, once."""
-    digest = hashlib.sha256(content).hexdigest()
+    digest = digest or hashlib.sha256(content).hexdigest()
     if connection.scalar(select(logs.c.digest).where(logs.c.digest == digest)) is None:
         row = {"digest": digest, "size": len(content), "content": zlib.compress(content)}
         connection.execute(insert(logs).values(**row))
@@ -213,5 +245,15 @@ def keep_log(connection: Connection, content: bytes) -> str:
 
 def log_of(connection: Connection, held: Held) -> bytes | None:
     """The original bytes of a held flight's log."""
-    content = connection.scalar(select(logs.c.content).where(logs.c.digest == held.log_digest))
+    return _content(connection, held.log_digest)
+
+
+def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
+    """The original bytes of the further files of a held flight."""
+    contents = [_content(connection, digest) for digest in held.flight.extra.get(OTHER_LOGS, "").split()]
+    return [content for content in contents if content is not None]
+
+
+def _content(connection: Connection, digest: str | None) -> bytes | None:
+    content = connection.scalar(select(logs.c.content).where(logs.c.digest == digest))
     return None if content is None else zlib.decompress(content)

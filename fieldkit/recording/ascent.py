@@ -106,7 +106,9 @@ def ascend(
     if not fused and lift is not None:
         burnout, spread = _likeliest(grid, rows, time, height, coast, found, lift, burnout, released)
         guess, _ = _guess(grid, coast, None, lift, burnout, released)
-        found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
+        found = _fitted(
+            grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas
+        )
         return _drawn(grid, guess, found, fused, spread)
     return _drawn(grid, guess, found, fused, 0.0)
 
@@ -251,7 +253,9 @@ def _fitted(
     ram = lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * _SOUND)) ** 6)
 
     def variance(settings: Float[Array, "four"]) -> Float[Array, "time"]:
-        return np.asarray(np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + ram**2 + gas**2)
+        return np.asarray(
+            np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + ram**2 + gas**2
+        )
 
     def curve(settings: Float[Array, "four"], share: float = 1.0) -> Fit:
         wander = np.choose(phases, [0.01, np.exp(settings[0]), np.exp(settings[1]), _FREE])
