@@ -12,6 +12,7 @@ from datetime import datetime, time, timedelta
 from pathlib import Path
 from typing import Literal
 
+from fieldkit.arrival import OTHER_LOGS, digest_of
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
 from fieldkit.logtext import shown
@@ -227,13 +228,13 @@ def read_together(
     A list of rockets among them names and weighs the rockets of the others. Files of one folder that a logger
     wrote of one flight bring one flight, in the first of them that holds heights. `choices` say which columns of a
     table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
-    before anything is taken from any.
+    before anything is taken from any. The bytes of a file are let go before its flights are measured.
     """
-    logs = list(files)
-    joined = _joined([(source, *_open(log, source, format, choices)) for source, log in logs], [log for _, log in logs])
+    read = [((source, *_open(log, source, format, choices)), digest_of(log)) for source, log in files]
+    digests = [digest for _, digest in read]
     opened = [
-        (source, name, _with_figures(found, name, log))
-        for (source, name, found), (_, log) in zip(joined, logs, strict=True)
+        (source, name, _with_figures(found, name, digest))
+        for (source, name, found), digest in zip(_joined([one for one, _ in read], digests), digests, strict=True)
     ]
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
@@ -258,7 +259,7 @@ Opened = tuple[str, str, Sequence[Found]]
 """A file as it was opened: its name, the parser, what that found."""
 
 
-def _joined(opened: Sequence[Opened], logs: Sequence[bytes]) -> list[Opened]:
+def _joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
     """Files in which the parts of each flight are one reading; the files of the other parts say where it is.
 
     The one reading names the digests of the other files. A part that has no other says that it may have.
@@ -276,8 +277,8 @@ def _joined(opened: Sequence[Opened], logs: Sequence[bytes]) -> list[Opened]:
             found[home].append(Note(_PART.format(main.part, main.device), main.row))
             continue
         whole = _whole(main, [other for _, other in others])
-        digests = dict.fromkeys(hashlib.sha256(logs[i]).hexdigest() for i, _ in others)
-        whole = replace(whole, extra={**whole.extra, "other_logs": " ".join(digests)})
+        named = dict.fromkeys(digests[i] for i, _ in others)
+        whole = replace(whole, extra={**whole.extra, OTHER_LOGS: " ".join(named)})
         found[home] = [whole if item is main else item for item in found[home]]
         for i, other in others:
             note = Note(f"is part of the flight of {opened[home][0]}")
@@ -383,16 +384,15 @@ def _told(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
     return DamagedLog(printable(error.found)[:MOST_TOLD], row=row or error.row, column=column, source=source)
 
 
-def _with_figures(found: Sequence[Found], format: str, log: bytes) -> Sequence[Found]:
+def _with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
     """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     if not with_samples:
         return found
-    digest = hashlib.sha256(log).hexdigest()[:10]
     told: list[Found] = []
     for item in found:
         if isinstance(item, Reading) and item.clocks and item.describes == "flight":
-            told += _recorded(item, format, digest, with_samples.index(id(item)) + 1, len(with_samples))
+            told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
         else:
             told.append(item)
     return told

@@ -1,6 +1,5 @@
 """Flights in the tables: taking in, finding, replacing and taking out."""
 
-import hashlib
 import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,10 +7,11 @@ from difflib import get_close_matches
 
 from sqlalchemy import Connection, func, insert, or_, select
 
+from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger.journal import Pen
-from fieldkit.ledger.records import OTHER_LOGS, Added, Arrival, Conflict
+from fieldkit.ledger.records import Added, Conflict
 from fieldkit.ledger.rows import Row, agrees, differences, flight_of, row_of, same
 from fieldkit.ledger.tables import flights, logs, tags
 
@@ -44,17 +44,17 @@ class Known:
         """Know this flight from now on."""
         self.now[flight.rocket, flight.flight_id] = flight
 
-    def match(self, arrival: Arrival, digest: str | None) -> Flight | None:
+    def match(self, arrival: Arrival) -> Flight | None:
         """The very same flight, as it is now or as it once came in; of the same bytes, whatever is read in them now."""
         flight = arrival.flight
         identity = flight.rocket, flight.flight_id
         known = [one for one in (self.now.get(identity), self.once.get(identity)) if one]
-        return next((one for one in known if same(one, flight) or self._reread(one, arrival, digest)), None)
+        return next((one for one in known if same(one, flight) or self._reread(one, arrival)), None)
 
-    def _reread(self, one: Flight, arrival: Arrival, digest: str | None) -> bool:
+    def _reread(self, one: Flight, arrival: Arrival) -> bool:
         return (
-            digest is not None
-            and self.digests.get(id(one)) == digest
+            arrival.log is not None
+            and self.digests.get(id(one)) == arrival.log.digest
             and arrival.given is not None
             and agrees(one, arrival.given)
             and not lacks_files(one, arrival.flight)
@@ -72,18 +72,18 @@ def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     known, conflicts, duplicates = Known(pen.connection, [one.flight for one in arrivals]), [], 0
     entry = pen.connection.scalar(select(func.max(flights.c.entry))) or 0
     rows: list[Row] = []
-    digests = {id(one.log): hashlib.sha256(one.log).hexdigest() for one in _once(arrivals) if one.log is not None}
     for arrival in arrivals:
-        flight, digest = arrival.flight, digests.get(id(arrival.log))
-        if known.match(arrival, digest):
+        flight = arrival.flight
+        if known.match(arrival):
             duplicates += 1
         elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
             conflicts.append(Conflict(arrival, error))
         else:
             known.note(flight)
-            for content in (arrival.log, *arrival.others):
-                if content is not None:
-                    keep_log(pen.connection, content, digests.get(id(content)))
+            for original in (arrival.log, *arrival.others):
+                if original:
+                    keep_log(pen.connection, original)
+            digest = arrival.log.digest if arrival.log else None
             entry += 1
             rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": arrival.source})
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
@@ -91,11 +91,6 @@ def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     pen.insert(tags, labels)
     names = ids(pen.connection) if rows else {}
     return Added(tuple(names[row["rocket"], row["flight_id"]] for row in rows), duplicates, tuple(conflicts))
-
-
-def _once(arrivals: Sequence[Arrival]) -> Iterable[Arrival]:
-    """Arrivals, one for each log: a table of a thousand flights is one."""
-    return {id(arrival.log): arrival for arrival in arrivals}.values()
 
 
 def _objection(flight: Flight, there: Flight | None) -> str | None:
@@ -234,13 +229,11 @@ def next_flight_id(connection: Connection, rocket: str) -> str:
     return str(max((int(one) for one in taken if one.isdecimal()), default=0) + 1)
 
 
-def keep_log(connection: Connection, content: bytes, digest: str | None = None) -> str:
-    """The digest under which a log's bytes are kept, once."""
-    digest = digest or hashlib.sha256(content).hexdigest()
-    if connection.scalar(select(logs.c.digest).where(logs.c.digest == digest)) is None:
-        row = {"digest": digest, "size": len(content), "content": zlib.compress(content)}
+def keep_log(connection: Connection, original: Original) -> None:
+    """Keep a log's bytes under their digest, once."""
+    if connection.scalar(select(logs.c.digest).where(logs.c.digest == original.digest)) is None:
+        row = {"digest": original.digest, "size": original.size, "content": original.packed}
         connection.execute(insert(logs).values(**row))
-    return digest
 
 
 def log_of(connection: Connection, held: Held) -> bytes | None:

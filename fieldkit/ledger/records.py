@@ -5,28 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from fieldkit.flight import Flight
-
-
-@dataclass(frozen=True, slots=True)
-class Arrival:
-    """A flight on its way in, with the original bytes it was read from, and their file and row.
-
-    `given` is what the flyer says of it beside these bytes, by field, or None where that is not known: the rest may
-    be read or measured otherwise on another day and does not make it another flight. `others` are further files that
-    its logger wrote of it.
-    """
-
-    flight: Flight
-    log: bytes | None = None
-    source: str = ""
-    row: int | None = None
-    given: Mapping[str, object] | None = None
-    others: tuple[bytes, ...] = ()
-
-
-OTHER_LOGS = "other_logs"
-"""The extra column of a flight that names the digests of `Arrival.others`, apart by blanks."""
+from fieldkit.arrival import Arrival
 
 
 @dataclass(frozen=True, slots=True)
