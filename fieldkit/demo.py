@@ -9,7 +9,7 @@ from fieldkit.inference.flights import Inferred, Model, infer
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
 from fieldkit.loop.desk import close_loop, predict_plans, which_rocket
-from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.loop.findings import Findings, findings
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.paper.report import Report, report
 from fieldkit.loop.predict import Prediction
@@ -33,7 +33,7 @@ class Demo:
     inferred: Sequence[Inferred]
     by_paper: Sequence[Inferred]
     predictions: Sequence[Prediction]
-    diagnosis: Diagnosis
+    loop: Findings
     paper: Report
 
 
@@ -56,7 +56,7 @@ def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
         ledger, motors, rocket, progress=lambda effect, share: tell(f"trying {effect}", 0.2 + 0.5 * share)
     )
     tell("flying the published thrust", 0.7)
-    return Demo(rocket, flights, inferred, by_paper, predictions, diagnosis, report())
+    return Demo(rocket, flights, inferred, by_paper, predictions, findings(rocket, diagnosis), report())
 
 
 def plans(flights: Sequence[Flight]) -> list[Flight]:

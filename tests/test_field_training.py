@@ -22,6 +22,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     monkeypatch.setitem(field.PLANS, "quick", density.Plan(epochs=2, batch=256))
     out = tmp_path / "field"
     options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")
+    options += ("--effects", "mass_offset, wind")
     assert main(["train", *options, "--out", str(out)]) == 0
     return out, capsys.readouterr().out
 
@@ -83,5 +84,16 @@ def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, s
     ensemble = load_folder(folder)
     assert ensemble.members(np.zeros((2, len(ensemble.features)))).shape == (2, *ensemble.card["parts"])
     assert set(ensemble.card["guard"]) == set(ensemble.card["guarded"])
+    assert ensemble.card["effects"] == list(ensemble.card["effect_priors"]) == ["mass_offset", "wind"]
+    assert "--effects mass_offset,wind" in ensemble.card["command"]
     with pytest.raises(BadValue, match="an ensemble there already"):
         train_field(folder)
+
+
+def test_an_unknown_effect_stops_before_anything_is_simulated(tmp_path: Path) -> None:
+    from fieldkit.errors import BadValue
+    from fieldkit.inference.training.field import train_field
+
+    with pytest.raises(BadValue, match="found the effect 'gusts'"):
+        train_field(tmp_path / "field", effects=["gusts"])
+    assert not (tmp_path / "field").exists()

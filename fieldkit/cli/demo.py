@@ -114,7 +114,7 @@ def _loop(found: "Demo") -> None:
 
     say("4. The loop closed: what the model gets wrong, and what could be missing")
     say()
-    say_report(report(found.rocket, found.diagnosis))
+    say_report(report(found.loop))
     say()
 
 

@@ -1,10 +1,11 @@
 """`fieldkit loop` and `fieldkit model`: what a rocket's model lacks, and which model is used."""
 
+from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say_report
+from fieldkit.cli.screen import complain, print_json, print_table, say_report
 from fieldkit.cli.session import known_motors, open_ledger
 
 app = typer.Typer()
@@ -19,22 +20,44 @@ def loop(
         typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
     ] = None,
     look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
+    page: Annotated[
+        Path | None,
+        typer.Option(
+            "--report", metavar="FILE", help="Write a page with pictures too: .html or .png.", show_default=False
+        ),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
     from fieldkit.loop.desk import close_loop, loop_document, which_rocket
+    from fieldkit.loop.findings import findings
     from fieldkit.loop.words import report
 
+    if page is not None:
+        from fieldkit.loop.report.page import check_page, write_page
+
+        check_page(page)
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
         given = effect.split("+") if effect else []
         with progress("looking for an effect") as tell:
-            diagnosis = close_loop(ledger, known_motors(), name, accept=not look, progress=tell, given=given)
+            diagnosis = close_loop(
+                ledger,
+                known_motors(),
+                name,
+                accept=not look,
+                progress=lambda text, share: tell(text, 0.7 * share),
+                given=given,
+            )
+            found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share))
+    if page is not None:
+        write_page(found, page)
+        complain(f"report written to {page}")
     if json:
-        print_json(loop_document(name, diagnosis))
+        print_json(loop_document(found))
         return
-    say_report(report(name, diagnosis))
+    say_report(report(found))
 
 
 @app.command()
@@ -59,5 +82,7 @@ def model(
         payload = version.payload
         errors = f"{payload['before']['mae_m']:.1f} -> {payload['after']['mae_m']:.1f} m"
         added = "+".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
+        if left := payload.get("unexplained"):
+            added = f"{added or 'nothing'}, intervals {left['widened']:.2f} times as wide"
         rows.append((str(version.number), f"{version.at:%Y-%m-%d}", added, errors, "in use" if version.active else ""))
     print_table(("version", "made", "adds", "unseen flights", ""), rows)

@@ -28,6 +28,7 @@ GROUPS = (
     "motors",
     "simulate",
     "paper",
+    "study",
     "train",
 )
 """Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""

@@ -2,7 +2,7 @@
 
 from enum import StrEnum
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
@@ -36,6 +36,9 @@ def train(
     n_train: Annotated[
         int | None, typer.Option(min=256, help="Simulated flights to train on: 10,000 for paper, a million for field.")
     ] = None,
+    effects: Annotated[
+        str, typer.Option(help="Effects that act in the field recipe's flights, apart by commas.", show_default=False)
+    ] = "",
     report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's whole verdict.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -43,8 +46,11 @@ def train(
     from rich.console import Console
     from rich.progress import Progress
 
+    from fieldkit.errors import BadValue
     from fieldkit.inference.training import trainer
 
+    if effects and recipe is not Recipe.field:
+        raise BadValue("--effects: found them with the recipe paper, expected --recipe field")
     train_by_recipe = trainer(recipe.value)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
@@ -52,8 +58,10 @@ def train(
         def tell(epoch: int, epochs: int, loss: float) -> None:
             progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
 
-        flights = {} if n_train is None else {"n_train": n_train}
-        summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=tell, **flights)
+        more: dict[str, Any] = {} if n_train is None else {"n_train": n_train}
+        if names := [name.strip() for name in effects.split(",") if name.strip()]:
+            more["effects"] = names
+        summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=tell, **more)
     if json:
         print_json(summary)
         return

@@ -47,16 +47,26 @@ def infer(flights: Sequence[Flight], motors: Catalogue, model: Model = "field") 
     return _paper(flights) if model == "paper" else _field(flights, motors)
 
 
-def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
-    from fieldkit.inference.field import infer_field
-
-    known: list[tuple[Flight, Found]] = []
-    left_out = []
+def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Flight, Found]], list[str]]:
+    """Flights that can be judged with their motors, and a line for each other."""
+    known, left_out = [], []
     for flight in flights:
         try:
             known.append((flight, _flyable(flight, motors)))
         except FieldkitError as error:
             left_out.append(f"flight {flight.flight_id}, {error}")
+    return known, left_out
+
+
+def known_flights(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
+    """The flights that the field ensemble can judge, each with its motor."""
+    return _known(flights, motors)[0]
+
+
+def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
+    from fieldkit.inference.field import infer_field
+
+    known, left_out = _known(flights, motors)
     if not known:
         return Inferences((), tuple(left_out))
     found = infer_field([flight for flight, _ in known], [motor for _, motor in known])

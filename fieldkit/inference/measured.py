@@ -7,13 +7,13 @@ from types import MappingProxyType
 import numpy as np
 
 from fieldkit.inference.observed import DECLARED, READOUT_NAMES, Observed
-from fieldkit.inference.simulated import Truth
+from fieldkit.inference.simulated import TAIL, Truth
 from fieldkit.shapes import Flags
 
 
 @dataclass(frozen=True, slots=True)
 class Noise:
-    """Of a readout, standard deviations, SI: `floor`, `share` of its size, and the device's `step`."""
+    """Of a readout, SI: its error is `floor` and `share` of its size, each times a Student t; `step` is shown."""
 
     floor: float
     share: float
@@ -34,7 +34,12 @@ NOISE: Mapping[str, Noise] = MappingProxyType(
         "duration": Noise(0.4, 0.015, 0.1),
     }
 )
-"""What the sensors add; average acceleration follows from speed and burn time as measured."""
+"""What the sensors add to each readout by itself, with `TAIL` degrees of freedom; average acceleration follows from
+speed and burn time as measured."""
+OFFSET = 0.0
+"""Of the accelerometer, standard deviation: peak acceleration is off by it, and speed by it times the burn. [m/s^2]"""
+GAIN = 0.0
+"""Of the accelerometer, standard deviation; peak acceleration and speed share it. [1]"""
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
         "apogee": ("apogee",),
@@ -51,11 +56,16 @@ _SHARES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
 def measure(rng: np.random.Generator, truth: Truth) -> Observed:
     """The flights as their flyers could write them down: every readout with its noise and rounding."""
     readouts = truth.readouts.copy()
+    count = len(truth)
+    speed, burn, peak = (READOUT_NAMES.index(name) for name in ("top_speed", "burn_time", "peak_accel"))
+    offset, gain = OFFSET * rng.normal(size=count), 1 + GAIN * rng.normal(size=count)
+    readouts[:, speed] = (readouts[:, speed] + offset * readouts[:, burn]) * gain
+    readouts[:, peak] = (readouts[:, peak] + offset) * gain
     for number, name in enumerate(READOUT_NAMES):
         noise = NOISE[name]
-        readouts[:, number] += noise.floor * rng.normal(size=len(truth))
-        readouts[:, number] *= 1 + noise.share * rng.normal(size=len(truth))
-    speed, burn = (READOUT_NAMES.index(name) for name in ("top_speed", "burn_time"))
+        if noise.floor or noise.share:
+            readouts[:, number] += noise.floor * rng.standard_t(TAIL, size=count)
+            readouts[:, number] *= np.maximum(1 + noise.share * rng.standard_t(TAIL, size=count), 0.05)
     readouts[:, burn] = np.maximum(readouts[:, burn], 0.05)
     readouts[:, READOUT_NAMES.index("avg_accel")] = readouts[:, speed] / readouts[:, burn]
     steps = np.array([NOISE[name].step for name in READOUT_NAMES])

@@ -1,7 +1,8 @@
 """The one problem whose exact answer is known: the paper's rocket, prior and simulator, with more readouts.
 
-There is nothing at random in its flights but Cd and alpha, so the exact posterior follows from the
-simulator on a grid. An ensemble of the field's kind trained on it is measured against that.
+There is nothing at random in its flights but Cd and alpha, and the burn time if it is said to be uncertain, so the
+exact posterior follows from the simulator on a grid. An ensemble of the field's kind trained on it is measured
+against that.
 """
 
 from collections.abc import Mapping
@@ -31,6 +32,10 @@ NOISE: Mapping[str, tuple[float, float]] = MappingProxyType(
 SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {"apogee": ("apogee",), "apogee, speed": ("apogee", "top_speed"), "all five": tuple(NOISE)}
 )
+BURN_SD = 0.05
+"""Of the logarithm of the burn time, at the same impulse, where it is uncertain. [1]"""
+NODES = 7
+"""Of the quadrature over the burn time."""
 _MASSES = np.array(list(paper.DRY_MASS.values()))
 _BURNS = paper.paper_burns()
 
@@ -53,11 +58,17 @@ def intervals(count: int) -> tuple[Float[Array, "flight 2"], Float[Array, "fligh
     return low, high
 
 
-def restricted_draws(rng: np.random.Generator, count: int) -> tuple[Restricted, Float[Array, "flight readout"]]:
-    """Flights drawn from the paper's priors as measured once, and their readouts without noise."""
+def restricted_draws(
+    rng: np.random.Generator, count: int, burn_sd: float = 0.0
+) -> tuple[Restricted, Float[Array, "flight readout"]]:
+    """Flights drawn from the paper's priors as measured once, and their readouts without noise.
+
+    `burn_sd` is by how much the logarithm of the burn time scatters. [1]
+    """
     motor, config = rng.integers(len(paper.MOTORS), size=count), rng.integers(len(_MASSES), size=count)
     cd, alpha = rng.uniform(*CD_RANGE, size=count), rng.uniform(*ALPHA_RANGE, size=count)
-    clean = _clean(motor, config, cd, alpha)
+    stretch = np.exp(burn_sd * rng.normal(size=count)) if burn_sd else np.ones(count)
+    clean = _clean(motor, config, cd, alpha, stretch)
     truth = np.stack([np.log(cd * disc(np.asarray(paper.DIAMETER))), alpha], axis=-1)
     return Restricted(measured(rng, clean, motor, config), truth, motor, config), clean
 
@@ -79,8 +90,9 @@ def measured(
     return Observed(np.stack([_figures(one) for one in paper.MOTORS])[motor], declared, readouts)
 
 
-def _clean(motor: Int[Any, "*#draw"], config: Int[Any, "*#draw"], cd: Array, alpha: Array) -> Array:
-    readouts = fly(paper.paper_setup(motor, _MASSES[config], cd, alpha, curves=_BURNS)).readouts()
+def _clean(motor: Int[Any, "*#draw"], config: Int[Any, "*#draw"], cd: Array, alpha: Array, stretch: Array) -> Array:
+    setup = paper.paper_setup(motor, _MASSES[config], cd, alpha, curves=_BURNS)
+    readouts = fly(setup.with_changes(burn_stretch=stretch)).readouts()
     return np.stack([readouts[name] for name in READOUT_NAMES], axis=-1)
 
 
@@ -97,21 +109,26 @@ def _figures(motor: paper.DeclaredMotor) -> Float[Array, "figure"]:
 
 @dataclass(frozen=True, slots=True)
 class Exact:
-    """Readouts without noise on a grid of Cd and alpha, for each motor and configuration."""
+    """Readouts without noise on a grid of Cd and alpha, for each motor and configuration.
+
+    A node is one of the burn times that are integrated over, `log_weight` the log of its weight.
+    """
 
     cd: Float[Array, "cell"]
     alpha: Float[Array, "cell"]
-    readouts: Float[Array, "motor config cell readout"]
+    readouts: Float[Array, "motor config node cell readout"]
+    log_weight: Float[Array, "node"]
 
     def log_posterior(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "cell"]:
         """Log probability of each cell after some of the readouts of one flight."""
         grid = self.readouts[flights.motor[row], flights.config[row]]
-        log = np.zeros(len(self.cd))
+        each = np.zeros(grid.shape[:-1]) + self.log_weight[:, None]
         for name in names:
             column = READOUT_NAMES.index(name)
             floor, share = NOISE[name]
-            spread = floor + share * grid[:, column]
-            log -= 0.5 * ((flights.observed.readouts[row, column] - grid[:, column]) / spread) ** 2 + np.log(spread)
+            spread = floor + share * grid[..., column]
+            each -= 0.5 * ((flights.observed.readouts[row, column] - grid[..., column]) / spread) ** 2 + np.log(spread)
+        log = np.logaddexp.reduce(each, axis=0)
         top = log.max()
         return np.asarray(log - top - np.log(np.exp(log - top).sum()))
 
@@ -121,13 +138,15 @@ class Exact:
         return np.array([_median(values, share) for values in (self.cd, self.alpha)])
 
 
-def exact(cells: int = 300) -> Exact:
-    """The grid, `cells` along each of the two."""
+def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
+    """The grid, `cells` along each of the two; Gauss and Hermite's nodes of the burn time where it is uncertain."""
     centres = (np.arange(cells) + 0.5) / cells
     cd, alpha = np.meshgrid(CD_RANGE[0] + np.ptp(CD_RANGE) * centres, ALPHA_RANGE[0] + np.ptp(ALPHA_RANGE) * centres)
     cd, alpha = cd.ravel(), alpha.ravel()
-    motor, config = (np.arange(n).reshape(shape) for n, shape in ((3, (3, 1, 1)), (2, (1, 2, 1))))
-    return Exact(cd, alpha, _clean(motor, config, cd, alpha))
+    node, weight = np.polynomial.hermite_e.hermegauss(NODES if burn_sd else 1)
+    stretch = np.exp(burn_sd * node)[:, None]
+    motor, config = (np.arange(n).reshape(shape) for n, shape in ((3, (3, 1, 1, 1)), (2, (1, 2, 1, 1))))
+    return Exact(cd, alpha, _clean(motor, config, cd, alpha, stretch), np.log(weight / weight.sum()))
 
 
 def against_exact(

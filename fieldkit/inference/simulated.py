@@ -8,10 +8,11 @@ its certificate, a charge that fires early, an altimeter that shows a little too
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
-from typing import Any
+from typing import Any, Protocol, runtime_checkable
 
 import numpy as np
 
+from fieldkit.inference.extra_effects import bent, shown_by
 from fieldkit.inference.field_features import closed_form
 from fieldkit.inference.observed import (
     ALPHA_RANGE,
@@ -39,6 +40,12 @@ THRUST_TO_WEIGHT = (2.2, 30.0)
 """Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
 STEPS = 8
 """Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
+TAIL = 1e6
+"""Degrees of freedom of a motor's and a reading's scatter: so many are a normal distribution. [1]"""
+DELAY_SPREAD = 0.0
+"""Of a delay beside its share, standard deviation: short ones scatter by more than a tenth. [s]"""
+LONGEST_STRETCH = float(np.log(2.0))
+"""Of a burn, as a logarithm. [1]"""
 
 PRIORS: Mapping[str, str] = MappingProxyType(
     {
@@ -48,7 +55,7 @@ PRIORS: Mapping[str, str] = MappingProxyType(
         "dry_mass": "log-uniform where mean thrust to weight is 2.2 to 30, at least 8 g and 0.35 of the motor [kg]",
         "diameter": "log-uniform from the motor + 1 mm (13 mm) to 100 mm, five motors, 20 mm sqrt(mass / 7 g) [m]",
         "weighing": "normal, 1.5 %; in 30 % heavier by half-normal 8 %, in 30 % by up to 12 g; casing: normal, 5 %",
-        "burn_stretch": "log-normal, 6 % [1]",
+        "burn_stretch": "log-normal, 6 %, at most by 2 [1]",
         "wind": "Rayleigh, mean 3.1 m/s, at a strength uniform 0 to 1 [m/s]",
         "rail_angle": "normal, 5 degrees, declared to 1.5 degrees [rad]",
         "rail_length": "log-uniform 0.9 to 2.5 [m]",
@@ -96,8 +103,12 @@ def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
     return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > SMALLEST]
 
 
-def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> Truth:
-    """About as many flights as asked for: those that never leave the pad or barely do are left out."""
+def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, named: Sequence[str] = ()) -> Truth:
+    """About as many flights as asked for: those that never leave the pad or barely do are left out.
+
+    Effects of the shelf that are `named` act on every flight, each at a strength drawn from its prior. Raises
+    BadValue for one that is not there.
+    """
     row = _draw_motors(rng, motors, count)
     table = np.stack([figures(motor) for motor in motors])[row]
     declared = _draw_declared(rng, table)
@@ -105,9 +116,11 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int) -> T
     alpha = _draw_alpha(rng, count)
     drag_area = cd * disc(declared["diameter"])
     declared["delay"] = _draw_delays(rng, motors, row, table, declared["dry_mass"], drag_area, alpha)
-    setup = _draw_field(rng, table, declared, drag_area, alpha)
+    setup = flown_field(rng, table, declared, drag_area, alpha)
+    setup, bends = bent(rng, named, setup, declared)
     flown = fly(setup.with_changes(burns=burns(motors, steps=STEPS), motor=row))
-    readouts = np.stack([flown.readouts()[name] for name in READOUT_NAMES], axis=-1)
+    shown = shown_by(bends, flown.readouts())
+    readouts = np.stack([shown[name] for name in READOUT_NAMES], axis=-1)
     lifted = (flown.lift_off > 0) & (readouts[:, 0] > 5.0) & (readouts[:, 1] > 3.0)
     known = np.stack([declared[name] for name in DECLARED], axis=-1)
     return Truth(table, known, readouts, drag_area, alpha).rows(lifted)
@@ -177,8 +190,17 @@ def _draw_delays(
     return np.asarray(sold[row, best])
 
 
-def _draw_field(
-    rng: np.random.Generator,
+@runtime_checkable
+class Chance(Protocol):
+    """What the field of a flight is drawn from: a generator of random numbers, or what stands in for one."""
+
+    def normal(self, loc: Any = ..., scale: Any = ..., size: Any = ...) -> Any: ...
+    def uniform(self, low: Any = ..., high: Any = ..., size: Any = ...) -> Any: ...
+    def standard_t(self, df: Any, size: Any = ...) -> Any: ...
+
+
+def flown_field(
+    rng: Chance,
     table: Float[Array, "flight figure"],
     declared: dict[str, Array],
     area: Array,
@@ -201,11 +223,14 @@ def _draw_field(
         dry_mass=np.maximum(weighed, 0.5 * declared["dry_mass"]),
         drag_area=area,
         thrust_factor=alpha,
-        burn_stretch=np.exp(0.06 * rng.normal(size=count)),
+        burn_stretch=np.exp(np.clip(0.06 * rng.standard_t(TAIL, size=count), -LONGEST_STRETCH, LONGEST_STRETCH)),
         rail_length=declared["rail_length"],
         rail_angle=declared["rail_angle"] + rng.normal(0.0, np.radians(1.5), count),
         wind=declared["wind"] * np.exp(0.2 * rng.normal(size=count)) * rng.uniform(size=count),
-        delay=np.maximum(declared["delay"] * (1 + 0.1 * rng.normal(size=count)) * early, 0.2),
+        delay=np.maximum(
+            (declared["delay"] * (1 + 0.1 * rng.normal(size=count)) + DELAY_SPREAD * rng.normal(size=count)) * early,
+            0.2,
+        ),
         descent_speed=5.5 * np.exp(0.45 * rng.normal(size=count)),
         altimeter_gain=gain * (1 + 0.01 * rng.normal(size=count)),
     )

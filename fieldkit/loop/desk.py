@@ -12,10 +12,16 @@ from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.candidates import Place
+from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
+from fieldkit.loop.findings import Compared, Findings
+from fieldkit.loop.forward import Forecast
+from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
-from fieldkit.loop.residual import fingerprint, patterns, spreads
+from fieldkit.loop.residual import fingerprint
+from fieldkit.loop.telling import Advice
+from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
 
 Which = Literal["before", "after"]
@@ -61,6 +67,12 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
     )
 
 
+def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> float:
+    """By how much the model of a rocket widens its intervals for what it does not explain. [1]"""
+    version = ledger.active_version(rocket) if which == "after" else None
+    return float(version.payload.get("unexplained", {}).get("widened", 1.0)) if version else 1.0
+
+
 def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
     """A plan with the mass, diameter and rail of the last flight of its configuration where it has none."""
     alike = [flight for flight in history if flight.config == plan.config] or list(history)
@@ -81,13 +93,17 @@ def predict_plans(
     ImpossibleFlight for one without a mass.
     """
     answers: dict[int, Prediction] = {}
+    surprises = kept_surprises([kept.payload for kept in ledger.predictions()])
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
         planned = [(completed(plans[row], before), motors.resolve(plans[row].motor)) for row in rows]
         made = predict(history, planned, accepted_places(ledger, rocket, which), declared=which == "after")
-        answers |= dict(zip(rows, made, strict=True))
+        wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
+        answers |= {
+            row: widened(one, wider).corrected(sure, len(surprises)) for row, one in zip(rows, made, strict=True)
+        }
     if keep:
         for prediction in answers.values():
             ledger.keep_prediction(
@@ -97,6 +113,20 @@ def predict_plans(
                 flight_id=prediction.plan.flight_id,
             )
     return [answers[row] for row in range(len(plans))]
+
+
+def keep_forecasts(ledger: Ledger, rows: Sequence[Forecast]) -> None:
+    """Keep forecasts beside what was flown, so that the next ones are as wide as these had to be."""
+    for row in rows:
+        payload = {
+            "rocket": row.rocket,
+            "flight_id": row.flight_id,
+            "flown_m": float(row.flown),
+            "interval_m": [float(end) for end in row.interval],
+            "evaluation": "forward in time",
+        }
+        digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
+        ledger.keep_prediction(payload, digest=digest, rocket=row.rocket, flight_id=row.flight_id)
 
 
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
@@ -123,6 +153,7 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
         "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
         "flights": prediction.rests_on,
         "model": prediction.model,
+        "interval": {"stretched_by": prediction.stretched_by, "earlier_forecasts": prediction.earlier_forecasts},
     }
     return document
 
@@ -163,16 +194,21 @@ def close_loop(
 
 def _keep(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
     places = tuple(trial.candidate.place for trial in diagnosis.accepted)
-    if places == accepted_places(ledger, rocket):
+    left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
+    same = places == accepted_places(ledger, rocket)
+    if same and np.isclose(accepted_widening(ledger, rocket), left.widened if left else 1.0, atol=0.005):
         return
-    if not places:
+    if not places and (left is None or left.widened == 1.0):
         ledger.activate(rocket, None)
         return
-    ledger.keep_version(rocket, version_payload(diagnosis))
+    ledger.keep_version(rocket, version_payload(diagnosis, left))
 
 
-def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
-    """What a model version keeps: its effects with strengths, the flights behind it, errors, a digest."""
+def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
+    """What a model version keeps: its effects with strengths, the flights behind it, errors, a digest.
+
+    `left` is what no effect accounts for, and by how much it widens forecasts.
+    """
     payload: dict[str, Any] = {
         "effects": [
             {
@@ -189,17 +225,21 @@ def version_payload(diagnosis: Diagnosis) -> dict[str, Any]:
         "before": diagnosis.before.json(),
         "after": diagnosis.after.json(),
     }
+    if left is not None:
+        payload["unexplained"] = {"goes_with": left.in_words, "widened": left.widened}
     payload["digest"] = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
     return payload
 
 
-def loop_document(rocket: str, diagnosis: Diagnosis) -> dict[str, Any]:
-    """A diagnosis under the contract's keys."""
-    before = diagnosis.before.json()
+def loop_document(found: Findings) -> dict[str, Any]:
+    """A diagnosis under the contract's keys, and what else is reported of it."""
+    diagnosis = found.diagnosis
+    before = _finite(found.left_out.before.json())
     candidates = [
         {
             "effect": item.effect,
             "evidence": item.log_bayes,
+            "steady_evidence": item.steady,
             "parameters": {
                 str(item.best.candidate.place): {
                     **dict(zip(("mean", "sd"), item.best.strength(), strict=True)),
@@ -213,13 +253,14 @@ def loop_document(rocket: str, diagnosis: Diagnosis) -> dict[str, Any]:
         if item.effect
     ]
     return {
-        "rocket": rocket,
+        "rocket": found.rocket,
         "n_flights": int(diagnosis.data.seen[:, 0].sum()),
         "base_model": "field",
         "residual": {
             "before": before,
-            "pattern": [asdict(row) for row in patterns(diagnosis)],
-            "readouts": [_finite(asdict(row)) for row in spreads(diagnosis)],
+            "pattern": [asdict(row) for row in found.patterns],
+            "pattern_of_readouts": [asdict(row) for row in found.readout_patterns],
+            "readouts": [_finite(asdict(row)) for row in found.spreads],
         },
         "candidates": candidates,
         "verdict": {
@@ -227,14 +268,52 @@ def loop_document(rocket: str, diagnosis: Diagnosis) -> dict[str, Any]:
             "confidence": diagnosis.confidence,
             "why": diagnosis.why,
             "also": list(diagnosis.also),
-            "tell_apart": list(diagnosis.advice),
+            "tell_apart": [_test(test) for test in found.tests],
+            "goes_with": found.unexplained.in_words if found.unexplained else None,
+            "widened": found.unexplained.widened if found.unexplained else 1.0,
         },
         "before": before,
-        "after": diagnosis.after.json(),
-        "evaluation": "leave-one-flight-out, effect chosen anew inside every fold",
+        "after": _finite(found.left_out.after.json()),
+        "gain_m": _gain(found.left_out),
+        "evaluation": found.left_out.how,
+        "forward": {
+            "n_flights": found.forward.before.flights,
+            "before": _finite(found.forward.before.json()),
+            "after": _finite(found.forward.after.json()),
+            "gain_m": _gain(found.forward),
+            "chosen": [
+                {"flight_id": flight.flight_id, "effect": name or "none"}
+                for flight, name, judged in zip(
+                    diagnosis.model.flights, found.ahead.chosen, found.ahead.seen, strict=True
+                )
+                if judged
+            ],
+            "evaluation": found.forward.how,
+        },
+        "fingerprints": [
+            {"effect": str(trial.candidate.place), "readouts": [_finite(asdict(mark)) for mark in row]}
+            for trial, row in found.fingerprints
+        ],
     }
 
 
-def _finite(row: Mapping[str, Any]) -> dict[str, Any]:
+def _test(test: Advice) -> dict[str, Any]:
+    return {
+        "do": test.what,
+        "write_down": list(test.readouts),
+        "expected_log_bayes_factor": test.expected,
+        "in_words": test.in_words,
+    }
+
+
+def _gain(compared: Compared) -> dict[str, Any]:
+    return {"mae_m": _finite(compared.gain), "interval90": _finite(compared.gain_interval)}
+
+
+def _finite(value: Any) -> Any:
     """The same with None for what is no number, as JSON has it."""
-    return {key: None if isinstance(value, float) and not np.isfinite(value) else value for key, value in row.items()}
+    if isinstance(value, Mapping):
+        return {key: _finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [_finite(one) for one in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

@@ -15,7 +15,7 @@ from fieldkit.loop.fit import Fit, fit
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_family
-from fieldkit.simulator.effect import Effect, effects
+from fieldkit.simulator.effect import Effect
 
 SEARCH_SLACK = 0.35
 """How far a search lets motors be from their certificate, and configurations from each other, unexplained."""
@@ -49,12 +49,6 @@ class Diagnosis:
     after: Score
     forecasts_before: Forecasts
     forecasts_after: Forecasts
-
-    @property
-    def advice(self) -> list[str]:
-        """What to fly or write down to tell the effects named together apart."""
-        names = [name for name in (*self.effect.split("+"), *self.also) if name in effects()]
-        return [effects()[name].tell_apart for name in names] if self.also else []
 
 
 CERTAIN = 0.99

@@ -5,7 +5,7 @@ all of them fly in one batch. With no flight to learn from the priors are flown,
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -31,7 +31,8 @@ class Prediction:
 
     `coast` is from top speed to apogee, `eject` from apogee to the ejection charge (nan without a delay),
     `cd` and `alpha` the drag coefficient and thrust factor flown with. `rests_on` counts the flights that
-    taught the model.
+    taught the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how
+    `earlier_forecasts` fared, 1 where there are too few of them.
     """
 
     plan: Flight
@@ -47,15 +48,32 @@ class Prediction:
     alpha: Float[Array, "draw"]
     rests_on: int
     model: str
+    stretched_by: float = 1.0
+    earlier_forecasts: int = 0
 
     def apogee_quantiles(self) -> Float[Array, "level"]:
         """At 5, 50 and 95 %. [m]"""
         return np.asarray(np.quantile(self.apogee, LEVELS))
 
+    def corrected(self, factor: float | None, earlier: int) -> "Prediction":
+        """The same with the spread of the apogee multiplied about its median, by ratio; None changes nothing."""
+        if factor is None:
+            return self
+        return replace(self, apogee=apart(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
+
     @property
     def median_eject(self) -> float | None:
         """From apogee to the ejection charge, or None without a delay. [s]"""
         return median(self.eject)
+
+
+def apart(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
+    """Draws of an apogee further from their median, by ratio; those that stay on the pad are left there."""
+    flown = apogee > 0
+    if factor == 1.0 or not flown.any():
+        return apogee
+    middle = np.median(apogee[flown])
+    return np.where(flown, middle * (np.where(flown, apogee, middle) / middle) ** factor, apogee)
 
 
 def median(values: Float[Array, "draw"]) -> float | None:
@@ -96,7 +114,7 @@ def predict(
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
-    acting = (*accepted, *_declared(flights, accepted)) if declared else accepted
+    acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     model = rocket_model(flights, found, acting, FORECAST_SLACK)
     result = fit_robustly(model, observe(flights, teach))
     rng = np.random.default_rng(seed)
@@ -135,7 +153,7 @@ def predict(
     ]
 
 
-def _declared(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
+def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> list[Place]:
     """Effects whose column was written down, and that no accepted effect stands for already."""
     known = {place.effect for place in accepted}
     return [

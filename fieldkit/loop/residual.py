@@ -1,34 +1,33 @@
 """What the plain model gets wrong, and what the errors go together with."""
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
 from fieldkit.flight import CONDITIONS
 from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.loop.fit import LeftOut
 from fieldkit.loop.model import OBSERVED, groups
 from fieldkit.loop.score import forecasts_of
 from fieldkit.loop.trial import Trial
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.field import recorded
 
 
 @dataclass(frozen=True, slots=True)
 class Pattern:
-    """How strongly residuals go together with a column of the flights.
+    """How strongly a readout's residuals go together with a column of the flights.
 
-    `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups; `p` is
-    corrected for the number of columns looked at (Benjamini and Hochberg, 1995).
+    `statistic` is Spearman's rank correlation for numbers and Kruskal and Wallis' H for groups; `p_alone` is
+    the chance of one as large where nothing is, `p` the same after paying for everything looked at (Holm, 1979).
     """
 
     against: str
     statistic: float
     p: float
-
-    def json(self) -> dict[str, Any]:
-        """The keys of the contract."""
-        return {"against": self.against, "statistic": self.statistic, "p": self.p}
+    p_alone: float
+    readout: str = "apogee"
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,14 +35,22 @@ class Spread:
     """How one readout's residuals are distributed, in units of their expected scatter.
 
     `bias` and `spread` are mean and standard deviation (0 and 1 where the model is right), `autocorrelation`
-    is between one flight and the next; nan where fewer than three flights have the readout.
+    is between one flight and the next. Each comes with the chance of one as far off where the model is right: by
+    Student's t, by chi squared, and by shuffling the flights. nan where fewer than four flights have the readout.
     """
 
     readout: str
     flights: int
     bias: float
+    bias_p: float
     spread: float
+    spread_p: float
     autocorrelation: float
+    autocorrelation_p: float
+
+
+SHUFFLES = 2000
+"""Orders of the flights that an autocorrelation is compared with."""
 
 
 def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
@@ -51,10 +58,13 @@ def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
 
     nan where it was not recorded or does not teach.
     """
-    left_out = diagnosis.base.left_out
-    weight = forecasts_of(left_out).weight
-    residual = np.einsum("sf,sfo->fo", weight, left_out.residual)
-    return np.where(diagnosis.data.seen, residual, np.nan)
+    return standardised(diagnosis.base.left_out, diagnosis.data.seen)
+
+
+def standardised(left_out: LeftOut, seen: Flags) -> Float[Array, "flight readout"]:
+    """Residuals of flights left out, averaged over the scales of scatter; nan where nothing was seen."""
+    residual = np.einsum("sf,sfo->fo", forecasts_of(left_out).weight, left_out.residual)
+    return np.where(seen, residual, np.nan)
 
 
 def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
@@ -64,17 +74,38 @@ def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
 
 def spreads(diagnosis: Diagnosis) -> list[Spread]:
     """Bias, spread and autocorrelation in time of every readout that was recorded."""
-    rows = []
-    for name, column in zip(OBSERVED, readout_residuals(diagnosis).T, strict=True):
-        error = column[np.isfinite(column)]
-        if not len(error):
-            continue
-        varied = len(error) > 2 and error.std() > 0
-        follow = float(np.corrcoef(error[:-1], error[1:])[0, 1]) if varied and len(error) > 3 else float("nan")
-        rows.append(
-            Spread(name, len(error), float(error.mean()), float(error.std()) if varied else float("nan"), follow)
-        )
-    return rows
+    columns = zip(OBSERVED, readout_residuals(diagnosis).T, strict=True)
+    return [spread_of(name, column[np.isfinite(column)]) for name, column in columns if np.isfinite(column).any()]
+
+
+def spread_of(readout: str, error: Float[Array, "flight"]) -> Spread:
+    """How residuals in the order flown are distributed, and how likely that is by chance."""
+    from scipy.stats import chi2, ttest_1samp
+
+    count, nan = len(error), float("nan")
+    if count < 4 or error.std() == 0:
+        return Spread(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
+    tail = float(chi2.cdf(((error - error.mean()) ** 2).sum(), count - 1))
+    alike = _lag(error)
+    shuffled = _lag(np.random.default_rng(0).permuted(np.tile(error, (SHUFFLES, 1)), axis=1))
+    centred = shuffled.mean()
+    beyond = (np.abs(shuffled - centred) >= abs(alike - centred) - 1e-12).sum()
+    return Spread(
+        readout,
+        count,
+        float(error.mean()),
+        float(ttest_1samp(error, 0.0).pvalue),
+        float(error.std(ddof=1)),
+        2 * min(tail, 1 - tail),
+        float(alike),
+        float((beyond + 1) / (SHUFFLES + 1)),
+    )
+
+
+def _lag(error: Float[Array, "*shuffle flight"]) -> Float[Array, "*shuffle"]:
+    """Correlation between one flight and the next."""
+    off = error - error.mean(axis=-1, keepdims=True)
+    return np.asarray((off[..., 1:] * off[..., :-1]).sum(axis=-1) / (off**2).sum(axis=-1))
 
 
 def fingerprint(trial: Trial) -> dict[str, float]:
@@ -84,38 +115,76 @@ def fingerprint(trial: Trial) -> dict[str, float]:
     """
     fit = trial.fit
     mean, _ = fit.moments()
-    last = len(fit.model.terms) - 1
-    acts = fit.model.terms[last].weight != 0
-    shift = fit.tangent.slope[acts][..., last].mean(axis=0) * mean[last]
+    own = [fit.model.names.index(term.name) for term in trial.candidate.terms]
+    acts = np.any([term.weight != 0 for term in trial.candidate.terms], axis=0)
+    shift = (fit.tangent.slope[acts][..., own] @ mean[own]).mean(axis=0)
     return {name: float(value) for name, value in zip(OBSERVED, shift, strict=True)}
 
 
 def patterns(diagnosis: Diagnosis) -> list[Pattern]:
-    """Every column against the residuals, the most telling first."""
-    from scipy.stats import false_discovery_control, kruskal, spearmanr
+    """Every column against the apogee's residuals, the most telling first."""
+    return _against(diagnosis, ("apogee",))
 
-    model, error = diagnosis.model, residuals(diagnosis)
+
+def readout_patterns(diagnosis: Diagnosis) -> list[Pattern]:
+    """Every column against the residuals of the other readouts, corrected over all of them together."""
+    return _against(diagnosis, OBSERVED[1:])
+
+
+def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
+    numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
+    every = readout_residuals(diagnosis)
+    found = [
+        (name, *test) for name in readouts for test in associations(every[:, OBSERVED.index(name)], numbers, kinds)
+    ]
+    corrected = holm([p for *_, p in found])
+    rows = [
+        Pattern(against, statistic, p, alone, readout)
+        for (readout, against, statistic, alone), p in zip(found, corrected, strict=True)
+    ]
+    return sorted(rows, key=lambda row: (row.p, row.p_alone))
+
+
+def associations(
+    error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
+) -> list[tuple[str, float, float]]:
+    """Each column's name, statistic and uncorrected p against residuals; nan is not recorded."""
+    from scipy.stats import kruskal, spearmanr
+
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
-    for name, values in _numbers(diagnosis).items():
+    for name, values in numbers.items():
         both = seen & np.isfinite(values)
-        if both.sum() >= 5 and len(np.unique(values[both])) > 2:
+        if both.sum() >= 5 and len(np.unique(values[both])) > 2 and len(np.unique(error[both])) > 1:
             test = spearmanr(values[both], error[both])
             found.append((name, float(test.statistic), float(test.pvalue)))
-    for name in ("motor", "config", "site"):
-        kinds = np.array(groups(model.flights, model.found, name))[seen]
-        parts = [error[seen][kinds == kind] for kind in np.unique(kinds)]
-        if len(parts) > 1 and min(len(part) for part in parts) >= 2:
+    for name, group in kinds.items():
+        own = np.array(group)[seen]
+        parts = [error[seen][own == kind] for kind in np.unique(own)]
+        if len(parts) > 1 and min(len(part) for part in parts) >= 2 and len(np.unique(error[seen])) > 1:
             grouped = kruskal(*parts)
             found.append((name, float(grouped.statistic), float(grouped.pvalue)))
-    if not found:
-        return []
-    corrected = false_discovery_control([p for *_, p in found])
-    rows = [Pattern(name, statistic, float(p)) for (name, statistic, _), p in zip(found, corrected, strict=True)]
-    return sorted(rows, key=lambda row: row.p)
+    return found
 
 
-def _numbers(diagnosis: Diagnosis) -> dict[str, Array]:
+def holm(p: Sequence[float]) -> list[float]:
+    """Chances corrected so that even one false alarm among all of them is as rare as said (Holm, 1979)."""
+    values = np.asarray(p, float)
+    order = np.argsort(values, kind="stable")
+    stepped = np.maximum.accumulate(values[order] * (len(values) - np.arange(len(values))))
+    corrected = np.empty(len(values))
+    corrected[order] = np.minimum(stepped, 1.0)
+    return [float(value) for value in corrected]
+
+
+def kinds_of(diagnosis: Diagnosis) -> dict[str, Sequence[str]]:
+    """The groups each flight belongs to."""
+    model = diagnosis.model
+    return {name: groups(model.flights, model.found, name) for name in ("motor", "config", "site")}
+
+
+def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
+    """Everything written down of the flights in numbers, and their number, hour and expected speed."""
     flights = diagnosis.model.flights
     hours = [f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights]
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}

@@ -2,9 +2,8 @@
 
 from collections.abc import Iterator
 
-from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.loop.findings import Findings
 from fieldkit.loop.predict import Prediction
-from fieldkit.loop.residual import fingerprint, patterns, spreads
 from fieldkit.units import FOOT
 
 
@@ -20,6 +19,11 @@ def in_words(prediction: Prediction) -> Iterator[str]:
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
     yield f"  rests on  {_rests_on(prediction)}"
+    if prediction.earlier_forecasts:
+        yield (
+            f"            the interval is {prediction.stretched_by:.2f} times the model's own, as "
+            f"{prediction.earlier_forecasts} earlier forecasts would have had to be"
+        )
 
 
 def _ejection(prediction: Prediction) -> str:
@@ -37,31 +41,53 @@ def _rests_on(prediction: Prediction) -> str:
     return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
 
 
-def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
-    """A diagnosis: the residual, what it goes with, the ladder of evidence, the verdict, before and after."""
-    before, after = diagnosis.before, diagnosis.after
-    count = int(diagnosis.data.seen[:, 0].sum())
-    yield f"{rocket}: {count} clean flights, each forecast from the others by the plain model"
-    yield (
-        f"  error {before.mae:.1f} m in the mean, bias {before.bias:+.1f} m, "
-        f"{before.coverage90:.0%} of flights in the 90 % interval"
-    )
-    telling = [pattern for pattern in patterns(diagnosis) if pattern.p < 0.1]
-    for pattern in telling:
-        yield f"  it goes with {pattern.against}: statistic {pattern.statistic:+.2f}, p {pattern.p:.3f} corrected"
-    if not telling:
-        yield "  it goes with nothing that was written down"
+def report(found: Findings) -> Iterator[str]:
+    """A closed loop: the residual, what it goes with, the ladder of evidence, the verdict, before and after."""
+    diagnosis = found.diagnosis
+    yield from _residual(found)
     yield ""
-    yield from _fingerprints(diagnosis)
+    yield from _fingerprints(found)
     yield ""
-    yield "  could be missing                  evidence   strength"
+    yield "  could be missing                  evidence  steady   strength"
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
-            yield f"  {place:34.34}{item.log_bayes:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            yield f"  {place:34.34}{item.log_bayes:+8.1f}{item.steady:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
+    yield from _verdict(found)
+    yield ""
+    yield from _errors(found)
+
+
+def _residual(found: Findings) -> Iterator[str]:
+    before = found.left_out.before.score
+    count = found.left_out.before.flights
+    yield f"{found.rocket}: {count} clean flights, each forecast from the others by the plain model"
+    yield (
+        f"  error {before.mae:.1f} m in the mean, bias {before.bias:+.1f} m, "
+        f"{before.coverage90:.0%} of flights in the 90 % interval"
+    )
+    telling = [row for row in (*found.patterns, *found.readout_patterns) if row.p < 0.1]
+    for row in telling:
+        what = "it goes" if row.readout == "apogee" else f"{row.readout.replace('_', ' ')} goes"
+        yield f"  {what} with {row.against}: statistic {row.statistic:+.2f}, p {row.p:.3f} corrected"
+    for spread in found.spreads:
+        if spread.autocorrelation_p < 0.05:
+            yield (
+                f"  {spread.readout.replace('_', ' ')} is off alike from one flight to the next: "
+                f"{spread.autocorrelation:+.2f}, p {spread.autocorrelation_p:.3f}"
+            )
+    if not telling:
+        yield "  it goes with nothing that was written down"
+
+
+def _verdict(found: Findings) -> Iterator[str]:
+    diagnosis = found.diagnosis
     yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
+    if found.unexplained is not None:
+        yield f"  {found.unexplained.in_words}"
+        yield f"  forecasts are given intervals {found.unexplained.widened:.2f} times as wide"
     if diagnosis.effect == "none":
         chance = 1 - diagnosis.confidence
         yield f"  (the chance that something is missing is put at {chance:.0%}, before unseen flights have their say)"
@@ -70,20 +96,30 @@ def report(rocket: str, diagnosis: Diagnosis) -> Iterator[str]:
         yield f"  (the chance that {what} is put at {diagnosis.confidence:.0%})"
     if diagnosis.also:
         yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
-        for advice in diagnosis.advice:
-            yield f"    to tell: {advice}"
-    if diagnosis.effect != "none":
-        yield (
-            f"  error of flights not seen: before {before.mae:.1f} m, after {after.mae:.1f} m "
-            f"(bias {before.bias:+.1f}, {after.bias:+.1f}; in the 90 % interval "
-            f"{before.coverage90:.0%}, {after.coverage90:.0%})"
-        )
-    yield "  leave-one-flight-out, effect chosen anew inside every fold"
+        for test in found.tests:
+            yield f"    to tell: {test.in_words}"
 
 
-def _fingerprints(diagnosis: Diagnosis) -> Iterator[str]:
-    """Readouts as they were off, in expected scatter, and what the likeliest effects would do to them."""
-    rows = spreads(diagnosis)
+def _errors(found: Findings) -> Iterator[str]:
+    """Errors before and after, left out and forward in time, with their intervals."""
+    yield f"  {'error of unseen flights':24}{'MAE':>5} {'[m]':14}{'RMSE':>6}{'bias':>6} {'':14}{'in 90%':>6}"
+    for title, compared in (("left out", found.left_out), ("forward in time", found.forward)):
+        if not compared.before.flights:
+            continue
+        rows = [("before", compared.before)] + [("after", compared.after)] * (found.diagnosis.effect != "none")
+        for when, judged in rows:
+            score, (low, high), (least, most) = judged.score, judged.mae, judged.bias
+            yield (
+                f"  {title + ', ' + when:24}{score.mae:5.1f} {f'({low:.1f} to {high:.1f})':14}"
+                f"{score.rmse:6.1f}{score.bias:+6.1f} {f'({least:+.0f} to {most:+.0f})':14}{score.coverage90:6.0%}"
+            )
+    yield f"  left out: {found.left_out.how}"
+    yield f"  forward: {found.forward.how}"
+    yield "  in brackets: 90 % intervals over the flights (bootstrap)"
+
+
+def _fingerprints(found: Findings) -> Iterator[str]:
+    """Readouts as they were off, in expected scatter, and what the likeliest effects would leave there."""
     short = {
         "top_speed": "speed",
         "burn_time": "burn",
@@ -91,11 +127,11 @@ def _fingerprints(diagnosis: Diagnosis) -> Iterator[str]:
         "coast_to_apogee": "coast",
         "apogee_to_eject": "eject s",
     }
-    names = [row.readout for row in rows]
+    names = [row.readout for row in found.spreads]
     yield f"  {'off, in its scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
-    yield f"  {'mean':24}" + "".join(f"{row.bias:+9.2f}" for row in rows)
-    yield f"  {'one to the next alike':24}" + "".join(f"{row.autocorrelation:+9.2f}" for row in rows)
-    for item in [item for item in diagnosis.ranking if item.effect][:3]:
-        marks = fingerprint(item.best)
-        cells = (f"{marks[n]:+9.2f}" if n == "apogee_to_eject" else f"{marks[n]:+9.1%}" for n in names)
-        yield f"  {item.effect + ' does':24}" + "".join(cells)
+    yield f"  {'mean':24}" + "".join(f"{row.bias:+9.2f}" for row in found.spreads)
+    yield f"  {'one to the next alike':24}" + "".join(f"{row.autocorrelation:+9.2f}" for row in found.spreads)
+    for trial, row in found.fingerprints:
+        marks = {mark.readout: mark for mark in row}
+        yield f"  {trial.candidate.effect + ' leaves':24}" + "".join(f"{marks[n].expected:+9.2f}" for n in names)
+        yield f"  {'  and there was':24}" + "".join(f"{marks[n].found:+9.2f}" for n in names)

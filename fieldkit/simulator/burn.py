@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Integers
 from fieldkit.simulator.pull import TURN_LENGTH, Pull
 from fieldkit.simulator.state import Setup
 
@@ -18,6 +18,9 @@ BIGGEST_GAIN = 0.4
 """Largest share by which thrust may change the speed of a free planar flight in a step. [1]"""
 MOST_PARTS = 64
 """Into which a step is cut. [1]"""
+
+CROWD = 0.75
+"""Share of the draws that must need another part of a step for all of them to be taken through it. [1]"""
 
 NEWTON = 8
 """Rounds of Newton's method for the moment at which the rail ends. [1]"""
@@ -111,16 +114,7 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
-        parts = _parts(setup, track, dt, thrust, mass)
-        for part in range(int(parts.max())):
-            start_at, end_at = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
-            _step(
-                track,
-                pull,
-                dt * (end_at - start_at),
-                _between(thrust, start_at, end_at),
-                _between(mass, start_at, end_at),
-            )
+        _advance(track, setup, pull, dt, thrust, mass)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
@@ -190,6 +184,40 @@ def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
     turning = (path < setup.rail_length + TURN_LENGTH) & (path + ahead > setup.rail_length)
     gains = np.where(path < setup.rail_length, 0.0, push * dt / np.maximum(speed, 1e-9))
     return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN)
+
+
+def _advance(track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:
+    """A step in as many parts as each draw needs; where most need no more, the others go on by themselves."""
+    parts = _parts(setup, track, dt, thrust, mass)
+    moving, rows = track, np.arange(len(track.time))
+    for part in range(int(parts.max())):
+        busy = parts > part
+        if busy.mean() < CROWD:
+            _put_back(track, moving, rows)
+            rows, kept = rows[busy], np.flatnonzero(busy)
+            moving = Track(*(getattr(track, name)[..., rows] for name in Track.__dataclass_fields__))
+            setup = setup.part(kept)
+            pull = Pull(setup, burning=True)
+            parts, dt = parts[kept], _some(dt, kept)
+            thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
+        start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
+        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end))
+    _put_back(track, moving, rows)
+
+
+def _some(values: Array, rows: Integers) -> Array:
+    """The entries of some draws; one for all stays one, [1]."""
+    return values if len(values) == 1 else values[rows]
+
+
+def _put_back(track: Track, moving: Track, rows: Integers) -> None:
+    """Draws that went on by themselves, among the others again."""
+    if moving is track:
+        return
+    for name in ("position", "velocity", "time", "flying", "highest", "highest_time"):
+        values = getattr(track, name).copy()
+        values[..., rows] = getattr(moving, name)
+        setattr(track, name, values)
 
 
 def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:

@@ -44,7 +44,8 @@ class Effect:
     acts with its strength times the flights flown before; one that `starts_anywhere` may be there only from
     some flight on, as with a new lot of motors or a new altimeter. `starts` are strengths from which a fit is
     begun, several where what the effect does is far from linear. `explains` tells a flyer what it is, `tell_apart`
-    what to fly or write down to be sure of it.
+    what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
+    ground gives the fitted value, 0 where it cannot.
     """
 
     title: str
@@ -66,6 +67,7 @@ class Effect:
     starts_anywhere: bool = False
     starts: tuple[float, ...] = ()
     squared: bool = False
+    measured: float = 0.0
 
     def strength(self, fitted: Strength) -> Strength:
         """The strength that belongs to a fitted value."""

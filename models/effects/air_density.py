@@ -24,4 +24,5 @@ EFFECT = Effect(
     setup=setup,
     per="site",
     everywhere=False,
+    measured=0.01,
 )

@@ -19,4 +19,5 @@ EFFECT = Effect(
     tell_apart="fly a second altimeter beside it",
     reading=reading,
     starts_anywhere=True,
+    measured=0.01,
 )

@@ -25,4 +25,5 @@ EFFECT = Effect(
     setup=setup,
     per="site",
     squared=True,
+    measured=4.0,
 )

@@ -22,4 +22,5 @@ EFFECT = Effect(
     tell_apart="weigh the rocket again as it stands on the pad, without the motor",
     setup=setup,
     per="config",
+    measured=0.005,
 )

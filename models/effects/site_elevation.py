@@ -45,4 +45,5 @@ EFFECT = Effect(
     per="site",
     everywhere=False,
     form_of="air_density",
+    measured=10.0,
 )

@@ -1,6 +1,7 @@
 """The field ensemble: densities of drag area and alpha learnt from simulated flights of every motor."""
 
 import time
+from collections.abc import Sequence
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -10,13 +11,15 @@ import numpy as np
 from fieldkit.errors import BadValue
 from fieldkit.inference import guard
 from fieldkit.inference.ensemble import from_parts
+from fieldkit.inference.extra_effects import known_effects, priors
 from fieldkit.inference.field import INTERVALS, intervals
 from fieldkit.inference.field_features import FEATURES, features, shown
 from fieldkit.inference.judge import judge
-from fieldkit.inference.measured import NOISE, forget, measure
+from fieldkit.inference.measured import GAIN, NOISE, OFFSET, forget, measure
 from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
 from fieldkit.inference.observed import SEEN, Observed
-from fieldkit.inference.simulated import PRIORS, Truth, flown_motors, simulate
+from fieldkit.inference.restricted import BURN_SD
+from fieldkit.inference.simulated import PRIORS, TAIL, Truth, flown_motors, simulate
 from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
@@ -41,12 +44,16 @@ def train_field(
     seed: int = 1,
     n_train: int = 1_000_000,
     schedule: str = "published",
+    effects: Sequence[str] = (),
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, judge, and say how good it came out.
 
-    Raises BadValue for an unknown schedule, too few flights or a folder that holds an ensemble already.
+    Effects that are named act in every simulated flight, in training and in judging, at strengths drawn from their
+    priors: a posterior that is honest about them. Raises BadValue for an unknown schedule or effect, too few flights
+    or a folder that holds an ensemble already.
     """
+    known_effects(effects)
     if schedule not in PLANS:
         raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
     plan = PLANS[schedule]
@@ -56,24 +63,25 @@ def train_field(
     began = time.perf_counter()
     known, others = motors_apart()
     streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(5)]
-    truth = simulate(streams[0], known, n_train)
+    truth = simulate(streams[0], known, n_train, effects)
     flown = round(time.perf_counter() - began, 1)
     with one_thread(seed):
         members, mean, sd = fit(lambda: batch(streams[1], truth), plan, progress)
     exported = density_graph(members, mean, sd)
-    card = _card(seed, n_train, schedule, plan) | {
+    card = _card(seed, n_train, schedule, plan, effects) | {
         "simulations": len(truth),
         "simulation_seconds": flown,
         "seconds": round(time.perf_counter() - began, 1),
         "reach": reach(features(measure(streams[2], truth.rows(slice(0, 100_000))))),
     }
-    card["guard"] = guard.limits(from_parts(exported, card, out), _fresh(streams[3], known))
+    card["guard"] = guard.limits(from_parts(exported, card, out), _fresh(streams[3], known, effects))
     ensemble = from_parts(exported, card, out)
-    card["test"] = judge(ensemble, streams[4], known, JUDGED)
-    card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED)
-    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), JUDGED)
+    card["test"] = judge(ensemble, streams[4], known, JUDGED, effects)
+    card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED, effects)
+    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), JUDGED, effects)
     if schedule == "published":
         card["restricted"] = train_restricted(seed=seed)
+        card["restricted_burn_uncertain"] = train_restricted(seed=seed, burn_sd=BURN_SD)
     both = card["test"]["all ten"]
     return {
         "recipe": "field",
@@ -106,9 +114,9 @@ def batch(rng: np.random.Generator, truth: Truth) -> Batch:
     return Batch(*(np.asarray(array, np.float32) for array in arrays))
 
 
-def _fresh(rng: np.random.Generator, motors: list[Motor]) -> Observed:
+def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]) -> Observed:
     """Flights that nothing was learnt from, with gaps."""
-    return forget(rng, measure(rng, simulate(rng, motors, 4 * JUDGED)))
+    return forget(rng, measure(rng, simulate(rng, motors, 4 * JUDGED, effects)))
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
@@ -117,18 +125,22 @@ def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 
 
-def _card(seed: int, n_train: int, schedule: str, plan: Plan) -> dict[str, Any]:
+def _card(seed: int, n_train: int, schedule: str, plan: Plan, effects: Sequence[str]) -> dict[str, Any]:
     """What is known before training."""
+    named = f" --effects {','.join(effects)}" if effects else ""
+    options = f"--schedule {schedule} --seed {seed} --n-train {n_train}{named}"
     return {
         "name": "field",
         "recipe": "field",
         "physics": "field",
-        "effects": [],
-        "command": f"fieldkit train --recipe field --schedule {schedule} --seed {seed} --n-train {n_train} --out DIR",
+        "effects": list(effects),
+        "effect_priors": priors(effects),
+        "command": f"fieldkit train --recipe field {options} --out DIR",
         "seed": seed,
         "n_train": n_train,
         "priors": dict(PRIORS),
         "noise": {name: {"floor": n.floor, "share": n.share, "step": n.step} for name, n in NOISE.items()},
+        "accelerometer": {"offset": OFFSET, "gain": GAIN, "tail": TAIL},
         "intervals": INTERVALS,
         "held_out": HELD_OUT,
         "features": list(FEATURES),

@@ -21,22 +21,34 @@ from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.shapes import Array, Float
 
 PLAN = Plan(epochs=20)
+CELLS_UNCERTAIN = 150
+"""Along each axis of the grid where the burn time is integrated over."""
 
 
 def train_restricted(
-    *, seed: int = 1, n_train: int = 200_000, plan: Plan = PLAN, judged: int = 500, progress: Progress | None = None
+    *,
+    seed: int = 1,
+    n_train: int = 200_000,
+    plan: Plan = PLAN,
+    judged: int = 500,
+    burn_sd: float = 0.0,
+    progress: Progress | None = None,
 ) -> dict[str, Any]:
-    """Train on the restricted problem, and say how far the ensemble is from the exact posterior."""
+    """Train on the restricted problem, and say how far the ensemble is from the exact posterior.
+
+    `burn_sd` is by how much the logarithm of the burn time scatters. [1]
+    """
     rng = np.random.default_rng(seed)
-    flights, clean = restricted_draws(rng, n_train)
+    flights, clean = restricted_draws(rng, n_train, burn_sd)
     with one_thread(seed):
         members, mean, sd = fit(lambda: _batch(rng, flights, clean), plan, progress)
-    fresh, _ = restricted_draws(rng, judged)
+    fresh, _ = restricted_draws(rng, judged, burn_sd)
     densities = {
         name: mixture(_run(members, mean, sd, fresh.observed.only(*kept)), *intervals(judged))
         for name, kept in SUBSETS.items()
     }
-    return against_exact(fresh, densities, exact(), judged)
+    grid = exact(CELLS_UNCERTAIN, burn_sd) if burn_sd else exact()
+    return against_exact(fresh, densities, grid, judged)
 
 
 def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "flight readout"]) -> Batch:

@@ -1,15 +1,19 @@
 """What an apogee alone can say, by brute force: the posterior on a grid over the paper's prior."""
 
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
 
 from fieldkit.inference.synthetic import ALPHA_RANGE, APOGEE_NOISE, CD_RANGE
-from fieldkit.loop.paper.reference import Reference, height_grid, heights
+from fieldkit.loop.paper.reference import Reference, heights
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator import paper
 from fieldkit.simulator.flight import apogees
 from fieldkit.simulator.motor import Burns
+
+Heights = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]], Float[Array, "*draw flight"]]
+"""Apogees of all flights at a Cd and an alpha of each. [m]"""
 
 
 def cells(ends: tuple[float, float], count: int) -> Float[Array, "cell"]:
@@ -17,25 +21,43 @@ def cells(ends: tuple[float, float], count: int) -> Float[Array, "cell"]:
     return np.linspace(*ends, 2 * count + 1)[1::2]
 
 
-def reconstructions(flights: Reference, curves: Burns, count: int = 40) -> Float[Array, "flight"]:
-    """Apogee at the exact posterior mean of Cd and alpha given the apogee itself. [m]
+def exact_means(
+    flights: Reference, heights: Heights, count: int = 40
+) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
+    """Exact posterior mean of Cd and alpha of each flight, given its apogee and nothing else. [1]
 
-    Uniform prior, normal noise of the paper's 3 m, Gauss-Legendre quadrature with `count` nodes a side:
-    its nodes crowd at the prior's ends, and there the posterior of a low flight sits.
+    `heights` flies every flight with a Cd and alpha of its own. Uniform prior, normal noise of the paper's 3 m,
+    Gauss-Legendre quadrature with `count` nodes a side: its nodes crowd at the prior's ends, and there the
+    posterior of a low flight sits.
     """
     node, share = np.polynomial.legendre.leggauss(count)
     cd, alpha = (low + (high - low) * (node + 1) / 2 for low, high in (CD_RANGE, ALPHA_RANGE))
-    grid = height_grid(flights, cd, alpha, curves)
-    misfit = 0.5 * ((grid - flights.apogee[:, None, None]) / APOGEE_NOISE) ** 2
-    weight = np.exp(misfit.min(axis=(1, 2), keepdims=True) - misfit) * share[:, None] * share
-    weight /= weight.sum(axis=(1, 2), keepdims=True)
-    return heights(flights, weight.sum(axis=2) @ cd, weight.sum(axis=1) @ alpha, curves)
+    shape = (count, count, len(flights))
+    grid = heights(np.broadcast_to(cd[:, None, None], shape), np.broadcast_to(alpha[:, None], shape))
+    misfit = 0.5 * ((grid - flights.apogee) / APOGEE_NOISE) ** 2
+    weight = np.exp(misfit.min(axis=(0, 1)) - misfit) * share[:, None, None] * share[:, None]
+    weight /= weight.sum(axis=(0, 1))
+    return cd @ weight.sum(axis=1), alpha @ weight.sum(axis=0)
+
+
+def reconstructions(flights: Reference, curves: Burns, count: int = 40) -> Float[Array, "flight"]:
+    """Apogee at the exact posterior mean of Cd and alpha given the apogee itself, in the paper's physics. [m]"""
+
+    def fly(cd: Float[Array, "*draw flight"], alpha: Float[Array, "*draw flight"]) -> Float[Array, "*draw flight"]:
+        return apogees(paper.paper_setup(flights.motor, flights.dry_mass, cd, alpha, curves=curves))
+
+    return fly(*exact_means(flights, fly, count))
 
 
 def lowest(flights: Reference, curves: Burns) -> Float[Array, "flight"]:
     """The lowest apogee that the prior can produce: most drag, least thrust. [m]"""
     most, least = np.full(len(flights), CD_RANGE[1]), np.full(len(flights), ALPHA_RANGE[0])
     return heights(flights, most, least, curves)
+
+
+def lowest_in(flights: Reference, fly: Heights) -> Float[Array, "flight"]:
+    """As `lowest`, in any physics. [m]"""
+    return fly(np.full(len(flights), CD_RANGE[1]), np.full(len(flights), ALPHA_RANGE[0]))
 
 
 def bayes_limit(count: int = 90, step: float = 1.5) -> dict[str, float]:

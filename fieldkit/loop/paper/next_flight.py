@@ -45,12 +45,22 @@ def _same_setup(flights: Reference, others: Int[Any, "other"], row: int) -> floa
 def carried_over(cd: Float[Array, "flight"], alpha: Float[Array, "flight"]) -> Forecast:
     """Mean Cd and alpha inferred for the same motor's other flights, in the paper's own physics."""
     curves = paper.paper_burns()
+    return carry_over(cd, alpha, lambda flights, cd, alpha: heights(flights, cd, alpha, curves))
+
+
+def carry_over(
+    cd: Float[Array, "flight"],
+    alpha: Float[Array, "flight"],
+    fly: Callable[[Reference, Float[Array, "flight"], Float[Array, "flight"]], Float[Array, "flight"]],
+) -> Forecast:
+    """Mean Cd and alpha inferred for the same motor's other flights, flown by any physics."""
 
     def forecast(flights: Reference, others: Int[Any, "other"], row: int) -> float:
         peers = others[flights.motor[others] == flights.motor[row]]
         if not len(peers):
             return np.nan
-        return _apogee(flights, row, cd[peers].mean(), alpha[peers].mean(), curves)
+        one = flights.part(np.array([row]))
+        return float(fly(one, np.array([cd[peers].mean()]), np.array([alpha[peers].mean()]))[0])
 
     return forecast
 

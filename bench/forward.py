@@ -1,0 +1,69 @@
+"""`python -m bench.forward SETS`: how often forecasts hold, forward in time, before and after their correction.
+
+Each set's history and later flights go into a ledger of their own, and `fieldkit score` forecasts every flight from
+the earlier ones, with the plain model: what the set hides is not declared, so the model is wrong in most of them.
+Nothing of the product is imported.
+"""
+
+import argparse
+import json
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+
+def score_set(command: Sequence[str], folder: Path, name: str) -> dict[str, Any]:
+    """What `fieldkit score` says of all flights of a set."""
+    with tempfile.TemporaryDirectory() as home:
+        fieldkit = [*command, "--ledger", str(Path(home) / "ledger.db")]
+        files = [str(folder / f"{name}.csv"), str(folder / f"{name}_future.csv")]
+        for arguments in (["import", *files], ["score"]):
+            done = subprocess.run([*fieldkit, *arguments, "--json"], capture_output=True, text=True, env=os.environ)
+            if done.returncode:
+                raise SystemExit(f"{name}: {done.stderr.strip()}")
+    found: dict[str, Any] = json.loads(done.stdout)
+    return found
+
+
+def say(line: str) -> None:
+    """A line of the table, at once."""
+    sys.stdout.write(line + "\n")
+    sys.stdout.flush()
+
+
+def main() -> int:
+    """Score every set of a folder and print a line for each and for all."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else "")
+    parser.add_argument("sets", type=Path)
+    parser.add_argument("--command", default=f"{sys.executable} -m fieldkit.cli.main")
+    parser.add_argument("--limit", type=int, default=None, help="only so many of the sets")
+    options = parser.parse_args()
+    labels = json.loads((options.sets / "labels.json").read_text())[: options.limit]
+    rows: list[dict[str, Any]] = []
+    say(f"{'set':8} {'hidden':32} {'flights':>7} {'median error':>12} {'corrected':>9} {'own':>6} {'after':>6}")
+    for label in labels:
+        found = score_set(shlex.split(options.command), options.sets, label["set"])
+        late = [row for row in found["flights"] if row["corrected"]]
+        rows += late
+        own, after = (_share(late, which) for which in ("own", "corrected"))
+        error = found["errors"][0]["median_share"]
+        size = len(found["flights"])
+        say(f"{label['set']:8} {label['scenario']:32} {size:7} {error:12.1%} {len(late):9} {own:6.0%} {after:6.0%}")
+    say(f"all: {len(rows)} corrected; {_share(rows, 'own'):.1%} inside before, {_share(rows, 'corrected'):.1%} after")
+    return 0
+
+
+def _share(rows: Sequence[dict[str, Any]], which: str) -> float:
+    """Share of flights inside of the model's own interval, or of the corrected one."""
+    ends = [row["corrected"] if which == "corrected" else (row["p05"], row["p95"]) for row in rows]
+    held = [low <= row["flown"] <= high for row, (low, high) in zip(rows, ends, strict=True)]
+    return sum(held) / len(held) if held else float("nan")
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,62 @@
+"""`fieldkit study`: what the flights at hand teach, as a page that is computed from the first word to the last."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.session import known_motors, open_ledger
+
+app = typer.Typer()
+study = typer.Typer(no_args_is_help=True, help="Compute a page about the reference flights, or about your own.")
+app.add_typer(study, name="study")
+
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="FILE", help="Write the page there.", show_default="the screen")
+]
+
+
+@study.command()
+def reference(out: Out = None) -> None:
+    """Trace the reference paper's bias in parts, and say what remains."""
+    from fieldkit.loop.paper.study import study
+    from fieldkit.loop.paper.study_page import page
+
+    _hand_out(page(study()), out)
+
+
+@study.command()
+def rockets(
+    context: typer.Context,
+    out: Out = None,
+    unnamed: Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")] = False,
+) -> None:
+    """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
+    from fieldkit.cli.screen import progress
+    from fieldkit.loop.desk import flown
+    from fieldkit.loop.forward import forward
+    from fieldkit.loop.histories import histories, page
+
+    with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
+        motors = known_motors()
+        known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
+        found = histories(known, lambda text, share: tell(text, 0.7 * share))
+        forecasts = [row for name, own in known.items() for row in forward(name, own, tell=tell)]
+    _hand_out(page(found, forecasts, unnamed=unnamed), out)
+
+
+def _hand_out(page: str, out: Path | None) -> None:
+    import sys
+
+    from fieldkit.cli.screen import complain
+    from fieldkit.errors import FieldkitError
+    from fieldkit.safe_text import printable
+
+    if out is None:
+        sys.stdout.write("".join(printable(line) + "\n" for line in page.splitlines()))
+        return
+    try:
+        out.write_text(page, encoding="utf-8", newline="")
+    except OSError as error:
+        raise FieldkitError(f"{out}: cannot be written ({error.strerror})") from error
+    complain(f"page written to {out}")

@@ -1,0 +1,1 @@
+"""A closed loop as a page to keep, print or send: one file, pictures inside."""

@@ -1,0 +1,37 @@
+"""Intervals after a residual that nothing accounts for: as much wider as flights left out show that they must be."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.loop.fit import fit_robustly, leave_one_out
+from fieldkit.loop.model import Data
+from fieldkit.loop.predict import FORECAST_SLACK, Prediction, apart, declared_places, rocket_model
+from fieldkit.loop.score import forecasts_of
+from fieldkit.motors import Found
+
+FURTHEST = 4.0
+"""Standard deviations beyond which a flight left out counts no more: it may be an accident. [1]"""
+
+
+def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data) -> float:
+    """How much further flights left out lie from their forecasts than these claim, at least 1. [1]
+
+    The forecasts are those of the model that predicts, with nothing accepted; the distances are of its mixture,
+    as standard deviations of a normal with the same probability, and their root mean square is what comes back.
+    """
+    from scipy.special import ndtri
+
+    result = fit_robustly(rocket_model(flights, found, declared_places(flights, ()), FORECAST_SLACK), data)
+    below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
+    distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
+    return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0
+
+
+def widened(prediction: Prediction, factor: float) -> Prediction:
+    """The same forecast with draws of the apogee that lie further from their median, by ratio."""
+    return replace(
+        prediction, apogee=apart(prediction.apogee, factor), true_apogee=apart(prediction.true_apogee, factor)
+    )

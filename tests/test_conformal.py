@@ -1,0 +1,79 @@
+"""Intervals corrected by how earlier forecasts fared."""
+
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.loop.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
+from fieldkit.loop.desk import forecast_document, keep_forecasts, predict_plans
+from fieldkit.loop.forward import Forecast, corrected_by_earlier
+from fieldkit.loop.words import in_words
+from fieldkit.motors import catalogue
+
+INTERVAL = (80.0, 100.0, 130.0)
+
+
+def forecast(number: int, flown: float, rocket: str = "Astra") -> Forecast:
+    """One of a series of forecasts that all say the same."""
+    when = datetime(2026, 1, 1) + timedelta(days=number)
+    rivals = (float("nan"),) * 3
+    return Forecast(rocket, str(number), "F24-4", 3, flown, *INTERVAL, *rivals, when=when)
+
+
+def test_a_flight_at_the_end_of_its_interval_is_one_out() -> None:
+    assert [surprise(flown, INTERVAL) for flown in (100.0, 80.0, 130.0)] == pytest.approx([0, 1, 1])
+    assert surprise(169.0, INTERVAL) == pytest.approx(2.0)
+    assert surprise(150.0, (100.0, 100.0, 100.0)) == float("inf")
+
+
+def test_few_forecasts_change_nothing() -> None:
+    assert stretch([3.0] * (FEWEST - 1)) is None
+    assert stretch([3.0] * FEWEST) == 3.0
+
+
+def test_an_interval_is_stretched_about_its_median_by_ratio() -> None:
+    low, middle, high = stretched(INTERVAL, 2.0)
+    assert (low, middle, high) == pytest.approx((64.0, 100.0, 169.0))
+    assert stretched(INTERVAL, 1.0) == pytest.approx(INTERVAL)
+
+
+@pytest.mark.parametrize("spread", [0.05, 0.4])
+def test_nine_in_ten_later_flights_come_to_lie_inside_however_wrong_the_model_is(spread: float) -> None:
+    rng = np.random.default_rng(3)
+    rows = [forecast(n, float(100 * np.exp(spread * rng.normal()))) for n in range(600)]
+    found = corrected_by_earlier(rows)
+    own = np.mean([row.p05 <= row.flown <= row.p95 for row in found])
+    assert not 0.85 < own < 0.95
+    assert 0.86 < np.mean([row.inside for row in found[FEWEST:]]) < 0.94
+
+
+def test_only_flights_that_flew_before_correct_an_interval() -> None:
+    rows = [forecast(n, 200.0) for n in range(FEWEST)] + [forecast(-1, 100.0, "Luna")]
+    found = {row.flight_id: row for row in corrected_by_earlier(rows)}
+    assert found["-1"].corrected is None
+    assert found["18"].corrected is None
+    assert found["19"].stretch == pytest.approx(surprise(200.0, INTERVAL))
+
+
+def test_a_flight_scored_twice_counts_once() -> None:
+    one = {"rocket": "Astra", "flight_id": "1", "interval_m": list(INTERVAL)}
+    kept = [one | {"flown_m": 130.0}, one | {"flown_m": 169.0}, {"rocket": "Astra", "flight_id": "2", "apogee_m": {}}]
+    assert kept_surprises(kept) == pytest.approx([2.0])
+
+
+def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Path) -> None:
+    plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        (own,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+        keep_forecasts(ledger, [forecast(n, 169.0) for n in range(FEWEST)])
+        (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
+    assert own.stretched_by == 1
+    assert not any("earlier forecasts" in line for line in in_words(own))
+    assert forecast_document(wide)["interval"] == {"stretched_by": pytest.approx(2.0), "earlier_forecasts": FEWEST}
+    assert any(f"2.00 times the model's own, as {FEWEST} earlier forecasts" in line for line in in_words(wide))
+    spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]
+    assert spans[1] == pytest.approx(2 * spans[0], rel=1e-6)

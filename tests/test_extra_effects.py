@@ -1,0 +1,43 @@
+"""Effects as further nuisances of simulated flights: named on the command line, drawn from their priors."""
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import BadValue
+from fieldkit.inference.extra_effects import drawn, known_effects, priors
+from fieldkit.inference.simulated import flown_motors, simulate
+from fieldkit.motors import catalogue
+from fieldkit.simulator.effect import Prior, effects
+
+MOTORS = flown_motors(catalogue().motors)[::60]
+
+
+@pytest.mark.parametrize("name", effects())
+def test_every_effect_can_act_in_simulated_flights(name: str) -> None:
+    plain = simulate(np.random.default_rng(1), MOTORS, 60)
+    bent = simulate(np.random.default_rng(1), MOTORS, 60, [name])
+    alike = len(plain) == len(bent) and np.allclose(plain.readouts, bent.readouts, equal_nan=True)
+    assert not alike
+    assert np.isfinite(bent.readouts[:, 0]).all()
+
+
+def test_no_effect_leaves_the_flights_as_they_were() -> None:
+    plain, named = (simulate(np.random.default_rng(1), MOTORS, 60, names) for names in ((), []))
+    assert np.array_equal(plain.readouts, named.readouts, equal_nan=True)
+
+
+def test_strengths_keep_within_their_prior() -> None:
+    values = drawn(np.random.default_rng(2), Prior(0.1, 1.0, 0.0, 0.5), 500)
+    assert values.min() >= 0
+    assert values.max() <= 0.5
+
+
+def test_an_unknown_effect_is_named_with_those_there_are() -> None:
+    with pytest.raises(BadValue, match=r"'gusts', expected some of: air_density, .*wind"):
+        known_effects(["wind", "gusts"])
+
+
+def test_the_card_will_say_what_was_drawn() -> None:
+    assert priors(["mass_offset"]) == {
+        "mass_offset": "normal, 0 and 0.09, between -0.5 and 0.6 [share of the dry mass]"
+    }

@@ -1,0 +1,122 @@
+"""A force that is put into simulated logs is found again with its strength, and none where none is."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fieldkit.loop.missing_force import Law, Rocket, Track, beside_model, law, library, missing_force, track_of
+from fieldkit.motors import catalogue
+from fieldkit.shapes import Array, Float
+from fieldkit.simulator.atmosphere import pad_air
+
+RATE = 100
+"""Samples a second."""
+NOISE = 0.5
+"""Of the accelerometer. [m/s^2]"""
+AIR = pad_air(*(np.asarray(np.nan) for _ in range(4)))
+SLOW = Rocket(catalogue().find("AeroTech F24W").motor, 0.322, 0.6 * np.pi / 4 * 0.066**2, AIR)
+FAST = Rocket(catalogue().find("AeroTech G80T").motor, 0.25, 0.45 * np.pi / 4 * 0.038**2, AIR)
+
+
+@cache
+def climb(rocket: Rocket, term: str, strength: float) -> Track:
+    """A climb with one term of the library too much, without noise: the fixed point of force and motion."""
+    time = np.arange(0, 25, 1 / RATE)
+    burning, zero = time < rocket.motor.thrust_end, np.zeros(len(time))
+    track = Track(time, zero, zero, zero, np.full(len(time), NOISE), burning)
+    for _ in range(40):
+        model = beside_model(track, rocket)
+        push = model.thrust - model.drag
+        if term:
+            column = next(one.column for one in library(model) if one.name == term)
+            moved = Track(time, track.height, track.speed, push, track.push_sd, burning)
+            push = push + strength * column(beside_model(moved, rocket))
+        net = np.where(time < 0.15, np.maximum(push - 9.80665, 0.0), push - 9.80665)
+        speed = np.maximum(integral(net), -5.0)
+        track = Track(time, np.maximum(integral(speed), 0.0), speed, push, track.push_sd, burning)
+    up = slice(0, int(np.argmax((speed <= 0) & (time > 1))))
+    return Track(*(getattr(track, name)[up] for name in Track.__dataclass_fields__))
+
+
+def integral(rate: Float[Array, "time"]) -> Float[Array, "time"]:
+    return np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / (2 * RATE))])
+
+
+def noisy(track: Track, seed: int, *, smooth: int = 1) -> Track:
+    """The same as an accelerometer shows it, its noise perhaps smoothed."""
+    rng = np.random.default_rng(seed)
+    noise = np.convolve(rng.normal(0, NOISE, len(track.push) + smooth - 1), np.ones(smooth) / np.sqrt(smooth), "valid")
+    speed = track.speed + rng.normal(0, 0.3, len(track.speed))
+    return Track(track.time_from_liftoff, track.height, speed, track.push + noise, track.push_sd, track.burning)
+
+
+def found(rocket: Rocket, term: str, strength: float, seed: int = 1, smooth: int = 1) -> Law:
+    return law(missing_force(noisy(climb(rocket, term, strength), seed, smooth=smooth), rocket))
+
+
+def test_the_climb_is_one() -> None:
+    assert 200 < climb(SLOW, "", 0.0).height[-1] < 400
+    assert climb(FAST, "", 0.0).speed.max() > 250
+
+
+@pytest.mark.parametrize("smooth", [1, 15], ids=["white noise", "smoothed noise"])
+def test_nothing_is_missing_where_nothing_is(smooth: int) -> None:
+    alarms = [bool(found(SLOW, "", 0.0, seed, smooth).terms) for seed in range(16)]
+    assert sum(alarms) <= 1
+
+
+@pytest.mark.parametrize(
+    ("rocket", "term", "strength"),
+    [
+        (SLOW, "drag", 0.3),
+        (SLOW, "base drag", 0.4),
+        (SLOW, "thrust", -0.1),
+        (SLOW, "longer burn", 0.15),
+        (SLOW, "rail", 12.0),
+        (SLOW, "constant", 0.8),
+        (SLOW, "linear in speed", 0.05),
+        (FAST, "drag rise near the speed of sound", 0.8),
+    ],
+)
+def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: Rocket, term: str, strength: float) -> None:
+    said = found(rocket, term, strength)
+    assert said.terms[0].term.name == term
+    assert len(said.terms) == 1
+    assert said.terms[0].value == pytest.approx(strength, abs=max(5 * said.terms[0].sd, 0.1 * abs(strength)))
+
+
+def test_its_uncertainty_is_what_other_logs_scatter_by() -> None:
+    said = [found(SLOW, "base drag", 0.4, seed, smooth=5).terms[0] for seed in range(10)]
+    values, sds = (np.array([getattr(one, name) for one in said]) for name in ("value", "sd"))
+    assert 0.4 < values.std() / sds.mean() < 2.5
+
+
+def test_terms_of_the_shelf_are_named_as_effects() -> None:
+    assert found(SLOW, "base drag", 0.4).effects == ("base_drag",)
+    assert found(SLOW, "thrust", -0.1).effects == ("motor_thrust",)
+    assert found(SLOW, "linear in speed", 0.05).effects == ()
+
+
+def test_a_late_lift_off_is_no_force() -> None:
+    track = noisy(climb(SLOW, "", 0.0), 3)
+    late = Track(track.time_from_liftoff + 0.03, track.height, track.speed, track.push, track.push_sd, track.burning)
+    assert law(missing_force(late, SLOW)).terms == ()
+
+
+def test_smoothed_samples_count_for_less() -> None:
+    assert found(SLOW, "", 0.0, smooth=15).worth < 0.4 * found(SLOW, "", 0.0).worth
+
+
+def test_measured_forces_are_taken_as_they_come() -> None:
+    measured = noisy(climb(SLOW, "base drag", 0.4), 1)
+    assert law(missing_force(track_of(measured), SLOW)).effects == ("base_drag",)
+
+
+def test_a_guard_leaves_out_the_moment_of_burnout() -> None:
+    track = climb(SLOW, "", 0.0)
+    burnout = track.time_from_liftoff[track.burning].max()
+    kept = missing_force(track, SLOW, guard=0.5).track.time_from_liftoff
+    left_out = len(missing_force(track, SLOW).track.time_from_liftoff) - len(kept)
+    assert left_out == pytest.approx(100, abs=2)
+    assert kept.max() > burnout + 1

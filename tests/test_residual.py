@@ -1,0 +1,113 @@
+"""Residuals: calibrated where the model is right, and telling where something was put in."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import kstest
+
+from fieldkit.loop.fit import leave_one_out, scale_grid, solve
+from fieldkit.loop.model import OBSERVED, Data, Model, Term
+from fieldkit.loop.residual import associations, holm, spread_of, standardised
+from fieldkit.loop.tangent import Tangent
+from fieldkit.shapes import Array, Float
+
+FLIGHTS = 18
+SETS = 300
+SCALE = 4
+"""Of the grid: ordinary scatter, readings a little worse than expected."""
+TERMS = 4
+
+
+@cache
+def near() -> Tangent:
+    """A linear rocket: four shared unknowns, two kinds of scatter."""
+    rng = np.random.default_rng(3)
+    shape = (FLIGHTS, len(OBSERVED))
+    shared = np.tile(rng.normal(size=(len(OBSERVED), TERMS)), (FLIGHTS, 1, 1))
+    shared[:, :, -1] *= (np.arange(FLIGHTS) % 2)[:, None]
+    own = np.tile(rng.normal(size=(len(OBSERVED), 2)) * 0.5, (FLIGHTS, 1, 1))
+    return Tangent(np.zeros(TERMS), np.zeros(shape), shared, own)
+
+
+@cache
+def null_residuals() -> Float[Array, "set flight readout"]:
+    """Residuals of histories in which the model is right."""
+    rng = np.random.default_rng(4)
+    scatter, reading, _ = (values[SCALE] for values in scale_grid())
+    terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
+    model, tangent = Model((), (), np.zeros(FLIGHTS), terms), near()
+    sd = np.full(tangent.values.shape, 0.3)
+    seen = np.ones(sd.shape, bool)
+    found = []
+    for _ in range(SETS):
+        values = tangent.slope @ rng.normal(size=TERMS) + rng.normal(size=sd.shape) * sd * reading
+        values += (tangent.scatter_slope * (scatter * rng.normal(size=(FLIGHTS, 1, 2)))).sum(axis=-1)
+        result = solve(model, Data(values, sd, seen, np.ones(FLIGHTS)), tangent)
+        found.append(standardised(leave_one_out(result), seen))
+    return np.array(found)
+
+
+def test_residuals_of_a_right_model_have_no_bias_and_unit_spread() -> None:
+    residual = null_residuals()
+    assert np.abs(residual.mean(axis=(0, 1))).max() < 0.05
+    assert residual.std() == pytest.approx(1.0, abs=0.12)
+
+
+def test_p_values_of_columns_are_uniform_where_nothing_is() -> None:
+    rng = np.random.default_rng(6)
+    p = []
+    for error in null_residuals()[:, :, 0]:
+        kinds = {"site": rng.choice(["a", "b", "c"], FLIGHTS).tolist()}
+        p.append([row[2] for row in associations(error, {"wind": rng.normal(size=FLIGHTS)}, kinds)])
+    wind = np.array([row[0] for row in p])
+    site = np.array([row[1] for row in p if len(row) > 1])
+    assert kstest(wind, "uniform").pvalue > 0.01
+    assert kstest(site, "uniform").pvalue > 0.01
+
+
+def test_p_values_of_the_autocorrelation_are_uniform_where_nothing_is() -> None:
+    p = [spread_of("apogee", error).autocorrelation_p for error in null_residuals()[:, :, 0]]
+    assert kstest(p, "uniform").pvalue > 0.01
+
+
+def test_an_autocorrelation_that_is_put_in_is_found() -> None:
+    rng = np.random.default_rng(8)
+    p = []
+    for _ in range(60):
+        drift = rng.normal(size=20)
+        for flight in range(1, 20):
+            drift[flight] = 0.8 * drift[flight - 1] + 0.6 * drift[flight]
+        p.append(spread_of("apogee", drift).autocorrelation_p)
+    assert np.mean(np.array(p) < 0.05) > 0.6
+
+
+def test_a_bias_and_a_spread_that_are_put_in_are_found() -> None:
+    error = np.random.default_rng(9).normal(size=20)
+    assert spread_of("apogee", error).bias_p > 0.05
+    assert spread_of("apogee", error + 1.5).bias_p < 0.001
+    assert spread_of("apogee", 3 * error).spread_p < 0.001
+
+
+def test_a_dependence_that_is_put_in_is_found_and_named() -> None:
+    rng = np.random.default_rng(10)
+    wind, hour = rng.uniform(0, 8, 20), rng.uniform(9, 17, 20)
+    error = -0.6 * wind + rng.normal(size=20)
+    rows = {name: p for name, _, p in associations(error, {"wind": wind, "hour": hour}, {})}
+    assert rows["wind"] < 0.001 < rows["hour"]
+
+
+def test_a_column_that_says_nothing_is_not_looked_at() -> None:
+    error = np.random.default_rng(11).normal(size=12)
+    assert associations(error, {"wind": np.full(12, 3.0), "hour": np.full(12, np.nan)}, {"site": ["a"] * 12}) == []
+
+
+def test_holm_keeps_the_chance_of_one_false_alarm() -> None:
+    rng = np.random.default_rng(12)
+    alarms = [min(holm(list(rng.uniform(size=8)))) < 0.1 for _ in range(2000)]
+    assert np.mean(alarms) == pytest.approx(0.1, abs=0.02)
+
+
+def test_holm_is_as_the_textbook_has_it() -> None:
+    assert holm([0.01, 0.04, 0.03, 0.005]) == pytest.approx([0.03, 0.06, 0.06, 0.02])
+    assert holm([]) == []

@@ -1,0 +1,290 @@
+"""Writes `docs/field-ensemble.md` from what was measured: `python tools/field_report.py`.
+
+Reads the card of the shipped ensemble and the files in `docs/measured/`, each of which names the command that made it.
+`python tools/field_report.py --journal LEDGER` first scores the flights of a ledger into `docs/measured/journal.json`:
+shares and counts alone, no flight.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import textwrap
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+
+from fieldkit.inference import guard
+from fieldkit.inference.ensemble import read_card
+from fieldkit.inference.field import load_field
+from fieldkit.inference.flights import known_flights
+from fieldkit.inference.observed import SEEN, observe
+from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
+from fieldkit.shelf import trained_folder
+
+ROOT = Path(__file__).parents[1]
+MEASURED = ROOT / "docs" / "measured"
+REPORT = ROOT / "docs" / "field-ensemble.md"
+
+
+def score_journal(ledger: str) -> None:
+    """How forecasts of a ledger's flights fared, and how many of them the guard warns about."""
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", ledger, "score", "--json"]
+    said = json.loads(subprocess.run(command, check=True, capture_output=True, text=True).stdout)
+    rows = said.pop("flights")
+    error = np.array([abs(row["p50"] / row["flown"] - 1) for row in rows])
+    earlier = np.array([row["earlier"] for row in rows])
+    said["by_earlier"] = {
+        name: {"flights": int(which.sum()), "median_share": float(np.median(error[which]))}
+        for name, which in (("1", earlier == 1), ("2", earlier == 2), ("3 or more", earlier >= 3))
+        if which.any()
+    }
+    said["within"] = {f"{level:g}": float((error < level).mean()) for level in (0.05, 0.1, 0.2, 0.5)}
+    said["guard"] = _guarded(ledger)
+    (MEASURED / "journal.json").write_text(json.dumps(said, indent=2) + "\n")
+
+
+def _guarded(ledger: str) -> dict:
+    with Ledger.open(ledger) as book:
+        known = known_flights([flight for flight in book.flights() if flight.clean], catalogue())
+    ensemble = load_field()
+    observed = observe([flight for flight, _ in known], [motor for _, motor in known])
+    which = guard.misfit(ensemble, observed)
+    counts = Counter(SEEN[number] for number in which if number >= 0)
+    return {"flights": len(known), "warned": int((which >= 0).sum()), "by_readout": dict(counts)}
+
+
+def prose(*parts: str) -> Iterator[str]:
+    """A paragraph."""
+    yield textwrap.fill(" ".join(parts), 120, break_long_words=False, break_on_hyphens=False)
+    yield ""
+
+
+def table(headers: list[str], rows: list[list[str]]) -> Iterator[str]:
+    """A table in Markdown."""
+    yield "| " + " | ".join(headers) + " |"
+    yield "|" + "---|" * len(headers)
+    yield from ("| " + " | ".join(row) + " |" for row in rows)
+    yield ""
+
+
+def measured(name: str) -> dict | None:
+    """What was measured under a name, if it was."""
+    path = MEASURED / f"{name}.json"
+    return json.loads(path.read_text()) if path.exists() else None
+
+
+def percent(share: float, digits: int = 1) -> str:
+    return f"{100 * share:.{digits}f} %"
+
+
+def report(card: dict) -> Iterator[str]:
+    """The whole report, line by line."""
+    yield "# The field ensemble, judged"
+    yield ""
+    yield from prose(
+        "Five small networks give the density of drag area and thrust scale from whatever the altimeter showed. They",
+        "are trained on simulated flights alone. Every figure below was printed by the command named with it; this",
+        "page by `python tools/field_report.py`.",
+    )
+    yield "```sh"
+    yield card["command"].replace("fieldkit train", "fieldkit train --report")
+    yield "```"
+    yield ""
+    yield from prose(
+        f"{card['simulations']:,} flights simulated in {card['simulation_seconds']:.0f} s,",
+        f"trained in {card['seconds']:.0f} s in all, on one thread of a busy machine.",
+    )
+    yield from fresh(card)
+    yield from calibration(card)
+    yield from limits(card)
+    yield from rivals()
+    yield from journal()
+    yield from bench()
+
+
+def fresh(card: dict) -> Iterator[str]:
+    titles = {
+        "test": "Fresh flights",
+        "test_held_out": f"Motors of {card['held_out']}, which no member saw",
+        "test_peers": "Motors of the same classes that they saw",
+    }
+    for key, title in titles.items():
+        yield f"## {title}"
+        yield ""
+        rows = []
+        for name, one in card[key].items():
+            covers = [one["coverage"][parameter].values() for parameter in ("drag_area", "alpha")]
+            cover = [" / ".join(f"{100 * share:.1f}" for share in shares) for shares in covers]
+            figures = [f"{one['log_density']:.3f}", f"{one['cd_mae']:.4f}", f"{one['alpha_mae']:.4f}"]
+            rows.append([name, *figures, *cover, percent(one["false_alarms"], 2)])
+        headers = ["readouts", "log density", "MAE Cd", "MAE alpha", "coverage 50/80/90/95 %: drag area", "alpha"]
+        yield from table([*headers, "warned"], rows)
+    worst = max(
+        abs(covered - float(level))
+        for one in card["test"].values()
+        for parameter in one["coverage"].values()
+        for level, covered in parameter.items()
+    )
+    yield f"The farthest of the coverages on fresh flights is {100 * worst:.1f} points from what it says."
+    yield ""
+    both = card["test_held_out"], card["test_peers"]
+    ratios = {name: one["cd_mae"] / both[1][name]["cd_mae"] - 1 for name, one in both[0].items()}
+    said = ", ".join(f"{name} {100 * ratio:+.1f} %" for name, ratio in ratios.items())
+    yield f"Error of Cd on the maker held out over that on its classes: {said}."
+    yield ""
+
+
+def calibration(card: dict) -> Iterator[str]:
+    yield "## Calibration: ranks and expected coverage"
+    yield ""
+    yield "Ranks of the truth in its posterior (simulation-based calibration, 20 bins) are even where it is right: the"
+    yield "fullest and the emptiest bin against an even one. The last columns are the share of flights whose truth is"
+    yield "among the nearest 10, 50 and 90 % of the posterior to a random point (TARP)."
+    yield ""
+    rows = []
+    for name, one in card["test"].items():
+        ranks = [
+            f"{100 * one['ranks'][p]['excess']:+.0f} % / {100 * one['ranks'][p]['lack']:+.0f} %"
+            for p in ("drag_area", "alpha")
+        ]
+        curve = dict(zip(one["expected_coverage"]["at"], one["expected_coverage"]["covered"], strict=True))
+        rows.append([name, *ranks, *(percent(curve[at]) for at in (0.1, 0.5, 0.9))])
+    yield from table(["readouts", "ranks of drag area", "of alpha", "10 %", "50 %", "90 %"], rows)
+
+
+def limits(card: dict) -> Iterator[str]:
+    yield "## Against exact posteriors"
+    yield ""
+    yield "The paper's rocket, prior and simulator, noise of 3 m, 1 m/s, 3 % and 0.1 s, 500 flights, by a grid: an"
+    yield "ensemble of the same kind trained on that problem. Then the same with the burn time uncertain by 5 %"
+    yield "(log-normal, at the same impulse)."
+    yield ""
+    rows = []
+    for key, title in (("restricted", ""), ("restricted_burn_uncertain", "burn uncertain: ")):
+        for name, one in card.get(key, {}).items():
+            cd, alpha = (f"{one[f'{p}_mae']:.4f} / {one[f'{p}_mae_exact']:.4f}" for p in ("cd", "alpha"))
+            rows.append([title + name, cd, alpha, f"{one['kl']:.3f}"])
+    yield from table(["readouts", "MAE Cd / exact", "MAE alpha / exact", "KL [nat]"], rows)
+    for name, title in (("exact", "fresh flights"), ("exact_held_out", f"motors of {card['held_out']}")):
+        found = measured(name)
+        if found is None:
+            continue
+        option = " --held-out" if found["held_out"] else ""
+        yield from prose(
+            f"With everything random in a simulated flight integrated out, {title}:",
+            f"`python tools/exact_posterior.py OUT --flights N{option} --draws {found['draws']}`. KL is the mean",
+            "difference of the log densities of the truth; flights whose integral had fewer than 50 effective draws",
+            "are left out.",
+        )
+        rows = []
+        for key, one in found.items():
+            if key == "integrals" or not isinstance(one, dict):
+                continue
+            pairs = [
+                f"{one[p]:.4f} / {one[f'{p}_exact']:.4f} ({100 * one[f'{p}_above_limit']:+.1f} ± "
+                f"{100 * one[f'{p}_above_limit_se']:.1f} %)"
+                for p in ("cd", "alpha")
+            ]
+            count, gap = f"{one['flights']} ({one['not_found']})", f"{one['kl']:.2f} ± {one['kl_se']:.2f}"
+            rows.append([key, count, *pairs, gap])
+        yield from table(["readouts", "flights (left out)", "MAE Cd / exact", "MAE alpha / exact", "KL [nat]"], rows)
+
+
+def rivals() -> Iterator[str]:
+    found = measured("rivals")
+    if found is None:
+        return
+    yield "## Against other estimators on the same flights"
+    yield ""
+    made = {name: one["made_with"] for name, one in found["rivals"].items()}
+    packages = {name: value for one in made.values() for name, value in one.items()}
+    yield from prose(
+        f"`python tools/rivals.py OUT --flights N`, {found['flights']:,} flights, log density of {found['judged']:,}",
+        f"fresh ones; with {', '.join(f'{name} {value}' for name, value in packages.items())}. `sbi` is NPE with its",
+        "default settings, `zuko` a neural spline flow in the ensemble's own loop, `mixture` the ensemble's members at",
+        "this size; `shipped` learnt from a million flights.",
+    )
+    names = list(found["shipped"])
+    rows = [
+        [name, *(f"{one['log_density'][key]:.3f}" for key in names), f"{one['epochs']}"]
+        for name, one in found["rivals"].items()
+    ]
+    rows.append(["shipped", *(f"{found['shipped'][key]:.3f}" for key in names), ""])
+    yield from table(["estimator", *names, "epochs"], rows)
+
+
+def journal() -> Iterator[str]:
+    found = measured("journal")
+    if found is None:
+        return
+    yield "## Real flights, forward in time"
+    yield ""
+    yield from prose(
+        "A public journal of AltimeterTwo readouts (jdsmith39/RocketLaunchJournal): each flight of a rocket forecast",
+        "from its earlier ones, clusters and stages left out; no weather, no diameters.",
+        "`fieldkit import launches.csv rockets.csv && fieldkit score`.",
+    )
+    rows = [
+        [
+            one["name"],
+            str(one["flights"]),
+            percent(one["median_share"]),
+            percent(one["mean_share"]),
+            f"{one['mae']:.1f} m",
+        ]
+        for one in found["errors"]
+    ]
+    yield from table(["forecast by", "flights", "median error", "mean", "MAE"], rows)
+    groups = found["by_earlier"].items()
+    by = ", ".join(f"{percent(one['median_share'])} with {name} ({one['flights']})" for name, one in groups)
+    told = [f"By how many flights came before: {by}. In the 90 % interval: {percent(found['coverage90'])}."]
+    if later := found["corrected"]:
+        told.append(f"Of the {later['flights']} intervals that earlier forecasts corrected,")
+        told.append(f"{percent(later['coverage90'])} hold; {percent(later['own_coverage90'])} would have without.")
+    yield from prose(*told)
+    yield from prose(
+        "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by:",
+        "that much is in no simulator's power. The law that stands for a diameter where there is none was set looking",
+        "at these flights, so to that extent this is in-sample.",
+    )
+    warned = found["guard"]
+    which = ", ".join(f"{name} {count}" for name, count in warned["by_readout"].items())
+    yield f"The guard warns about {warned['warned']} of {warned['flights']} of these flights ({which})."
+    yield ""
+
+
+def bench() -> Iterator[str]:
+    path = MEASURED / "bench_forward.txt"
+    if not path.exists():
+        return
+    yield "## Corrected intervals where the model is wrong"
+    yield ""
+    yield from prose(
+        "Histories that hide an effect, every flight forecast from the earlier ones by the plain model; the intervals",
+        "from the twenty-first forecast on, before and after their correction. `python -m bench.make SETS --sets 1",
+        "--seed 77`, `python -m bench.forward SETS --limit 9`:",
+    )
+    yield "```"
+    yield path.read_text().rstrip()
+    yield "```"
+
+
+def main() -> None:
+    """Score a ledger if asked to, and write the report."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--journal", default=None, help="a ledger with the journal's flights")
+    options = parser.parse_args()
+    MEASURED.mkdir(exist_ok=True)
+    if options.journal:
+        score_journal(options.journal)
+    text = "\n".join(report(dict(read_card(trained_folder("field"))))).rstrip() + "\n"
+    REPORT.write_text(text, encoding="utf-8")
+    print(f"{REPORT}: {len(text.splitlines())} lines")
+
+
+if __name__ == "__main__":
+    main()
