@@ -33,9 +33,9 @@ from fieldkit.capture import (
     resume,
     unfinished,
 )
-from fieldkit.capture.checks import crc_buypass, crc_x25, sum_256
 from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, begin, go_on
+from fieldkit.checks import crc_buypass, crc_x25, sum_256
 from fieldkit.cli.live import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
