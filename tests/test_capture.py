@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -385,7 +386,7 @@ def test_ctrl_c_ends_a_stream_in_good_order(folder: Path) -> None:
         _, said = process.communicate(timeout=30)
         until(lambda: bytes(wire.received).endswith(b"m 0\n"))
     assert process.returncode == 0
-    assert b"stopped: 100 samples" in said
+    assert re.search(rb"stopped: \d+ samples", said)  # as many as had come by then
 
 
 @terminals
