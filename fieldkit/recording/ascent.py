@@ -77,7 +77,10 @@ def ascend(
     `blow` is when the charge was felt, `marked` where the logger saw apogee, after which it may have fired one. [s]
     """
     free = blow if blow is not None else marked
-    step = median_step(track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:4000])
+    climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:4000]
+    if climb.size < 2:
+        return None
+    step = median_step(climb)
     begin = max(float(track.time[0]), (lift if lift is not None else float(track.time[0])) - 1.5)
     end = min(float(track.time[-1]), seen.top + max(_AFTER, 4 * step))
     fallen = _dip(track, seen, lift)
