@@ -15,6 +15,13 @@ def motor_folder() -> Path:
     return data_folder() / "motors"
 
 
+def settings_file() -> Path:
+    """The file of what the flyer chose in the app, which may not be there."""
+    from platformdirs import user_config_path
+
+    return user_config_path("fieldkit", appauthor=False) / "settings.json"
+
+
 def capture_folder() -> Path:
     """The folder of what was captured from loggers, which may not be there."""
     return data_folder() / "captures"

@@ -13,10 +13,11 @@ from pathlib import Path
 import pytest
 
 from fieldkit.cli.main import main
-from fieldkit.cli.prompts import DRAFT, Talk, converse
+from fieldkit.cli.prompts import Talk, converse
 from fieldkit.cli.session import MotorCheck
 from fieldkit.entry import QUESTIONS
 from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Flight
+from fieldkit.form import DRAFT
 from fieldkit.ledger import Ledger
 
 READ_OFF = ["923ft", "140 mph", "2.14", "7.9", "2.98", "5.6", "-.4", "905ft", "6.2", "48.3"]

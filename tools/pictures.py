@@ -1,5 +1,6 @@
-"""Makes the picture of the README, `docs/demo.svg`, from what `fieldkit demo` prints: `python tools/pictures.py`."""
+"""Makes the pictures of the README: what `fieldkit demo` prints, and pages of the app: `python tools/pictures.py`."""
 
+import asyncio
 import html
 import io
 import os
@@ -7,12 +8,14 @@ import re
 import subprocess
 import sys
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 from rich.console import Console
 from rich.terminal_theme import MONOKAI
 from rich.text import Text
 
-PICTURE = Path(__file__).parents[1] / "docs" / "demo.svg"
+ROOT = Path(__file__).parents[1]
+PICTURE = ROOT / "docs" / "demo.svg"
 WIDTH = 80
 STEPS = 3
 """The steps of the demo that the picture holds."""
@@ -30,7 +33,11 @@ def picture(text: str) -> str:
     console = Console(record=True, width=WIDTH, file=io.StringIO(), force_terminal=True)
     console.print(Text.assemble(("$ ", "bold green"), "fieldkit demo"))
     console.print(Text.from_ansi(text))
-    svg = console.export_svg(title="fieldkit demo", theme=MONOKAI, unique_id="demo")
+    return tidied(console.export_svg(title="fieldkit demo", theme=MONOKAI, unique_id="demo"))
+
+
+def tidied(svg: str) -> str:
+    """A picture without fonts to fetch, each word in its place."""
     svg = re.sub(r"@font-face\s*\{.*?\}\s*", "", svg, flags=re.DOTALL)
     svg = re.sub(r'(<text [^>]*?x=")([\d.]+)("[^>]*?textLength=")([\d.]+)("[^>]*>)([^<]*)</text>', _apart, svg)
     return "".join(f"{line.rstrip()}\n" for line in svg.splitlines())
@@ -48,8 +55,65 @@ def _apart(run: re.Match[str]) -> str:
     return "".join(words)
 
 
+LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+PAGES = {
+    "app_next": ("field", ["4", "_", "g", *"800ft", "enter", "_"]),
+    "app_add": ("sun", ["a", "_", *"923ft", "enter", *"140mph", "enter", *"2.14", "enter", *"7.9", "enter", *"2.98"]),
+    "app_flight": ("field", ["enter"]),
+}
+SIZE = (120, 44)
+"""Of the terminal in the pictures."""
+"""Pages of the app that the README shows: their colours, and the keys that lead there; `_` waits."""
+
+
+async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
+    """A page of the app as SVG, after keys were pressed."""
+    from textual.pilot import Pilot  # a picture of it, not a part of it
+
+    from fieldkit.tui.app import FieldkitApp
+
+    async def calm(pilot: Pilot[None]) -> None:
+        quiet = 0
+        while quiet < 3:
+            await pilot.pause()
+            quiet = 0 if any(not worker.is_finished for worker in pilot.app.workers) else quiet + 1
+            await asyncio.sleep(0.02)
+
+    app = FieldkitApp(ledger, ledger.with_name("settings.json"))
+    async with app.run_test(size=SIZE) as pilot:
+        app.choose(theme=theme, units="mixed")
+        app.action_read()
+        await calm(pilot)
+        for key in keys:
+            await (calm(pilot) if key == "_" else pilot.press({".": "full_stop"}.get(key, key)))
+        await calm(pilot)
+        app.notices.clear()
+        app.action_read()
+        await calm(pilot)
+        return tidied(app.export_screenshot(title="fieldkit"))
+
+
+def app_pages() -> None:
+    """Write the pictures of the app, over the reference flights and one log."""
+    from fieldkit.intake import bring_in
+    from fieldkit.ledger import Ledger
+
+    for name, (theme, keys) in PAGES.items():
+        with TemporaryDirectory() as folder:
+            file = Path(folder) / "ledger.db"
+            with Ledger.open(file) as ledger:
+                bring_in(ledger, [ROOT / "fieldkit" / "data" / "reference_flights.csv"], lambda name: None)
+                if name == "app_flight":
+                    known = {"rocket": "Comet", "motor": "F24-4W", "dry_mass": 0.3, "diameter": 0.066}
+                    bring_in(ledger, [LOG], lambda name: None, defaults=known)
+            path = ROOT / "docs" / f"{name}.svg"
+            path.write_text(asyncio.run(app_page(file, theme, keys)), encoding="utf-8")
+            print(path)
+
+
 def main() -> None:
-    """Write the picture."""
+    """Write the pictures."""
+    app_pages()
     steps = re.split(rf"^{STEPS + 1}\. ", demo(), flags=re.MULTILINE)
     PICTURE.write_text(picture(steps[0].rstrip()), encoding="utf-8")
     print(PICTURE)

@@ -59,8 +59,8 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     """
     import sys
 
-    from fieldkit.cli.prompts import DRAFT, UNITS, Talk, converse, offer
-    from fieldkit.entry import QUESTIONS, read_answer
+    from fieldkit.cli.prompts import Talk, converse
+    from fieldkit.form import DRAFT, UNITS, with_offers
 
     person = sys.stdin.isatty()
     talk = Talk(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
@@ -73,11 +73,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     if not finished and person:
         complain("kept as it is; `fieldkit add` goes on with it")
         raise typer.Exit(1)
-    for question in QUESTIONS:
-        if question.offered and question.name not in talk.answers and talk.flight.rocket:
-            value = read_answer(question.name, offer(talk, question))
-            talk.flight = talk.flight.with_changes(**{question.name: value})
-    return talk.flight, DRAFT if talk.keeps else None
+    return with_offers(ledger, talk.flight, set(talk.answers)), DRAFT if talk.keeps else None
 
 
 def _take_up(talk: "Talk", draft: dict[str, str] | None, *, resume: bool) -> None:
@@ -118,22 +114,10 @@ def _listen_to_pipe(_prompt: str) -> str | None:
 
 
 def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
-    """Give a flight a number and a time where it has none, and put it in the ledger."""
-    from datetime import datetime
+    """Put a flight in the ledger and show it."""
+    from fieldkit.form import enter
 
-    from fieldkit.errors import BadValue
-
-    if not flight.rocket:
-        raise BadValue("the answers ended before the rocket was named, nothing was added")
-    if not (flight.readouts() or flight.tags):
-        raise BadValue("found no readout and no tag, expected at least one; nothing was added")
-    flight = flight.with_changes(
-        flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
-        date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),
-    )
-    added = ledger.add([flight], command="add", draft=draft)
-    if added.conflicts:
-        raise BadValue(added.conflicts[0].error)
+    flight, added = enter(ledger, flight, draft)
     if added.duplicates:
         complain("it is in the ledger already")
         return

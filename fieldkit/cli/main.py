@@ -11,9 +11,11 @@ from typing import Annotated
 
 import typer
 
+from fieldkit.cli.tui import open_app
 from fieldkit.errors import FieldkitError
 
 GROUPS = (
+    "tui",
     "demo",
     "intake",
     "capture",
@@ -34,7 +36,7 @@ GROUPS = (
 """Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
 
 app = typer.Typer(
-    no_args_is_help=True,
+    invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
@@ -63,8 +65,13 @@ def options(
         bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which fieldkit this is.")
     ] = False,
 ) -> None:
-    """From the altimeter's readouts to the next apogee."""
+    """From the altimeter's readouts to the next apogee. Without a command, the app."""
     context.obj = ledger
+    if context.invoked_subcommand is None:
+        if not (sys.stdin.isatty() and sys.stdout.isatty()):
+            typer.echo(context.get_help())
+            raise typer.Exit
+        open_app(ledger)
 
 
 for group in GROUPS:

@@ -3,18 +3,17 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from fieldkit.cli.screen import complain, spelled
+from fieldkit import form
+from fieldkit.cli.screen import complain
 from fieldkit.cli.session import MotorCheck
-from fieldkit.entry import NOTHING, QUESTIONS, Question, answer_text, oddities, read_answer
+from fieldkit.entry import NOTHING, QUESTIONS, Question, oddities, read_answer
 from fieldkit.errors import BadValue, UnknownMotor
-from fieldkit.flight import Column, Flight
+from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.measures import spelled
 from fieldkit.safe_text import printable
 
 BACK = "<"
-DRAFT = "add"
-UNITS = "units"
-"""Names under which the ledger keeps what was typed so far, and the units that were typed last."""
 
 Listen = Callable[[str], str | None]
 """Asks and returns the answer; None when no more will come."""
@@ -75,16 +74,7 @@ def offer(talk: Talk, question: Question) -> str:
     """What Enter takes: the answer given before, or the one of the last flight like this."""
     if question.name in talk.answers:
         return talk.answers[question.name]
-    if question.name == "tags":
-        return "cluster" if _several(talk.flight.motor) else ""
-    if not question.offered:
-        return ""
-    rocket = None if question.name == "rocket" else talk.flight.rocket
-    config = talk.flight.config if question.name == "dry_mass" else None
-    last = talk.ledger.latest(rocket, config)
-    if last is None and question.name == "site":
-        last = talk.ledger.latest()
-    return answer_text(last, question.name) if last else ""
+    return form.offer(talk.ledger, talk.flight, question)
 
 
 def _prompt(talk: Talk, question: Question) -> str:
@@ -98,12 +88,7 @@ def _unit(talk: Talk, question: Question) -> str:
     column = question.column
     if column is None:
         return ""
-    return talk.units.get(_kind(column), column.unit) if talk.patient else column.unit
-
-
-def _kind(column: Column) -> str:
-    """Columns that are likely to be typed in one unit: heights are, a height and a diameter are not."""
-    return f"{column.quantity} {column.unit}"
+    return talk.units.get(form.kind(column), column.unit) if talk.patient else column.unit
 
 
 def _answered(talk: Talk, question: Question, text: str) -> bool:
@@ -126,7 +111,7 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
         text = again.strip()
     talk.answers[question.name] = _with_unit(talk, question, text)
     if talk.keeps:
-        talk.ledger.keep_draft(DRAFT, talk.answers)
+        talk.ledger.keep_draft(form.DRAFT, talk.answers)
     return True
 
 
@@ -147,9 +132,8 @@ def _with_unit(talk: Talk, question: Question, text: str) -> str:
     column = question.column
     if column is None or text in ("", NOTHING):
         return text
-    typed = text.lstrip("+-.,0123456789eE ")
-    unit = talk.units[_kind(column)] = typed or _unit(talk, question)
-    return text if typed else text + unit
+    unit = talk.units[form.kind(column)] = form.typed_unit(text) or _unit(talk, question)
+    return form.with_unit(text, unit)
 
 
 def _look_up(talk: Talk, text: str) -> None:

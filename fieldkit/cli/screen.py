@@ -69,6 +69,7 @@ def print_card(flight: "Flight", id: str) -> None:
     """Print what is known of a flight, a line each, in both units."""
     from fieldkit.entry import answer_text
     from fieldkit.flight import COLUMNS
+    from fieldkit.measures import spelled
 
     texts = ("rocket", "config", "motor", "date_time", "site", "tags")
     lines = [
@@ -91,6 +92,7 @@ def in_both_units(name: str, value: float | None) -> str:
     """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
     from fieldkit import units
     from fieldkit.flight import BY_NAME
+    from fieldkit.measures import spelled
 
     column = BY_NAME[name]
     if value is None:
@@ -101,11 +103,6 @@ def in_both_units(name: str, value: float | None) -> str:
     if other is None:
         return text
     return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {spelled(other)})"
-
-
-def spelled(unit: str) -> str:
-    """A unit as it is printed: `°C` for `c`."""
-    return {"c": "°C", "f": "°F", "hpa": "hPa", "inhg": "inHg", "deg": "°"}.get(unit, unit)
 
 
 @contextmanager

@@ -21,14 +21,13 @@ def open_ledger(context: typer.Context) -> "Ledger":
 def known_motors() -> "Catalogue":
     """The shipped motors and the flyer's own; one of those files that is damaged is complained about."""
     from fieldkit.cli.screen import complain
-    from fieldkit.motors import catalogue
-    from fieldkit.motors.own import own_motors
+    from fieldkit.motors import own
     from fieldkit.places import motor_folder
 
-    motors, errors = own_motors(motor_folder())
+    motors, errors = own.known_motors(motor_folder())
     for error in errors:
         complain(str(error))
-    return catalogue().with_motors(motors) if motors else catalogue()
+    return motors
 
 
 def split_settings(arguments: Sequence[str]) -> dict[str, str]:
@@ -69,10 +68,4 @@ class MotorCheck:
 
     def __call__(self, name: str) -> str | None:
         """A complaint in one line, or None where there is such a motor, or several."""
-        from fieldkit.errors import UnknownMotor
-
-        try:
-            self.catalogue.resolve(name)
-        except UnknownMotor as error:
-            return str(error)
-        return None
+        return self.catalogue.complaint(name)

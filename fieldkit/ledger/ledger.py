@@ -135,6 +135,15 @@ class Ledger:
         what = f"{id} ({', '.join(changes)})"
         return self._alter(id, "edit", what, lambda flight: flight.with_changes(**changes))
 
+    def edit_all(self, ids: Sequence[str], what: str, **changes: object) -> int:
+        """Change fields of several flights as one command, named by `what`; how many it changed."""
+        with self._changing() as pen:
+            held = [book.resolve(pen.connection, id) for id in ids]
+            done = sum(book.replace(pen, one, one.flight.with_changes(**changes)) for one in held)
+            if done:
+                pen.sign("edit", f"{what} ({', '.join(changes)})")
+        return done
+
     def tag(self, id: str, *tags: str) -> Flight:
         """Put tags on a flight, each once."""
 

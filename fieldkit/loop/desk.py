@@ -129,6 +129,17 @@ def keep_forecasts(ledger: Ledger, rows: Sequence[Forecast]) -> None:
         ledger.keep_prediction(payload, digest=digest, rocket=row.rocket, flight_id=row.flight_id)
 
 
+def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
+    """What the other flights of its rocket say a flight should have shown; nothing is kept.
+
+    Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
+    """
+    history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
+    plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
+    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], accepted_places(ledger, flight.rocket))
+    return widened(made, accepted_widening(ledger, flight.rocket))
+
+
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
     """A prediction under the contract's keys, and what it rests on."""
     p05, p50, p95 = prediction.apogee_quantiles()
@@ -188,11 +199,12 @@ def close_loop(
     model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
     diagnosis = diagnose(model, observe(flights, teach), progress, given)
     if accept:
-        _keep(ledger, rocket, diagnosis)
+        adopt(ledger, rocket, diagnosis)
     return diagnosis
 
 
-def _keep(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
+def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
+    """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
     places = tuple(trial.candidate.place for trial in diagnosis.accepted)
     left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
     same = places == accepted_places(ledger, rocket)

@@ -13,6 +13,7 @@ from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
 from fieldkit.loop.fit import Fit, fit_robustly, own_reading_sd, scale_grid
 from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
+from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.effect import effects, spoken
@@ -116,9 +117,11 @@ def predict(
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     model = rocket_model(flights, found, acting, FORECAST_SLACK)
-    result = fit_robustly(model, observe(flights, teach))
+    taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
+    past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
+    result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
     rng = np.random.default_rng(seed)
-    values, scales = sample(result, draws, rng)
+    values, scales = _drawn(model, taught, result, draws, rng)
     ahead = slice(len(flown), None)
     part = model.part(ahead)
     scatter: dict[str, Array] = {
@@ -127,12 +130,15 @@ def predict(
         if kind.bends != "tilt"
     }
     readings = shown(part, values, scatter)
-    lean = result.tangent.scatter_slope[ahead, 0, -1] * rng.normal(size=(draws, len(planned))) * scales[:, :1]
+    at = np.array([term.mean for term in model.terms])
+    at[taught] = result.tangent.at
+    slope = lean_slope(part, at)[:, 0]
+    lean = slope * rng.normal(size=(draws, len(planned))) * scales[:, :1]
     apogee = readings["apogee"] * np.exp(lean)
     reading = own_reading_sd(apogee) * scales[:, 1:] * rng.normal(size=apogee.shape)
     cd = np.exp(_bent(part, values, "drag") + scatter["drag"])
     alpha = np.exp(_bent(part, values, "thrust") + scatter["thrust"])
-    taught = int(np.sum(np.asarray(teach) & (result.data.seen.any(axis=1))))
+    rests_on = int(np.sum(result.data.seen.any(axis=1)))
     return [
         Prediction(
             plan=flight,
@@ -146,7 +152,7 @@ def predict(
             eject_speed=readings["eject_speed"][:, i],
             cd=cd[:, i],
             alpha=alpha[:, i],
-            rests_on=taught,
+            rests_on=rests_on,
             model=model_name(accepted),
         )
         for i, (flight, motor) in enumerate(planned)
@@ -171,6 +177,22 @@ def _bent(model: Model, values: Array, what: str) -> Array:
             if isinstance(term.bends, str) and term.bends == what
         )
     )
+
+
+def _drawn(
+    model: Model, taught: Sequence[int], result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
+    """Draws of every term: those that act on flown flights from what these taught, the others from their prior.
+
+    Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn.
+    """
+    learned, scales = sample(result, draws, rng)
+    values = np.empty((draws, len(model.terms)))
+    values[:, taught] = learned
+    for i in sorted(set(range(len(model.terms))) - set(taught)):
+        term = model.terms[i]
+        values[:, i] = np.clip(rng.normal(term.mean, term.sd, draws), term.low, term.high)
+    return values, scales
 
 
 def sample(

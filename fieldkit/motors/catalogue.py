@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.motor import PLUGGED, Motor, normalised
 from fieldkit.motors.search import Found, Listing, Shelf
@@ -41,6 +42,14 @@ class Catalogue:
     def resolve(self, text: str, maker: str = "") -> Found:
         """The motor that a text most likely means; see `fieldkit.motors.search.resolve`."""
         return search.resolve(self.shelf, text, maker)
+
+    def complaint(self, text: str) -> str | None:
+        """What is wrong with a motor's name in one line, or None where there is such a motor, or several."""
+        try:
+            self.resolve(text)
+        except UnknownMotor as error:
+            return str(error)
+        return None
 
     def search(self, text: str) -> list[Motor]:
         """Every motor that a text could mean, best first; see `fieldkit.motors.search.search`."""

@@ -4,6 +4,7 @@ from pathlib import Path
 
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.motors import rasp, rocksim
+from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 
 SUFFIXES = (".eng", ".rse")
@@ -30,6 +31,12 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
             except FieldkitError as error:
                 errors.append(error)
     return motors, errors
+
+
+def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
+    """The shipped motors with the flyer's own, and the errors of those of their files that cannot be read."""
+    motors, errors = own_motors(folder)
+    return (catalogue().with_motors(motors) if motors else catalogue()), errors
 
 
 def import_file(path: Path, folder: Path) -> list[Motor]:

@@ -1,0 +1,58 @@
+"""`fieldkit tui`, and `fieldkit` alone: the app. `fieldkit serve`: the same in a browser."""
+
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain
+
+app = typer.Typer()
+
+
+def open_app(ledger: str | None) -> None:
+    """Open the app on a ledger and stay until the flyer leaves it. Raises FieldkitError without a terminal."""
+    import os
+    import sys
+
+    from fieldkit.errors import FieldkitError
+
+    served = "TEXTUAL_DRIVER" in os.environ  # by `fieldkit serve`: the browser is the terminal
+    if not served and not (sys.stdin.isatty() and sys.stdout.isatty()):
+        raise FieldkitError("the app needs a terminal; without one, the commands do all that it does: fieldkit --help")
+    from fieldkit.tui.app import run
+
+    run(ledger)
+
+
+@app.command()
+def tui(context: typer.Context) -> None:
+    """Open the app: flights, typing in, importing, the next flight, the loop, all by keys or mouse."""
+    open_app(context.find_root().obj)
+
+
+@app.command()
+def serve(
+    context: typer.Context,
+    host: Annotated[
+        str, typer.Option(help="Where to listen; 0.0.0.0 lets a phone in the same network in.")
+    ] = "127.0.0.1",
+    port: Annotated[int, typer.Option(min=1, max=65535, help="The port.")] = 8000,
+) -> None:
+    """Show the app in a browser, on this computer; elsewhere only with --host, and only with a token."""
+    import secrets
+
+    from fieldkit.errors import FieldkitError
+
+    try:
+        from fieldkit.tui.serve import GuardedServer, is_loopback
+    except ModuleNotFoundError as error:
+        raise FieldkitError(f"serve needs {error.name}; install fieldkit[serve]") from error
+    open_to_all = not is_loopback(host)
+    server = GuardedServer(host, port, secrets.token_urlsafe(16) if open_to_all else "", context.find_root().obj)
+    if open_to_all:
+        complain("warning: whoever has this link can read and change your flights, and what is sent is not encrypted")
+    complain(f"open {server.link} in a browser; Ctrl-C ends it")
+    try:
+        server.serve()
+    except OSError as error:
+        raise FieldkitError(f"{host}:{port}: cannot listen there ({error.strerror})") from error

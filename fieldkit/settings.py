@@ -1,0 +1,51 @@
+"""What a flyer chose once and keeps: units, colours, the height to hit. A small JSON file in the user's folder."""
+
+import json
+import os
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+from fieldkit.errors import FieldkitError
+from fieldkit.places import settings_file
+
+UNITS = ("SI", "US", "mixed")
+"""Names of the systems of units; see `fieldkit.measures`."""
+THEMES = ("field", "sun", "night", "terminal")
+"""Names of the colour schemes of the app."""
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """What was chosen. `target` is the apogee that motors are compared against, None for none. [m]"""
+
+    units: str = UNITS[0]
+    theme: str = THEMES[0]
+    target: float | None = None
+
+
+def read_settings(file: Path | None = None) -> Settings:
+    """The settings that are kept; whatever cannot be read or is unknown is as it is at first."""
+    try:
+        kept = json.loads((file or settings_file()).read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return Settings()
+    kept = kept if isinstance(kept, dict) else {}
+    target = kept.get("target")
+    return Settings(
+        units=kept["units"] if kept.get("units") in UNITS else UNITS[0],
+        theme=kept["theme"] if kept.get("theme") in THEMES else THEMES[0],
+        target=float(target) if isinstance(target, int | float) and 0 < target < 1e6 else None,
+    )
+
+
+def keep_settings(settings: Settings, file: Path | None = None) -> None:
+    """Keep the settings, as a whole or not at all. Raises FieldkitError where the file cannot be written."""
+    file = file or settings_file()
+    beside = file.with_name(f"{file.name}.{os.getpid()}")
+    try:
+        file.parent.mkdir(parents=True, exist_ok=True)
+        beside.write_text(json.dumps(asdict(settings), indent=2) + "\n", encoding="utf-8")
+        beside.replace(file)
+    except OSError as error:
+        why = f"cannot be written ({error.strerror}), what was chosen holds until you quit"
+        raise FieldkitError(f"{file}: {why}") from error

@@ -1,0 +1,192 @@
+"""The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
+
+import asyncio
+from collections.abc import Iterable
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+from typing import Any, ClassVar
+
+from textual.app import App, SystemCommand
+from textual.binding import Binding, BindingType
+from textual.screen import Screen
+from textual.widgets import Input
+
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.flight import BY_NAME
+from fieldkit.measures import measure, unit_of
+from fieldkit.settings import UNITS
+from fieldkit.tui.bars import Notice, NoticeBar
+from fieldkit.tui.desk import Desk
+from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.themes import THEMES
+
+WAIT, MOST_WAITS = 0.005, 600
+"""How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
+
+
+class FieldkitApp(App[None]):
+    """The pages over one ledger. `revision` counts what has changed in it, or in how it is shown."""
+
+    TITLE = "fieldkit"
+    ENABLE_COMMAND_PALETTE = True
+    BINDINGS: ClassVar[list[BindingType]] = [
+        *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(1, 10)),
+        Binding("ctrl+z", "undo", "Undo", show=False),
+        Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
+        Binding("T", "next_theme", "Colours", show=False, tooltip="Next colours: field, sun, night, terminal"),
+        Binding("N", "next_units", "Units", show=False, tooltip="Next units: SI, US, mixed"),
+        Binding("ctrl+p", "command_palette", "Palette", show=False, tooltip="Find anything by its name"),
+        Binding("ctrl+q", "quit", "Quit", show=False),
+        Binding("q", "quit", "Quit"),
+    ]
+
+    def __init__(self, where: str | Path | None = None, settings_file: Path | None = None) -> None:
+        super().__init__()
+        self.desk = Desk(where, settings_file)
+        self.notices: list[Notice] = []
+        self.revision = 0
+        self.animation_level = "none"
+        for theme in THEMES.values():
+            self.register_theme(theme)
+        self.theme = self.desk.settings.theme
+
+    def on_mount(self) -> None:
+        """The first page."""
+        for name, page in pages().items():
+            self.add_mode(name, page.screen)
+        self.switch_mode(next(iter(pages())))
+
+    def on_unmount(self) -> None:
+        """Let go of the ledger."""
+        self.desk.close()
+
+    def tell(self, text: str, *, error: bool = False) -> None:
+        """Say something; what went wrong waits until it is read, what went right makes room for the next."""
+        self.notices = [notice for notice in self.notices if notice.error]
+        if error:
+            self.notices.append(Notice(text, error))
+        else:
+            self.notices.insert(0, Notice(text))
+        self._show_notices()
+
+    def action_read(self) -> None:
+        """The notice in front was read."""
+        self.notices = self.notices[1:]
+        self._show_notices()
+
+    def _show_notices(self) -> None:
+        for bar in self.screen.query(NoticeBar):
+            bar.tell(self.notices)
+
+    def changed(self) -> None:
+        """The ledger or the way it is shown has changed: pages fill themselves anew."""
+        self.revision += 1
+        if isinstance(self.screen, PageScreen):
+            self.screen.refresh_if_changed()
+
+    async def action_page(self, name: str) -> None:
+        """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
+        await self.switch_mode(name)
+        for _ in range(MOST_WAITS):
+            if self.screen.focused is not None:
+                break
+            await asyncio.sleep(WAIT)
+
+    async def action_page_number(self, number: int) -> None:
+        """Bring the page with this number to the front, if there is one."""
+        names = list(pages())
+        if number <= len(names):
+            await self.action_page(names[number - 1])
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """Digits lead to pages, but not while something is typed or asked."""
+        if action == "page_number":
+            return isinstance(self.screen, PageScreen) and not isinstance(self.screen.focused, Input)
+        return super().check_action(action, parameters)
+
+    def action_press(self, key: str) -> None:
+        """What a click on a key of the key bar does."""
+        self.simulate_key(key)
+
+    def action_undo(self) -> None:
+        """Take back the last change, whoever made it."""
+        self._journal("undo", "undone")
+
+    def action_redo(self) -> None:
+        """Do again what was undone last."""
+        self._journal("redo", "done again")
+
+    def _journal(self, method: str, said: str) -> None:
+        page = self.screen
+        if isinstance(page, PageScreen):
+            page.ask(lambda: getattr(self.desk.ledger, method)(), partial(self._journalled, said), "journal")
+
+    def _journalled(self, said: str, change: Any) -> None:
+        self.tell(f"{said}: {change.command} {change.what}")
+        self.changed()
+
+    def action_next_theme(self) -> None:
+        """The next colours."""
+        names = list(THEMES)
+        self.choose(theme=names[(names.index(self.theme) + 1) % len(names)])
+
+    def action_next_units(self) -> None:
+        """The next system of units."""
+        self.choose(units=UNITS[(UNITS.index(self.desk.settings.units) + 1) % len(UNITS)])
+
+    def get_theme_variable_defaults(self) -> dict[str, str]:
+        """What lies over a page while a question is open, in themes that do not say."""
+        return {"backdrop": "black 60%"}
+
+    def choose(self, said: str = "", **changes: Any) -> None:
+        """Change settings, show what they change, and keep them."""
+        settings = replace(self.desk.settings, **changes)
+        try:
+            self.desk.choose(settings)
+        except FieldkitError as error:
+            self.tell(str(error), error=True)
+        else:
+            self.tell(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
+        self.theme = settings.theme
+        self.changed()
+
+    def ask_target(self) -> None:
+        """The height to hit, that motors are compared against."""
+        now = measure(BY_NAME["apogee"], self.desk.settings.target, self.desk.settings.units)
+        about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
+        self.push_screen(AskText("Target", now, about), self._targeted)
+
+    def action_ask_target(self) -> None:
+        """Type the height to hit."""
+        self.ask_target()
+
+    def _targeted(self, text: str | None) -> None:
+        if text is None:
+            return
+        apogee, system = BY_NAME["apogee"], self.desk.settings.units
+        try:
+            target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
+        except BadValue as error:
+            self.tell(f"target: {error}, such as 800ft", error=True)
+            return
+        self.choose(f"target {measure(apogee, target, system)}" if target else "no target", target=target)
+
+    def get_system_commands(self, screen: Screen[Any]) -> Iterable[SystemCommand]:
+        """What the palette finds: pages, colours, units, and what the page in front can do."""
+        for name, page in pages().items():
+            yield SystemCommand(page.title, f"Go to {page.title} ({page.number})", partial(self.action_page, name))
+        for theme in THEMES:
+            yield SystemCommand(f"Colours: {theme}", "Change the colours", partial(self.choose, theme=theme))
+        for units in UNITS:
+            yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
+        for active in screen.active_bindings.values():
+            if active.enabled and active.binding.description:
+                label = active.binding.tooltip or active.binding.description
+                yield SystemCommand(label, f"Key {active.binding.key}", partial(self.action_press, active.binding.key))
+
+
+def run(where: str | None) -> None:
+    """Open the app on a ledger and stay until the flyer leaves."""
+    FieldkitApp(where).run()

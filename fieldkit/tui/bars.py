@@ -1,0 +1,105 @@
+"""The lines around every page: the pages above, notices and the keys below."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from textual.content import Content
+from textual.widgets import Static
+
+from fieldkit.safe_text import printable
+
+
+@dataclass(frozen=True, slots=True)
+class Notice:
+    """Something said to the flyer; an error stays until it is read."""
+
+    text: str
+    error: bool = False
+
+
+class TopBar(Static):
+    """The pages by number; the one in front is set off by brackets and by colour."""
+
+    DEFAULT_CSS = """
+    TopBar { height: 1; background: $panel; color: $foreground; padding: 0 1; text-wrap: nowrap;
+        link-style: none; link-color: $foreground; link-background: $panel; }
+    """
+
+    def __init__(self, titles: Sequence[tuple[str, str]], current: str) -> None:
+        super().__init__()
+        self._titles, self._current = titles, current
+
+    def render(self) -> Content:
+        """As wide as there is room: at 60 columns the numbers and the words stand close."""
+        gap = "  " if self.size.width >= 78 else " "
+        parts = [Content.from_markup("[b $accent]fieldkit[/] ")] if self.size.width >= 92 else []
+        for number, (name, title) in enumerate(self._titles, start=1):
+            text = f"{number} {title}" if self.size.width >= 70 else f"{number}{title}"
+            here = f"[b reverse] {text} [/]" if name == self._current else f"[@click=app.page('{name}')]{text}[/]"
+            parts.append(Content.from_markup(here + gap))
+        return Content("").join(parts)
+
+
+class NoticeBar(Static):
+    """The oldest notice that was not read yet, with a mark that says what it is."""
+
+    DEFAULT_CSS = """
+    NoticeBar { height: auto; max-height: 6; background: $panel; color: $foreground; padding: 0 1; display: none;
+        link-style: none; link-color: $foreground; link-background: $panel; }
+    NoticeBar.-shown { display: block; }
+    NoticeBar.-error { border-left: thick $error; }
+    """
+
+    def tell(self, notices: Sequence[Notice]) -> None:
+        """Show the first of these, and how many more there are."""
+        self.set_class(bool(notices), "-shown")
+        if not notices:
+            return
+        notice = notices[0]
+        self.set_class(notice.error, "-error")
+        mark = Content.from_markup("[b $error]✗ error[/] " if notice.error else "[b $success]✓[/] ")
+        lines = "\n".join(printable(line) for line in notice.text.splitlines())
+        more = f"  ({len(notices) - 1} more)" if len(notices) > 1 else ""
+        self.update(Content.assemble(mark, lines, Content.from_markup(f"{more}  [@click=app.read][b]Esc[/] read[/]")))
+
+
+class KeyBar(Static):
+    """The keys that work here, on as many lines as they need; each can be clicked."""
+
+    DEFAULT_CSS = """
+    KeyBar { height: auto; max-height: 4; background: $footer-background; color: $footer-foreground; padding: 0 1;
+        link-style: none; link-color: $footer-foreground; link-background: $footer-background; }
+    """
+
+    def on_mount(self) -> None:
+        """Follow the focus: what can be pressed depends on it."""
+        self.screen.bindings_updated_signal.subscribe(self, lambda _: self.refresh(layout=True))
+
+    def on_resize(self) -> None:
+        """Lines are broken anew."""
+        self.refresh(layout=True)
+
+    def render(self) -> Content:
+        """Key and word, never apart; those that work everywhere stand last."""
+        active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
+        lines: list[list[Content]] = [[]]
+        room = width = max(20, self.container_size.width - 2)
+        for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
+            key = self.app.get_key_display(binding)
+            word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
+            word = word or binding.description
+            label = f"[b $footer-key-foreground]{_escaped(key)}[/] {word}"
+            room -= len(key) + len(word) + 3
+            if room < -2 and lines[-1]:
+                lines.append([])
+                room = width - len(key) - len(word) - 3
+            lines[-1].append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
+        return Content("\n").join([Content("  ").join(line) for line in lines])
+
+
+EVERYWHERE = ("Undo", "Copy", "Help", "Quit")
+"""Keys that work on every page; they stand behind those of the page."""
+
+
+def _escaped(key: str) -> str:
+    return key.replace("[", r"\[")

@@ -1,0 +1,61 @@
+"""What is known of a flight or a forecast as lines, in the flyer's units."""
+
+from collections.abc import Iterable, Sequence
+
+from textual.content import Content
+
+from fieldkit.entry import answer_text
+from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, SETUP, TAGS, Column, Flight
+from fieldkit.measures import measure
+from fieldkit.safe_text import printable
+
+Pairs = Sequence[tuple[str, str]]
+
+
+def lines(heading: str, pairs: Pairs, width: int = 0) -> Content:
+    """A heading and `name  value` lines; the values are data and mean nothing but themselves."""
+    known = [(name, printable(value)) for name, value in pairs if value]
+    width = width or max((len(name) for name, _ in known), default=0)
+    parts: list[str | tuple[str, str]] = [(printable(heading), "b $primary")] if heading else []
+    for name, value in known:
+        parts += ["\n" if parts else "", (f"{printable(name):{width}}", "$text-muted"), "  ", (value, "b")]
+    return Content.assemble(*parts)
+
+
+def columns(flight: Flight, wanted: Iterable[Column], system: str) -> list[tuple[str, str]]:
+    """Titles and values of the columns that were recorded."""
+    return [(c.title, measure(c, flight.number(c.name), system)) for c in wanted if flight.number(c.name) is not None]
+
+
+def readouts(flight: Flight, system: str) -> list[tuple[str, str]]:
+    """The ten readouts in the altimeter's order; what was not recorded is a dash."""
+    return [(c.title, measure(c, flight.number(c.name), system) or "–") for c in READOUTS]
+
+
+def circumstances(flight: Flight, system: str) -> list[tuple[str, str]]:
+    """Set-up and conditions as far as they were recorded, and what was noted."""
+    texts = [("Site", flight.site), ("Notes", flight.notes), ("Log", flight.log)]
+    return columns(flight, (*SETUP, *CONDITIONS), system) + [(n, v) for n, v in texts if v] + list(flight.extra.items())
+
+
+def heading(flight: Flight, id: str) -> str:
+    """A flight in a line: `2 · Astra A · F24-4W · 2026-05-01 10:30`."""
+    rocket = " ".join(part for part in (flight.rocket, flight.config) if part)
+    parts = (id, rocket, flight.motor, answer_text(flight, "date_time"))
+    return printable(" · ".join(part for part in parts if part))
+
+
+def tags(flight: Flight) -> list[tuple[str, str]]:
+    """The tags of a flight and what each means."""
+    return [(tag, TAGS.get(tag, "your own; the flight still teaches the model")) for tag in flight.tags]
+
+
+def as_text(title: str, pairs: Pairs) -> str:
+    """The same as plain text, to be copied."""
+    known = [(name, value) for name, value in pairs if value]
+    width = max((len(name) for name, _ in known), default=0)
+    return "\n".join([title, *(f"{name:{width}}  {value}" for name, value in known)])
+
+
+APOGEE = BY_NAME["apogee"]
+"""The column that most of the app is about."""

@@ -1,0 +1,368 @@
+"""One flight: what the altimeter showed, what that says of drag and thrust, its log, and what was forecast."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.measures import measure, number
+from fieldkit.safe_text import printable
+from fieldkit.shapes import Array, Float
+from fieldkit.tui import cards
+from fieldkit.tui.page import Help, PageScreen
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
+
+T = TypeVar("T")
+
+DRAWS = 4000
+"""Of a posterior, for its picture."""
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A flight's Cd (or drag area, where the diameter is not known) and thrust factor, and doubts about them."""
+
+    drag: Float[Array, "draw"]
+    drag_name: str
+    thrust: Float[Array, "draw"]
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One channel of a log, thinned to what a screen can show, in the units it is drawn in."""
+
+    title: str
+    time: list[float]
+    values: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A log as it is drawn: its channels, and its events by name and time from the start of the clock. [s]"""
+
+    device: str
+    traces: dict[str, Trace]
+    events: dict[str, float]
+
+
+TRACES = ("altitude", "speed", "acceleration")
+"""What is drawn of a log, from top to bottom."""
+POINTS = 400
+"""Samples that are drawn of a channel: more than the widest screen has dots."""
+
+
+def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
+    """The log of a flight as traces, or in words why there is none to draw."""
+    import numpy as np
+
+    from fieldkit import units
+    from fieldkit.measures import spelled, unit_of
+    from fieldkit.replay import recording_of
+
+    found = recording_of(ledger, id)
+    if found is None or found.reading is None:
+        return "no log with samples is kept with this flight"
+    columns = {"altitude": BY_NAME["apogee"], "speed": BY_NAME["top_speed"], "acceleration": BY_NAME["peak_accel"]}
+    climb = found.recorded.climb
+    traces: dict[str, Trace] = {}
+    for name, column in columns.items():
+        clock = next((one for one in found.reading.clocks if getattr(one, name) is not None), None)
+        if clock is not None:
+            time, values = clock.time, getattr(clock, name)
+        elif climb is not None:
+            time, values = climb.time, getattr(climb, "height" if name == "altitude" else name)
+        else:
+            continue
+        good = np.isfinite(values)
+        every = max(1, int(good.sum()) // POINTS)
+        unit = unit_of(column, system)
+        scale = units.unit(column.quantity, unit)
+        measured = "" if clock is not None else ", from the heights"
+        traces[name] = Trace(
+            f"{name} [{spelled(unit)}]{measured}",
+            time[good][::every].tolist(),
+            [scale.from_si(value) for value in values[good][::every].tolist()],
+        )
+    return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
+
+
+def draw_trace(trace: Trace, events: dict[str, float], plt: Any, ink: Any) -> None:
+    """A channel against time, with a line at each event; its name stands below."""
+    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
+    inside = {name: time for name, time in events.items() if trace.time[0] <= time <= trace.time[-1]}
+    low, high = min(trace.values), max(trace.values)
+    for time in inside.values():
+        plt.plot([time, time], [low, high], marker="│", color=ink.mark)
+    ends = {f"{trace.time[-1]:.0f} s": trace.time[-1]}
+    ticks = _apart({**inside, **ends}, (trace.time[-1] - trace.time[0]) / 8)
+    plt.xticks(list(ticks.values()), list(ticks))
+    plt.yfrequency(3)
+
+
+def _apart(ticks: dict[str, float], least: float) -> dict[str, float]:
+    """Labels far enough from each other to be read, the earlier ones first."""
+    kept: dict[str, float] = {}
+    for name, time in sorted(ticks.items(), key=lambda item: item[1]):
+        if all(abs(time - other) > least for other in kept.values()):
+            kept[name] = time
+    return kept
+
+
+@dataclass(frozen=True, slots=True)
+class Foretold:
+    """The apogee as it was forecast, at 5, 50 and 95 % [m], and by whom and when."""
+
+    low: float
+    middle: float
+    high: float
+    by: str
+
+
+def said_by(flight: Flight, motors: "Catalogue") -> Said:
+    """The posterior of a flight. Raises FieldkitError where it can have none."""
+    import numpy as np
+
+    from fieldkit.errors import ImpossibleFlight
+    from fieldkit.inference.field import infer_field
+
+    if flight.dry_mass is None or not flight.readouts():
+        raise ImpossibleFlight("drag and thrust need the dry mass and at least one readout")
+    found = infer_field([flight], [motors.resolve(flight.motor)])
+    area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
+    if flight.diameter:
+        return Said(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
+    return Said(area * 1e4, "drag area cm²", thrust, found.warnings[0])
+
+
+def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
+    """The forecast that was made for a flight, else the one that the other flights make now."""
+    from fieldkit.loop.desk import forecast_from_others
+    from fieldkit.loop.pairing import made_for
+
+    (kept,) = made_for([flight], ledger.predictions(flight.rocket), motors)
+    if kept is not None:
+        at = kept.payload["apogee_m"]
+        when = f"{kept.at.astimezone():%Y-%m-%d %H:%M}"
+        return Foretold(at["p05"], at["p50"], at["p95"], f"forecast of {when}, model {kept.payload.get('model', '')}")
+    made = forecast_from_others(ledger, motors, flight)
+    low, middle, high = (float(one) for one in made.apogee_quantiles())
+    return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
+
+
+class FlightScreen(PageScreen):
+    """A flight opened from the table."""
+
+    NAME = "flights"
+    TITLE = "Flight"
+    ABOUT = Help(
+        "Everything known of one flight. On the left what was read off and weighed; beside it what those say "
+        "of drag and thrust, drawn as densities: where the hill is high, there the true value is likely to be. Above, "
+        "what was forecast for it, as an interval that should hold nine flights of ten, and where the flight ended up.",
+        (
+            ("Cd", "Drag of the rocket in this flight. A wide hill means that these readouts cannot tell it well."),
+            ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
+            ("├──●──┤", "The forecast: 5 %, median and 95 %. The cross ✗ is the apogee that was flown."),
+        ),
+        ("fieldkit show FLIGHT", "fieldkit infer FLIGHT", "fieldkit edit FLIGHT apogee=281m"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "back", "Back"),
+        Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
+        Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
+        Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
+    ]
+    DEFAULT_CSS = """
+    FlightScreen #heading { height: 1; padding: 0 1; text-style: bold; color: $primary; }
+    FlightScreen #all { height: 1fr; padding: 0 1; }
+    FlightScreen #columns { height: auto; }
+    FlightScreen #figures { width: 38; height: auto; }
+    FlightScreen #pictures { width: 1fr; height: auto; }
+    FlightScreen #all Static { height: auto; margin-bottom: 1; }
+    FlightScreen Plot { height: 7; margin-bottom: 1; }
+    FlightScreen.-tall Plot { height: 11; }
+    FlightScreen #hills { height: auto; }
+    FlightScreen #log { height: auto; }
+    FlightScreen #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
+        border-title-color: $foreground; }
+    FlightScreen.-tall #log Plot { height: 11; }
+    FlightScreen #hills Vertical { height: auto; width: 1fr; }
+    FlightScreen #all #hills Static { margin-bottom: 0; }
+    FlightScreen.-narrow #columns, FlightScreen.-narrow #hills, FlightScreen.-normal #hills { layout: vertical; }
+    FlightScreen.-narrow #figures, FlightScreen.-narrow #pictures { width: 1fr; }
+    FlightScreen.-wide #figures { width: 52; }
+    """
+
+    def __init__(self, id: str) -> None:
+        super().__init__()
+        self._flight_id = id
+        self._flight: Flight | None = None
+        self._text: list[str] = []
+
+    def body(self) -> Iterable[Widget]:
+        """One page that scrolls: figures on the left, pictures on the right."""
+        from fieldkit.tui.plots import Plot
+
+        yield Static(id="heading")
+        with VerticalScroll(id="all"), Horizontal(id="columns"):
+            yield Static("reading ...", id="figures")
+            with Vertical(id="pictures"):
+                yield Static("", id="forecast")
+                with Horizontal(id="hills"):
+                    for name in ("drag", "thrust"):
+                        with Vertical():
+                            yield Static("", id=f"{name}-title")
+                            yield Plot(id=name)
+                yield Static("", id="doubts")
+                with Vertical(id="log"):
+                    yield Static("", id="log-title")
+                    for name in TRACES:
+                        yield Plot(id=f"log-{name}")
+
+    def on_mount(self) -> None:
+        """Keys scroll."""
+        self.query_one("#all", VerticalScroll).focus()
+
+    def reload(self) -> None:
+        """Read the flight; what follows from it comes when it is worked out."""
+        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
+
+    def _have(self, flight: Flight) -> None:
+        self._flight = flight
+        system = self.desk.settings.units
+        self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
+        blocks = [
+            cards.lines("Readouts", cards.readouts(flight, system), 20),
+            cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else Content("no tags: it teaches the model"),
+        ]
+        self._text = [cards.heading(flight, self._flight_id), *(block.plain for block in blocks)]
+        self.query_one("#figures", Static).update(Content("\n\n").join(blocks))
+        self.ask(_or_why(partial(said_by, flight, self.desk.motors)), self._have_said, "said")
+        self.ask(
+            _or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast"
+        )
+
+        self.ask(_or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
+
+    def _have_log(self, log: Drawn | str) -> None:
+        from fieldkit.tui.plots import Plot
+
+        title = self.query_one("#log-title", Static)
+        for name in TRACES:
+            trace = log.traces.get(name) if isinstance(log, Drawn) else None
+            plot = self.query_one(f"#log-{name}", Plot)
+            plot.display = trace is not None
+            if trace is not None and isinstance(log, Drawn) and len(trace.time) > 1:
+                plot.border_title = Content(trace.title)
+                plot.show(partial(draw_trace, trace, log.events))
+        if isinstance(log, str):
+            title.update(Content(printable(log)))
+            return
+        marks = "  ".join(f"{name} {time:.2f} s" for name, time in sorted(log.events.items(), key=lambda one: one[1]))
+        title.update(Content.assemble(("Log", "b $primary"), printable(f"  {log.device}\n{marks}")))
+        self._text.append(f"Log  {marks}")
+
+    def _have_said(self, said: Said | str) -> None:
+        from fieldkit.tui.plots import Plot, draw_density
+
+        if isinstance(said, str):
+            self.query_one("#drag-title", Static).update(Content(printable(said)))
+            return
+        for name, title, values in (("drag", said.drag_name, said.drag), ("thrust", "alpha", said.thrust)):
+            text = f"{title}  {values.mean():.3f} ± {values.std():.3f}"
+            self.query_one(f"#{name}-title", Static).update(Content(text).stylize("bold"))
+            marks = [(float(values.mean()), "")]
+            self.query_one(f"#{name}", Plot).show(draw_density(values, marks, lambda value: f"{value:.2f}"))
+            self._text.append(text)
+        self.query_one("#doubts", Static).update(Content("\n".join(f"! {printable(line)}" for line in said.warnings)))
+
+    def _have_forecast(self, said: Foretold | str) -> None:
+        place = self.query_one("#forecast", Static)
+        if isinstance(said, str) or self._flight is None:
+            place.update(Content(f"no forecast: {printable(str(said))}"))
+            return
+        from fieldkit.tui.plots import interval_bar
+
+        system, flown = self.desk.settings.units, self._flight.apogee
+        low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
+        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), f"\n{printable(said.by)}\n"]
+        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
+        if flown is not None:
+            inside = "inside" if said.low <= flown <= said.high else "outside"
+            off = number(cards.APOGEE, abs(flown - said.middle), system)
+            way = "higher" if flown >= said.middle else "lower"
+            parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
+        parts.append(("\n" + interval_bar(said.low, said.middle, said.high, flown, 36), "$accent"))
+        content = Content.assemble(*parts)
+        self._text.append(content.plain)
+        place.update(content)
+
+    def action_tag(self) -> None:
+        """Choose tags."""
+        from fieldkit.tui.tag_screen import TagScreen
+
+        self.app.push_screen(TagScreen(self._flight_id))
+
+    def action_edit(self) -> None:
+        """Type changes as `fieldkit edit` takes them."""
+        from fieldkit.tui.dialogs import AskText
+
+        names = ", ".join(list(BY_NAME)[:3])
+        about = f"COLUMN=VALUE, several apart by ;  such as apogee=281m; wind=2 m/s ({names}, ...). Empty clears."
+        self.app.push_screen(AskText(f"Change flight {self._flight_id}", "", about), self._edited)
+
+    def _edited(self, text: str | None) -> None:
+        if not text or self._flight is None:
+            return
+        flight = self._flight
+
+        def change() -> Flight:
+            from fieldkit.entry import read_changes
+            from fieldkit.errors import BadValue
+
+            pairs = [part.partition("=") for part in text.split(";") if part.strip()]
+            if not all(sign for _, sign, _ in pairs):
+                raise BadValue(f"found {text!r}, expected COLUMN=VALUE such as apogee=281m")
+            changes = read_changes(flight, {name.strip(): value.strip() for name, _, value in pairs})
+            motor = str(changes.get("motor", ""))
+            if motor and (complaint := self.desk.motors.complaint(motor)):
+                raise BadValue(f"motor: {complaint}")
+            return self.desk.ledger.edit(self._flight_id, **changes)
+
+        self.ask(change, self._changed, "edit")
+
+    def _changed(self, flight: Flight) -> None:
+        self.tell(
+            f"{self._flight_id} changed; u takes it back"
+            if flight != self._flight
+            else f"{self._flight_id} is so already"
+        )
+        self.field_app.changed()
+
+    def copied(self) -> str:
+        """The flight as a card of text."""
+        return "\n\n".join(self._text)
+
+
+def _or_why(work: Callable[[], T]) -> Callable[[], T | str]:
+    """The work, or in one line why there is nothing to be had of it: no fault, and no notice."""
+
+    def tried() -> T | str:
+        try:
+            return work()
+        except FieldkitError as error:
+            return str(error)
+
+    return tried

@@ -1,0 +1,178 @@
+"""What every page is: a screen between the bars, with help, a copy of its figure, and work that blocks no key."""
+
+import asyncio
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cache
+from importlib import import_module
+from pkgutil import iter_modules
+from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Container
+from textual.screen import Screen
+from textual.widget import Widget
+from textual.widgets import Input
+
+from fieldkit.errors import FieldkitError
+from fieldkit.tui.bars import KeyBar, NoticeBar, TopBar
+
+if TYPE_CHECKING:
+    from fieldkit.tui.app import FieldkitApp
+    from fieldkit.tui.desk import Desk
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True, slots=True)
+class Page:
+    """A page: its place among the pages, its title there, and its screen."""
+
+    number: int
+    title: str
+    screen: type["PageScreen"]
+
+
+@dataclass(frozen=True, slots=True)
+class Help:
+    """What `?` says of a screen: what it is for, each field in plain words, and the commands that do the same."""
+
+    about: str
+    fields: tuple[tuple[str, str], ...] = ()
+    twin: tuple[str, ...] = ()
+
+
+@cache
+def pages() -> dict[str, Page]:
+    """Every page by the name of its module, in the order of their numbers."""
+    from fieldkit.tui import screens
+
+    found: dict[str, Page] = {}
+    for module in iter_modules(screens.__path__):
+        page = getattr(import_module(f"{screens.__name__}.{module.name}"), "PAGE", None)
+        if page is not None:
+            found[module.name] = page
+    return dict(sorted(found.items(), key=lambda item: item[1].number))
+
+
+class PageScreen(Screen[None]):
+    """A screen between the bars. `body` composes it, `reload` fills it anew when the ledger has changed."""
+
+    ABOUT: ClassVar[Help] = Help("")
+    NAME: ClassVar[str] = ""
+    HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
+    VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("question_mark", "help", "Help", key_display="?"),
+        Binding("f1", "help", "Help", show=False),
+        Binding("y", "copy", "Copy"),
+        Binding("u", "app.undo", "Undo"),
+        Binding("escape", "back", "Back", show=False),
+    ]
+    DEFAULT_CSS = """
+    PageScreen { layout: vertical; background: $background; color: $foreground; }
+    PageScreen > #body { height: 1fr; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._seen = -1
+
+    @property
+    def desk(self) -> "Desk":
+        """The ledger, the motors, the settings."""
+        return self.field_app.desk
+
+    @property
+    def field_app(self) -> "FieldkitApp":
+        """The app, by its own type."""
+        return cast("FieldkitApp", self.app)
+
+    def compose(self) -> ComposeResult:
+        """The bars, and the body between them."""
+        yield TopBar([(name, page.title) for name, page in pages().items()], self.NAME)
+        with Container(id="body"):
+            yield from self.body()
+        yield NoticeBar()
+        yield KeyBar()
+
+    def body(self) -> Iterable[Widget]:
+        """The widgets of the page."""
+        return ()
+
+    def reload(self) -> None:
+        """Fill the page anew; called when it comes to the front and the ledger has changed since it last did."""
+
+    def copied(self) -> str:
+        """What `y` copies: a line or a figure as text."""
+        return ""
+
+    def on_screen_resume(self) -> None:
+        """Show what is waiting to be read, and what has changed while another page was in front."""
+        self.query_one(NoticeBar).tell(self.field_app.notices)
+        self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
+
+    def refresh_if_changed(self) -> None:
+        """Reload where the ledger or the settings have changed since the last time."""
+        if self._seen != self.field_app.revision:
+            self._seen = self.field_app.revision
+            self.reload()
+
+    def ask(self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask") -> None:
+        """Do some work off the keys and give what comes of it to `answer`; a newer question drops an older one.
+
+        An error that the flyer can mend becomes a notice.
+        """
+
+        async def work() -> None:
+            try:
+                found = await asyncio.to_thread(question)
+            except FieldkitError as error:
+                self.complain(str(error))
+                return
+            answer(found)
+
+        self.run_worker(work(), exclusive=True, group=group)
+
+    def tell(self, text: str) -> None:
+        """Say something good."""
+        self.field_app.tell(text)
+
+    def complain(self, text: str) -> None:
+        """Say something that has to be read."""
+        self.field_app.tell(text, error=True)
+
+    def action_help(self) -> None:
+        """Explain the screen and its fields."""
+        from fieldkit.tui.dialogs import HelpScreen
+
+        self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, self._keys()))
+
+    def _keys(self) -> list[tuple[str, str]]:
+        """Keys and what they do, as they are just now."""
+        bindings = [active.binding for active in self.active_bindings.values() if active.enabled]
+        named = {b.action: (self.app.get_key_display(b), b.tooltip or b.description) for b in bindings if b.description}
+        return list(named.values())
+
+    def action_copy(self) -> None:
+        """Copy the line or the figure."""
+        text = self.copied()
+        if text:
+            self.app.copy_to_clipboard(text)
+            self.tell("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
+
+    def action_back(self) -> None:
+        """Read a notice; else leave a field; else leave the screen, where it lies above a page."""
+        if self.field_app.notices:
+            self.field_app.action_read()
+        elif isinstance(self.focused, Input) and (rest := self.resting_place()) is not None:
+            rest.focus()
+        elif len(self.app.screen_stack) > 1:
+            self.dismiss()
+
+    def resting_place(self) -> Widget | None:
+        """Where the focus goes when a field is left: the first table, if there is one."""
+        from fieldkit.tui.table import Table
+
+        return next(iter(self.query(Table)), None)

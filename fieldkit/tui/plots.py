@@ -1,0 +1,117 @@
+"""Plots in the colours of the app, by textual-plotext."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from rich.text import Text
+from textual.app import RenderResult
+from textual.color import Color
+from textual_plotext import PlotextPlot
+
+from fieldkit.shapes import Array, Float
+
+POINT = 200
+"""Points of a drawn density."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ink:
+    """Colours of a plot as plotext takes them: RGB, or "default" for the terminal's own."""
+
+    paper: Any
+    text: Any
+    line: Any
+    mark: Any
+
+
+class Plot(PlotextPlot):
+    """A plot that is drawn anew, by what `show` was given last, whenever its size or its colours change."""
+
+    DEFAULT_CSS = """
+    Plot { height: 1fr; background: $surface; }
+    """
+
+    def __init__(self, **rest: Any) -> None:
+        super().__init__(**rest)
+        self._draw: Callable[[Any, Ink], None] | None = None
+
+    def show(self, draw: Callable[[Any, Ink], None] | None) -> None:
+        """Draw this from now on, with plotext and its colours; None for nothing."""
+        self._draw = draw
+        self.refresh()
+
+    def render(self) -> RenderResult:
+        """The plot as text, in this size."""
+        width, height = self.size
+        if self._draw is None or width < 12 or height < 4:
+            return ""
+        plt, ink = self.plt, self._ink()
+        plt.clear_figure()
+        plt.theme("clear")
+        for colour in (plt.canvas_color, plt.axes_color):
+            colour(ink.paper)
+        plt.ticks_color(ink.text)
+        self._draw(plt, ink)
+        plt.plotsize(width, height)
+        plt._set_size(width, height)
+        return Text.from_ansi(plt.build())
+
+    def _ink(self) -> Ink:
+        names = self.app.theme_variables
+        if self.app.current_theme.ansi:
+            return Ink("default", "default", "default", "default")
+        paper, text, line, mark = (
+            Color.parse(names[name]).rgb for name in ("surface", "foreground", "primary", "accent")
+        )
+        return Ink(paper, text, line, mark)
+
+
+def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
+    """A smooth density of draws: places and heights (Gaussian kernels, Silverman's rule of thumb, 1986)."""
+    import numpy as np
+
+    values = values[np.isfinite(values)]
+    spread = min(values.std(), np.subtract(*np.quantile(values, [0.75, 0.25])) / 1.34) or values.std() or 1e-9
+    width = 0.9 * spread * len(values) ** -0.2
+    low, high = np.quantile(values, [0.002, 0.998])
+    at = np.linspace(low - width, high + width, POINT)
+    heights = np.exp(-0.5 * ((at[:, None] - values) / width) ** 2).sum(axis=1)
+    return at.tolist(), (heights / heights.max()).tolist()
+
+
+def draw_density(
+    values: Float[Array, "draw"], marks: Sequence[tuple[float, str]], number: Callable[[float], str]
+) -> Callable[[Any, Ink], None]:
+    """Draws a density with upright lines at some values; `number` writes the values below it."""
+    at, heights = density(values)
+
+    def draw(plt: Any, ink: Ink) -> None:
+        plt.plot(at, heights, marker="hd", fillx=True, color=ink.line)
+        for place, _ in marks:
+            plt.plot([place, place], [0.0, 1.12], marker="│", color=ink.mark)
+        plt.ylim(0, 1.15)
+        plt.yfrequency(0)
+        plt.yaxes(False, False)
+        plt.xaxes(True, False)
+        plt.xlim(min(at[0], *(p for p, _ in marks)), max(at[-1], *(p for p, _ in marks)))
+        ticks = [place for place, _ in marks]
+        plt.xticks(ticks, [f"{name} {number(place)}".strip() for place, name in marks])
+
+    return draw
+
+
+def interval_bar(low: float, middle: float, high: float, flown: float | None, width: int) -> str:
+    """An interval drawn in a line: `├──●──┤`, and `✗` where the flight ended up."""
+    ends = [low, high] + ([flown] if flown is not None else [])
+    start, span = min(ends), (max(ends) - min(ends)) or 1.0
+
+    def place(value: float) -> int:
+        return round((value - start) / span * (width - 1))
+
+    line = [" "] * width
+    line[place(low) : place(high) + 1] = "─" * (place(high) - place(low) + 1)
+    line[place(low)], line[place(high)], line[place(middle)] = "├", "┤", "●"
+    if flown is not None:
+        line[place(flown)] = "✗"
+    return "".join(line)

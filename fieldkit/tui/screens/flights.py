@@ -1,0 +1,318 @@
+"""Flights: the ledger as a table, newest first; filter as you type, sort by any column, open one with Enter."""
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import events, on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from fieldkit.flight import Flight
+from fieldkit.measures import number, spelled, unit_of
+from fieldkit.tui import cards
+from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.inference.flights import Inferred
+
+FEW = 200
+"""Flights whose drag and thrust are worked out together, so that others need not wait for it."""
+
+
+@dataclass(slots=True, eq=False)
+class Row:
+    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later."""
+
+    id: str
+    place: int
+    flight: Flight
+    miss: float | None = None
+    drag: float | None = None
+    thrust: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A column of the table: heading, width, what it says of a row, and what it is sorted by."""
+
+    title: str
+    width: int
+    text: Callable[[Row, str], str]
+    order: Callable[[Row], Any]
+    right: bool = False
+
+
+def _number(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
+
+def _miss(row: Row, system: str) -> str:
+    if row.miss is None:
+        return ""
+    sign = "+" if row.miss >= 0 else "-"
+    return sign + number(cards.APOGEE, abs(row.miss), system)
+
+
+def _date(form: str) -> Callable[[Row, str], str]:
+    return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
+
+
+def _columns(width: int) -> list[Shown]:
+    """All ten columns in any width: narrow ones shorten the date and the tags."""
+    wide, tight = width >= 108, width < 76
+    return [
+        Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
+        Shown(
+            "date",
+            16 if wide else 5 if tight else 10,
+            _date("%Y-%m-%d %H:%M" if wide else "%m-%d" if tight else "%Y-%m-%d"),
+            lambda r: (r.flight.date_time or datetime.min, r.place),
+        ),
+        Shown("rocket", 14 if wide else 6, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()),
+        Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
+        Shown("motor", 14 if wide else 6 if tight else 8, lambda r, _: r.flight.motor, lambda r: r.flight.motor),
+        Shown(
+            "apogee",
+            9 if wide else 7,
+            lambda r, s: number(cards.APOGEE, r.flight.apogee, s) if r.flight.apogee is not None else "",
+            lambda r: r.flight.apogee or 0.0,
+            right=True,
+        ),
+        Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
+        Shown(
+            "α" if tight else "alpha",
+            5 if not tight else 4,
+            lambda r, _: _number(r.thrust, ".2f"),
+            lambda r: r.thrust or 0.0,
+            right=True,
+        ),
+        Shown("miss", 6 if not tight else 5, _miss, lambda r: abs(r.miss) if r.miss is not None else -1.0, right=True),
+        Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
+    ]
+
+
+class FlightsScreen(PageScreen):
+    """The table, a line to filter it with, and beside it, where there is room, the flight under the cursor."""
+
+    NAME = "flights"
+    TITLE = "Flights"
+    ABOUT = Help(
+        "Every flight of your ledger, the newest first. Type / and any words to see only flights that hold them all "
+        "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
+        "what it says of drag and thrust, and what was forecast for it.",
+        (
+            ("apogee", "Highest point above the pad, as your altimeter showed it."),
+            ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
+            ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
+            ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
+            ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
+        ),
+        ("fieldkit flights [--rocket R] [--tag T]", "fieldkit infer", "fieldkit tag FLIGHT TAG", "fieldkit undo"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("slash", "filter", "Filter", key_display="/"),
+        Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
+        Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
+        Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
+        Binding("a", "add", "Add", tooltip="Type a flight in", priority=True),
+    ]
+    DEFAULT_CSS = """
+    FlightsScreen #filter { height: 1; }
+    FlightsScreen #filter Static { width: auto; padding: 0 1; }
+    FlightsScreen #filter Input { width: 1fr; height: 1; }
+    FlightsScreen #beside { width: 48; display: none; padding: 0 1; border-left: solid $border-blurred; }
+    FlightsScreen.-wide #beside { display: block; }
+    FlightsScreen #beside Static { height: auto; margin-bottom: 1; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._rows: dict[str, Row] = {}
+        self._hay: dict[str, str] = {}
+        self._asked: set[str] = set()
+        self._sort, self._down = 1, True
+
+    def body(self) -> Iterable[Widget]:
+        """A line to filter with, the table, the flight beside it."""
+        with Horizontal(id="filter"):
+            yield Static("/", classes="slash")
+            yield Input(placeholder="filter: rocket, motor, tag, month ...", compact=True)
+            yield Static("", id="count")
+        with Horizontal():
+            yield Table(empty="reading the ledger ...", id="table")
+            with VerticalScroll(id="beside"):
+                yield Static(id="card")
+
+    def on_mount(self) -> None:
+        """Keys go to the table."""
+        self.query_one(Input).cursor_blink = False
+        self.query_one(Table).focus()
+
+    def reload(self) -> None:
+        """Read the flights; what each says of drag and thrust follows."""
+        self.ask(self._read, self._have)
+
+    def _read(self) -> list[Row]:
+        from fieldkit.loop.pairing import made_for, residual
+
+        ledger = self.desk.ledger
+        flights = ledger.flights()
+        said = made_for(flights, ledger.predictions(), self.desk.motors)
+        ids = ledger.ids(flights)
+        return [Row(i, n, f, residual(f, p)) for n, (i, f, p) in enumerate(zip(ids, flights, said, strict=True))]
+
+    def _have(self, rows: list[Row]) -> None:
+        known = {row.id: row for row in self._rows.values() if row.drag is not None}
+        for row in rows:
+            if (before := known.get(row.id)) and before.flight == row.flight:
+                row.drag, row.thrust = before.drag, before.thrust
+        self._rows = {row.id: row for row in rows}
+        self._hay = {row.id: _haystack(row) for row in rows}
+        self._asked = {row.id for row in rows if row.drag is not None}
+        self.query_one(Table).empty = "no flights yet; a adds one, 3 imports a file"
+        self._refill()
+        self._infer()
+
+    def _infer(self) -> None:
+        """Work out drag and thrust where they are not known yet: some flights at a time, those on top first."""
+        waiting = [row for row in self._sorted(self._rows.values()) if row.id not in self._asked][:FEW]
+        if waiting:
+            self._asked |= {row.id for row in waiting}
+            self.ask(partial(self._inferred, waiting), self._have_drag, "drag")
+
+    def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
+        from fieldkit.inference.flights import infer
+
+        owners = {id(row.flight): row for row in rows}
+        found = infer([row.flight for row in rows], self.desk.motors).inferred
+        return [(owners[id(one.flight)], one) for one in found]
+
+    def _have_drag(self, found: "list[tuple[Row, Inferred]]") -> None:
+        for row, one in found:
+            row.drag, row.thrust = one.cd, one.alpha
+        self.query_one(Table).refresh()
+        self._infer()
+
+    def _shown(self) -> list[Shown]:
+        """The columns, as wide as the table has room for."""
+        return _columns(self.query_one(Table).size.width)
+
+    def _sorted(self, rows: Iterable[Row]) -> list[Row]:
+        return sorted(rows, key=self._shown()[self._sort].order, reverse=self._down)
+
+    @on(Input.Changed)
+    def _filtered(self) -> None:
+        self._refill()
+
+    def _refill(self) -> None:
+        """The rows that hold all words of the filter, in order."""
+        words = self.query_one(Input).value.lower().split()
+        rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
+        system = self.desk.settings.units
+        shown = self._shown()
+        arrow = "▼" if self._down else "▲"
+        heads = [Head(c.title + (arrow if n == self._sort else ""), c.width, c.right) for n, c in enumerate(shown)]
+        self.query_one(Table).show(
+            heads,
+            [row.id for row in self._sorted(rows)],
+            lambda id: [column.text(self._rows[id], system) for column in shown],
+        )
+        unit = spelled(unit_of(cards.APOGEE, system))
+        self.query_one("#count", Static).update(Content(f"{len(rows)} of {len(self._rows)} · {unit}"))
+        self._beside()
+
+    def _row(self) -> Row | None:
+        return self._rows.get(self.query_one(Table).current)
+
+    @on(Table.Moved)
+    def _beside(self) -> None:
+        """The card of the flight under the cursor, where it is in sight."""
+        row = self._row()
+        card = self.query_one("#card", Static)
+        if row is None or not self.has_class("-wide"):
+            card.update("")
+            return
+        system = self.desk.settings.units
+        parts = [
+            cards.lines(cards.heading(row.flight, row.id), ()),
+            cards.lines("Readouts", cards.readouts(row.flight, system), 20),
+            cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20),
+            cards.lines("Tags", cards.tags(row.flight)),
+        ]
+        card.update(Content("\n\n").join(part for part in parts if part.plain))
+
+    @on(Table.HeadClicked)
+    def _head(self, message: Table.HeadClicked) -> None:
+        self._down = not self._down if message.column == self._sort else message.column == 1
+        self._sort = message.column
+        self._refill()
+
+    @on(Table.Chosen)
+    def _open(self, message: Table.Chosen) -> None:
+        from fieldkit.tui.flight_screen import FlightScreen
+
+        self.app.push_screen(FlightScreen(message.key))
+
+    @on(Input.Submitted)
+    def _to_table(self) -> None:
+        self.query_one(Table).focus()
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """Columns are chosen by the width."""
+        if self._rows:
+            self._refill()
+
+    def action_filter(self) -> None:
+        """Type what to look for."""
+        self.query_one(Input).focus()
+
+    def action_sort(self) -> None:
+        """By the next column."""
+        self._sort = (self._sort + 1) % len(self._shown())
+        self._down = self._sort in (1, 5, 8)
+        self._refill()
+
+    def action_turn(self) -> None:
+        """The other way round."""
+        self._down = not self._down
+        self._refill()
+
+    async def action_add(self) -> None:
+        """Type a flight in; what is typed ahead waits for the form."""
+        await self.field_app.action_page("add")
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """While a filter is typed, an a is a letter."""
+        if action == "add" and isinstance(self.focused, Input):
+            return False
+        return super().check_action(action, parameters)
+
+    def action_tag(self) -> None:
+        """Choose tags for the flight under the cursor."""
+        row = self._row()
+        if row is not None:
+            from fieldkit.tui.tag_screen import TagScreen
+
+            self.app.push_screen(TagScreen(row.id))
+
+    def copied(self) -> str:
+        """The row under the cursor."""
+        return self.query_one(Table).current_text()
+
+
+def _haystack(row: Row) -> str:
+    """What a filter looks in."""
+    flight = row.flight
+    when = flight.date_time.isoformat(" ") if flight.date_time else ""
+    texts = (row.id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)
+    return " ".join(texts).lower()
+
+
+PAGE = Page(1, "Flights", FlightsScreen)

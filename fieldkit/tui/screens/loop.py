@@ -1,0 +1,416 @@
+"""Loop: what the model of a rocket gets wrong, what may be missing, what it becomes with it, and going back."""
+
+import math
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Container, VerticalScroll
+from textual.content import Content
+from textual.message import Message
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import BY_NAME
+from fieldkit.measures import measure
+from fieldkit.safe_text import printable
+from fieldkit.tui import cards
+from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Version
+    from fieldkit.loop.diagnose import Diagnosis
+    from fieldkit.loop.findings import Compared, Findings
+
+PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
+PLAIN = 0
+"""The number of the model without anything added."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A rocket's models, and the other rockets."""
+
+    rocket: str
+    rockets: tuple[str, ...]
+    versions: "tuple[Version, ...]"
+
+
+class LoopScreen(PageScreen):
+    """Five panels: one at a time where room is short, all at once where it is not."""
+
+    NAME = "loop"
+    TITLE = "Loop"
+    ABOUT = Help(
+        "The model of a rocket is put to the test on its own flights: each is forecast from the others, and what is "
+        "left over is compared with what known effects would do (wind, weak motors, an altimeter that reads high). "
+        "l looks, which takes some seconds; nothing changes until you accept with a. d leaves the model as it is. "
+        "Under Versions, Enter predicts with another model from now on; u takes that back as well.",
+        (
+            ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
+            ("Residuals", "Each flight less its forecast, in units of its expected scatter, against what c chooses."),
+            (
+                "Fingerprint",
+                "What an effect (e chooses) would leave in each readout, and what was there: alike or not.",
+            ),
+            ("Ranking", "Effects by evidence: +3 is twenty to one for it, 0 says nothing, below 0 speaks against it."),
+            ("Versions", "Models kept for this rocket, what each added, and the one in use. 0 is the plain model."),
+        ),
+        ("fieldkit loop [--rocket R] [--look] [--report FILE]", "fieldkit model --use N"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("l", "look", "Look", tooltip="Look for what is missing"),
+        Binding("a", "accept", "Accept", tooltip="Predict with what was found"),
+        Binding("d", "decline", "Decline", tooltip="Leave the model as it is"),
+        Binding("c", "covariate", "Against", tooltip="Residuals against the next column"),
+        Binding("e", "effect", "Effect", tooltip="Fingerprint of the next effect"),
+        Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
+        Binding("left", "turn(-1)", "Panel before", show=False, priority=True),
+        Binding("right", "turn(1)", "Panels", key_display="←→", priority=True),
+    ]
+    DEFAULT_CSS = """
+    LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
+    LoopScreen #tabs { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
+        link-background: $panel; }
+    LoopScreen #panels { height: 1fr; }
+    LoopScreen .panel { display: none; height: 1fr; padding: 0 1; }
+    LoopScreen .panel.-front { display: block; }
+    LoopScreen .panel Static { height: auto; }
+    LoopScreen #p-Residuals Static { text-style: bold; }
+    LoopScreen.-wide #tabs { display: none; }
+    LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 2fr 2fr 1fr; }
+    LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
+    LoopScreen.-wide #p-Versions { column-span: 2; }
+    """
+
+    @dataclass
+    class Told(Message):
+        """What is being tried, and the share done."""
+
+        text: str
+        share: float
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._standing: Standing | None = None
+        self._rocket: str | None = None
+        self._found: Findings | None = None
+        self._panel, self._against, self._effect = 0, 0, 0
+
+    def body(self) -> Iterable[Widget]:
+        """What is at hand, the names of the panels, the panels."""
+        from fieldkit.tui.plots import Plot
+
+        yield Static("reading the ledger ...", id="what")
+        yield Static("", id="tabs")
+        with Container(id="panels"):
+            with VerticalScroll(id="p-Verdict", classes="panel"):
+                yield Static("l looks for what the model lacks", id="verdict")
+            with Container(id="p-Residuals", classes="panel"):
+                yield Static("", id="against")
+                yield Plot(id="residuals")
+            with VerticalScroll(id="p-Fingerprint", classes="panel"):
+                yield Static("", id="marks")
+            with Container(id="p-Ranking", classes="panel"):
+                yield Table(id="ranking", empty="l looks for what may be missing", enter="Print")
+            with Container(id="p-Versions", classes="panel"):
+                yield Table(id="versions", enter="Use it")
+
+    def on_mount(self) -> None:
+        """The titles of the panels, where all are in sight."""
+        for name in PANELS:
+            self.query_one(f"#p-{name}").border_title = name
+        self._front()
+
+    def reload(self) -> None:
+        """Read the models of the rocket; what was found of older flights is no longer so."""
+        self.ask(self._read, self._have)
+
+    def _read(self) -> Standing:
+        from fieldkit.loop.desk import which_rocket
+
+        ledger = self.desk.ledger
+        rockets = tuple(ledger.names("rocket"))
+        rocket = which_rocket(ledger, self._rocket if self._rocket in rockets else None)
+        return Standing(rocket, rockets, tuple(ledger.versions(rocket)))
+
+    def _have(self, standing: Standing) -> None:
+        self._standing, self._rocket = standing, standing.rocket
+        used = next((version.number for version in standing.versions if version.active), PLAIN)
+        more = " · b next rocket" if len(standing.rockets) > 1 else ""
+        model = f"version {used}" if used else "the plain model"
+        self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
+        rows: dict[int, tuple[str, ...]] = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
+        rows |= {version.number: self._version(version) for version in standing.versions}
+        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("unseen flights", 18, True), Head("", 8)]
+        self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
+
+    def _version(self, version: "Version") -> tuple[str, ...]:
+        """A row: what a model added, and the error before and after."""
+        from fieldkit.loop.candidates import Place
+
+        payload, system = version.payload, self.desk.settings.units
+        errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
+        added = " + ".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
+        if left := payload.get("unexplained"):
+            added = f"{added or 'nothing'}, intervals {left['widened']:.2f} times as wide"
+        return (
+            str(version.number),
+            f"{version.at:%Y-%m-%d}",
+            added,
+            " → ".join(errors),
+            "in use ✓" if version.active else "",
+        )
+
+    def action_look(self) -> None:
+        """Look for what is missing; nothing is changed."""
+        if self._standing is None:
+            return
+        rocket = self._standing.rocket
+        self.post_message(self.Told("reading flights", 0.0))
+        self.ask(partial(self._look, rocket), self._looked, "look")
+
+    def _look(self, rocket: str) -> "Findings":
+        from fieldkit.loop.desk import close_loop
+        from fieldkit.loop.findings import findings
+
+        def tell(start: float, part: float) -> Callable[[str, float], None]:
+            def told(text: str, share: float) -> None:
+                self.post_message(self.Told(text, start + part * share))
+
+            return told
+
+        diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.7))
+        return findings(rocket, diagnosis, tell(0.7, 0.3))
+
+    @on(Told)
+    def _told(self, message: Told) -> None:
+        """How far it is."""
+        if self._found is None or message.share < 1:
+            bar = "█" * round(message.share * 24)
+            self.query_one("#verdict", Static).update(Content(f"looking: {printable(message.text)}\n[{bar:24}]"))
+
+    def _looked(self, found: "Findings") -> None:
+        self._found, self._effect = found, 0
+        self._panel = 0
+        self._show_verdict(found)
+        self._show_residuals()
+        self._show_marks()
+        self._show_ranking(found.diagnosis)
+        self._front()
+
+    def _show_verdict(self, found: "Findings") -> None:
+        diagnosis = found.diagnosis
+        parts: list[str | tuple[str, str]] = [
+            (f"Verdict: {diagnosis.effect}", "b $primary"),
+            "\n",
+            printable(diagnosis.why),
+            "\n",
+        ]
+        if found.unexplained is not None:
+            parts.append(
+                printable(f"{found.unexplained.in_words}; intervals {found.unexplained.widened:.2f} times as wide\n")
+            )
+        if diagnosis.effect == "none":
+            parts.append(
+                f"chance that something is missing: {1 - diagnosis.confidence:.0%}, before the test on unseen flights\n"
+            )
+        else:
+            what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
+            parts.append(f"chance that {what}: {diagnosis.confidence:.0%}\n")
+        if diagnosis.also:
+            parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
+            parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
+        parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
+        for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
+            parts += [f"{line}\n" for line in self._errors(title, compared)]
+        if diagnosis.accepted or found.unexplained is not None:
+            parts.append(("\na accepts it, d leaves the model as it is", "b"))
+        self.query_one("#verdict", Static).update(Content.assemble(*parts))
+
+    def _errors(self, title: str, compared: "Compared") -> Iterable[str]:
+        """Mean error before and after, with its interval, and how many flights the intervals held."""
+        if not compared.before.flights:
+            return
+        yield f"{title}, {compared.before.flights} flights"
+        for when, judged in (("before", compared.before), ("after", compared.after)):
+            mean = measure(cards.APOGEE, judged.score.mae, self.desk.settings.units)
+            low, high = (measure(cards.APOGEE, one, self.desk.settings.units) for one in judged.mae)
+            yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90 %"
+
+    def _show_residuals(self) -> None:
+        """Residuals against a column, flight by flight."""
+        from fieldkit.tui.plots import Plot
+
+        if self._found is None:
+            return
+        import numpy as np
+
+        from fieldkit.loop.residual import columns_of, kinds_of, residuals
+
+        diagnosis = self._found.diagnosis
+        off = residuals(diagnosis)
+        numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
+        usable = [n for n, v in numbers.items() if (np.isfinite(v) & np.isfinite(off)).sum() > 1]
+        usable += [name for name, group in kinds.items() if len(set(group)) > 1]
+        order = {row.against: place for place, row in enumerate(self._found.patterns)}
+        usable.sort(key=lambda name: order.get(name, len(order)))
+        name = usable[self._against % len(usable)]
+        pattern = next((row for row in self._found.patterns if row.against == name), None)
+        said = (
+            f"statistic {pattern.statistic:+.2f}, p {pattern.p:.2f} corrected" if pattern else "too few values to test"
+        )
+        plain = name.replace("_", " ")
+        self.query_one("#against", Static).update(Content(f"off, in its scatter, against {plain}: {said}"))
+        if name in numbers:
+            points = [(float(x), float(y)) for x, y in zip(numbers[name], off, strict=True) if np.isfinite(x + y)]
+            ticks: list[str] = []
+        else:
+            ticks = list(dict.fromkeys(kinds[name]))
+            points = [
+                (float(ticks.index(x)), float(y)) for x, y in zip(kinds[name], off, strict=True) if np.isfinite(y)
+            ]
+        self.query_one("#residuals", Plot).show(partial(_draw_points, points, ticks))
+
+    def _show_marks(self) -> None:
+        """The fingerprint of the residual beside that of an effect."""
+        if self._found is None or not self._found.fingerprints:
+            self.query_one("#marks", Static).update("no effect to compare with" if self._found else "")
+            return
+        trial, marks = self._found.fingerprints[self._effect % len(self._found.fingerprints)]
+        largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
+        parts: list[str | tuple[str, str]] = [(printable(str(trial.candidate.place)), "b $primary")]
+        parts.append(f"\n{'in expected scatter':22}{'it would leave':^19}{'there was':^19}")
+        for mark in marks:
+            title = BY_NAME[mark.readout].title
+            if mark.found != mark.found:
+                parts.append(f"\n{title:22}{'not recorded':^38}")
+                continue
+            alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
+            parts.append(f"\n{title:22}{_lean(mark.expected, largest)}{_lean(mark.found, largest)} {alike}")
+        self.query_one("#marks", Static).update(Content.assemble(*parts))
+
+    def _show_ranking(self, diagnosis: "Diagnosis") -> None:
+        rows = {}
+        for item in diagnosis.ranking:
+            if item.effect:
+                mean, sd = item.best.strength()
+                place = str(item.best.candidate.place)
+                rows[place] = (place, f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g} {item.best.unit}")
+        heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 32)]
+        self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
+
+    def _front(self) -> None:
+        """The panel in front, and the focus in it."""
+        parts = []
+        for number, name in enumerate(PANELS):
+            here = number == self._panel
+            self.query_one(f"#p-{name}").set_class(here, "-front")
+            mark = f"[b reverse] {name} [/]" if here else f"[@click=screen.panel({number})] {name} [/]"
+            parts.append(Content.from_markup(mark))
+        self.query_one("#tabs", Static).update(Content("").join(parts))
+        target = {"Ranking": "#ranking", "Versions": "#versions", "Residuals": None}.get(PANELS[self._panel], "")
+        if target is None:
+            self.set_focus(None)
+        else:
+            self.query_one(target or f"#p-{PANELS[self._panel]}").focus()
+
+    def action_panel(self, panel: int) -> None:
+        """Another panel."""
+        self._panel = panel
+        self._front()
+
+    def action_turn(self, by: int) -> None:
+        """The next panel, or the one before."""
+        self.action_panel((self._panel + by) % len(PANELS))
+
+    def action_covariate(self) -> None:
+        """Residuals against the next column."""
+        self._against += 1
+        self._show_residuals()
+        self.action_panel(PANELS.index("Residuals"))
+
+    def action_effect(self) -> None:
+        """The fingerprint of the next effect."""
+        self._effect += 1
+        self._show_marks()
+        self.action_panel(PANELS.index("Fingerprint"))
+
+    def action_rocket(self) -> None:
+        """The next rocket."""
+        if self._standing is not None and len(self._standing.rockets) > 1:
+            rockets = self._standing.rockets
+            self._rocket = rockets[(rockets.index(self._standing.rocket) + 1) % len(rockets)]
+            self._found = None
+            self.query_one("#verdict", Static).update("l looks for what the model lacks")
+            self.reload()
+
+    def action_accept(self) -> None:
+        """Predict with what was found."""
+        if self._found is None:
+            self.complain("nothing to accept yet: l looks for what is missing")
+            return
+        from fieldkit.loop.desk import adopt
+
+        found = self._found
+        plain = self._standing is None or not any(version.active for version in self._standing.versions)
+        if plain and not found.diagnosis.accepted and found.unexplained is None:
+            self.complain("nothing to accept: the plain model stands")
+            return
+        self.ask(lambda: adopt(self.desk.ledger, found.rocket, found.diagnosis), self._accepted, "accept")
+
+    def _accepted(self, _: None) -> None:
+        self.tell("accepted: forecasts rest on it from now on; u takes it back")
+        self.field_app.changed()
+
+    def action_decline(self) -> None:
+        """Leave the model as it is."""
+        if self._found is not None:
+            self.tell("declined: the model stays as it is")
+
+    @on(Table.Chosen, "#versions")
+    def _use(self, message: Table.Chosen) -> None:
+        if self._standing is None:
+            return
+        rocket, number = self._standing.rocket, message.key
+        work = partial(self.desk.ledger.activate, rocket, number or None)
+        said = f"{rocket} predicts with " + (f"version {number}" if number else "the plain model")
+        self.ask(work, partial(self._used, said), "use")
+
+    def _used(self, said: str, _: None) -> None:
+        self.tell(f"{said}; u takes it back")
+        self.field_app.changed()
+
+    def copied(self) -> str:
+        """The report as `fieldkit loop` prints it, or the version under the cursor."""
+        if self._found is None or PANELS[self._panel] == "Versions":
+            return self.query_one("#versions", Table).current_text()
+        from fieldkit.loop.words import report
+
+        return "\n".join(report(self._found))
+
+
+def _draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:
+    """Points about a line of no error."""
+    plt.scatter([x for x, _ in points], [y for _, y in points], marker="●", color=ink.mark)
+    plt.hline(0.0, color=ink.line)
+    low, high = math.floor(min(y for _, y in points)), math.ceil(max(y for _, y in points))
+    plt.yticks(list(range(min(low, -1), max(high, 1) + 1)))
+    if ticks:
+        plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
+        plt.xlim(-0.5, len(ticks) - 0.5)
+
+
+def _lean(value: float, largest: float) -> str:
+    """A figure with a bar to the left or the right of zero, 19 cells wide."""
+    cells = round(abs(value) / (largest or 1.0) * 5)
+    left = ("█" * cells).rjust(5) if value < 0 else " " * 5
+    right = ("█" * cells).ljust(5) if value >= 0 else " " * 5
+    return f"{value:+6.2f} {left}│{right} "
+
+
+PAGE = Page(5, "Loop", LoopScreen)

@@ -1,0 +1,281 @@
+"""Capture: a logger on a serial port, read out or listened to; every byte is kept before it is looked at."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from threading import Event as Flag
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.message import Message
+from textual.widget import Widget
+from textual.widgets import Digits, Static
+
+from fieldkit.measures import measure, number, spelled, unit_of
+from fieldkit.safe_text import printable
+from fieldkit.tui import cards
+from fieldkit.tui.dialogs import AskText, AskYes
+from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.capture import Ended, Port, Progress
+    from fieldkit.intake import Receipt
+
+SHOWN = 600
+"""Altitudes of a telemetry stream that are drawn."""
+SAID = 5
+"""Lines of what happened that stay in sight."""
+
+
+class CaptureScreen(PageScreen):
+    """The ports above, what comes in below."""
+
+    NAME = "serial"
+    TITLE = "Capture"
+    ABOUT = Help(
+        "Plug the logger or its adapter in; r looks again. Enter captures what is on the port under the cursor: what "
+        "it is follows from its numbers, or from listening; a unit that has to be asked is named with d first. Every "
+        "byte is on the disc before it is looked at, so a pulled cable loses nothing: g goes on with it. x ends a "
+        "capture. Nothing in a logger is ever changed or erased. At the end you are asked whether its flights go into "
+        "the ledger.",
+        (
+            ("port", "The name that the system has for it."),
+            ("what is known", "Who made the chip, and the logger where the numbers say."),
+            ("device", "The protocol that would be spoken; empty: found out by listening."),
+            ("altitude", "Of a telemetry stream, now; with the highest so far."),
+        ),
+        ("fieldkit capture --list", "fieldkit capture [PORT] [--device NAME]", "fieldkit capture --resume"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("x", "stop", "Stop", tooltip="End the capture in good order"),
+        Binding("d", "device", "Device", tooltip="Name what is on the port"),
+        Binding("g", "resume", "Go on", tooltip="Go on with the newest unfinished capture"),
+        Binding("r", "look", "Look again", tooltip="List the ports anew"),
+    ]
+    DEFAULT_CSS = """
+    CaptureScreen #ports { height: 8; }
+    CaptureScreen #live { height: 1fr; padding: 0 1; border-top: solid $border-blurred; }
+    CaptureScreen #said { height: auto; max-height: 6; }
+    CaptureScreen #count { height: 1; text-style: bold; }
+    CaptureScreen #now { height: 3; }
+    CaptureScreen #big { width: 34; color: $accent; }
+    CaptureScreen #state { width: 1fr; }
+    CaptureScreen #heights { height: 1fr; }
+    CaptureScreen.-tall #ports { height: 12; }
+    """
+
+    @dataclass
+    class Happened(Message):
+        """Something that a capture tells."""
+
+        event: Any
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._device: str | None = None
+        self._stop = Flag()
+        self._capturing = False
+        self._said: list[str] = []
+        self._heights: list[float] = []
+
+    def body(self) -> Iterable[Widget]:
+        """The ports, and what comes in."""
+        from fieldkit.tui.plots import Plot
+
+        yield Table(
+            id="ports", empty="no serial port is there; plug the logger or its adapter in, then r", enter="Capture"
+        )
+        with Vertical(id="live"):
+            yield Static("", id="said")
+            yield Static("", id="count")
+            with Horizontal(id="now"):
+                yield Digits("", id="big")
+                yield Static("", id="state")
+            yield Plot(id="heights")
+
+    def on_mount(self) -> None:
+        """Keys go to the ports."""
+        self.query_one(Table).focus()
+        self._say("Enter captures; every byte is kept before anything is looked at")
+
+    def on_unmount(self) -> None:
+        """A capture ends with the app."""
+        self._stop.set()
+
+    def reload(self) -> None:
+        """List the ports."""
+        self.action_look()
+
+    def action_look(self) -> None:
+        """List the ports anew."""
+
+        def look() -> "list[Port]":
+            from fieldkit.capture import ports
+
+            return ports()
+
+        self.ask(look, self._listed, "ports")
+
+    def _listed(self, ports: "list[Port]") -> None:
+        def cells(port: "Port") -> list[str]:
+            numbers = "" if port.vendor is None else f"{port.vendor:04x}:{port.product or 0:04x}"
+            return [port.name, numbers, port.about or port.described, self._device or port.device]
+
+        heads = [Head("port", 16), Head("numbers", 9), Head("what is known", 0), Head("device", 14)]
+        self.query_one(Table).show(heads, ports, cells)
+
+    @on(Table.Chosen)
+    def _capture(self, message: Table.Chosen) -> None:
+        self._begin(message.key)
+
+    def action_resume(self) -> None:
+        """Go on with the newest unfinished capture."""
+        self._begin(None)
+
+    def _begin(self, port: "Port | None") -> None:
+        """Start capturing from a port, or going on with what is unfinished."""
+        if self._capturing:
+            self.complain("a capture is running; x ends it")
+            return
+        self._capturing, self._heights = True, []
+        self._stop.clear()
+        self.ask(partial(self._follow, port, self._device), self._ended, "capture")
+
+    def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
+        """All events of a capture, each told to the screen; the last one is returned."""
+        from fieldkit import capture
+        from fieldkit.errors import CaptureTrouble, FieldkitError
+        from fieldkit.places import capture_folder
+
+        try:
+            if port is not None:
+                events = capture.capture(port, device, folder=capture_folder(), stop=self._stop.is_set)
+            elif (file := capture.unfinished(capture_folder())) is not None:
+                events = capture.resume(file, device=device, stop=self._stop.is_set)
+            else:
+                raise CaptureTrouble("found no capture that is unfinished, expected one to go on with")
+            for event in events:
+                self.post_message(self.Happened(event))
+        except FieldkitError:
+            self.post_message(self.Happened(None))
+            raise
+        return event  # type: ignore[return-value]  # a capture ends with it or raises
+
+    @on(Happened)
+    def _happened(self, message: Happened) -> None:
+        """Show one event."""
+        from fieldkit import capture
+
+        match message.event:
+            case None:
+                self._capturing = False
+            case capture.Opened(port, device, file):
+                self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
+            case capture.Recognised(device):
+                self._say(f"this is {capture.known_devices()[device].title}")
+            case capture.Told(text):
+                self._say(text)
+            case capture.Listed(flights, chosen):
+                self._say(f"{len(flights)} flights in memory, reading {len(chosen)}")
+            case capture.Lost(_, why):
+                self._say(f"! {why}; all that came is kept, waiting for it to come back")
+            case capture.Back(port):
+                self._say(f"it is back on {port}")
+            case capture.Progress():
+                self._progress(message.event)
+
+    def _say(self, text: str) -> None:
+        self._said = [*self._said, printable(text)][-SAID:]
+        self.query_one("#said", Static).update(Content("\n".join(self._said)))
+
+    def _progress(self, progress: "Progress") -> None:
+        """Counts, the share done, and the altitude where a stream tells it."""
+        from fieldkit.tui.plots import Plot
+
+        parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
+        parts += [f"{progress.damaged:,} damaged"] if progress.damaged else []
+        if progress.share is not None:
+            bar = "█" * round(progress.share * 20)
+            parts.append(f"[{bar:20}] {progress.share:.0%}")
+        self.query_one("#count", Static).update(Content("   ".join(parts)))
+        sample, system = progress.sample, self.desk.settings.units
+        if sample is None:
+            return
+        self._heights = [*self._heights, sample.altitude][-SHOWN:]
+        unit = spelled(unit_of(cards.APOGEE, system))
+        self.query_one("#big", Digits).update(number(cards.APOGEE, sample.altitude, system))
+        highest = measure(cards.APOGEE, max(self._heights), system)
+        speed = "" if sample.speed is None else f"{sample.speed:+.1f} m/s"
+        lines = [f"{unit} now, highest {highest}", speed, printable(sample.state)]
+        self.query_one("#state", Static).update(Content("\n".join(line for line in lines if line)))
+        heights = [float(number(cards.APOGEE, one, system)) for one in self._heights]
+        self.query_one(Plot).show(partial(_draw_heights, heights))
+
+    def _ended(self, end: "Ended | None") -> None:
+        """Say how it ended and ask whether its flights go into the ledger."""
+        self._capturing = False
+        if end is None or not end.bytes:
+            self._say("nothing came")
+            return
+        whole = "all of it" if end.whole else "NOT all of it; g goes on with it"
+        self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; kept in {end.file}")
+        question = f"{end.file.name}: {end.samples} samples, {whole}.\nTake its flights into the ledger?"
+        self.app.push_screen(AskYes(question), partial(self._answered, end))
+
+    def _answered(self, end: "Ended", yes: bool | None) -> None:
+        if yes:
+            self.ask(partial(self._store, end), self._stored, "store")
+
+    def _store(self, end: "Ended") -> "Receipt":
+        from fieldkit.intake import bring_in
+
+        return bring_in(self.desk.ledger, [end.file], self.desk.motors.complaint)
+
+    def _stored(self, receipt: "Receipt") -> None:
+        self.tell(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")
+        for row in receipt.rejected:
+            self.complain(f"{row.file}: {row.error}")
+        self.field_app.changed()
+
+    def action_stop(self) -> None:
+        """End the capture."""
+        self._stop.set()
+
+    def action_device(self) -> None:
+        """Name what is on the port."""
+        from fieldkit.capture import known_devices
+
+        known = ", ".join(known_devices())
+        self.app.push_screen(AskText("Device", self._device or "", f"One of: {known}. Empty: find out."), self._named)
+
+    def _named(self, text: str | None) -> None:
+        if text is None:
+            return
+        from fieldkit.capture.protocol import known_device
+        from fieldkit.errors import FieldkitError
+
+        try:
+            if text.strip():
+                known_device(text)
+        except FieldkitError as error:
+            self.complain(str(error))
+            return
+        self._device = text.strip() or None
+        self.action_look()
+
+    def copied(self) -> str:
+        """What happened so far."""
+        return "\n".join(self._said)
+
+
+def _draw_heights(heights: list[float], plt: Any, ink: Any) -> None:
+    """The altitudes that came, the newest on the right."""
+    plt.plot(heights, marker="braille", color=ink.line)
+    plt.xfrequency(0)
+
+
+PAGE = Page(7, "Capture", CaptureScreen)

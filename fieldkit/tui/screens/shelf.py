@@ -1,0 +1,346 @@
+"""Setup: the motors, the rockets and sites of the ledger, and what was chosen for the app; edited where they stand."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from fieldkit.entry import Question, answer_text
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.measures import measure, unit_of
+from fieldkit.safe_text import printable
+from fieldkit.settings import THEMES, UNITS
+from fieldkit.tui.bars import KeyBar
+from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.fields import Form
+from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.table import Cells, Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+
+KINDS = ("Motors", "Rockets", "Sites", "Settings")
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Flights that name the same thing: one build of a rocket, or one site. `last` is the latest of them."""
+
+    names: tuple[str, ...]
+    ids: tuple[str, ...]
+    last: Flight
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the ledger names: builds of rockets with their mass and diameter, sites with their elevation."""
+
+    builds: tuple[Group, ...]
+    sites: tuple[Group, ...]
+
+
+def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
+    """Flights by some of their text fields, those flown last first; a group carries the last known numbers."""
+    groups: dict[tuple[str, ...], list[tuple[str, Flight]]] = {}
+    for id, flight in zip(ids, flights, strict=True):
+        key = tuple(str(getattr(flight, name)) for name in names)
+        if key[0]:
+            groups.setdefault(key, []).append((id, flight))
+    found = []
+    for key, members in groups.items():
+        known = {c: next((v for _, f in reversed(members) if (v := f.number(c)) is not None), None) for c in NUMBERS}
+        found.append(Group(key, tuple(id for id, _ in members), members[-1][1].with_changes(**known)))
+    order = {id: place for place, id in enumerate(ids)}
+    return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
+
+
+NUMBERS = ("dry_mass", "diameter", "site_elevation")
+BUILD = (
+    Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
+    Question("config", "Configuration", "The name of this build."),
+    Question("dry_mass", "Dry mass", f"{BY_NAME['dry_mass'].help} Changes every flight of this build."),
+    Question("diameter", "Diameter", f"{BY_NAME['diameter'].help} Changes every flight of this build."),
+)
+SITE = (
+    Question("site", "Site", "Its name; a new name renames it in every flight there."),
+    Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),
+)
+
+
+class ShelfScreen(PageScreen):
+    """Four lists in one table; left and right go from one to the next."""
+
+    NAME = "shelf"
+    TITLE = "Setup"
+    ABOUT = Help(
+        "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
+        "type / and a name to search it, i adds a .eng or .rse file of your own. Rockets and sites are those your "
+        "flights name: Enter changes one in every flight that names it, and u takes that back. Settings: Enter "
+        "changes the one under the cursor.",
+        (
+            ("units", "SI: metres and grams. US: feet and ounces. mixed: feet, and grams. N changes them anywhere."),
+            ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
+            ("target", "The apogee that motors are compared against on the page Next."),
+        ),
+        ("fieldkit motors F24", "fieldkit motors --import FILE.eng", "fieldkit edit FLIGHT dry_mass=330g"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("left", "turn(-1)", "List before", show=False),
+        Binding("right", "turn(1)", "Lists", key_display="←→"),
+        Binding("slash", "search", "Search", key_display="/"),
+        Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
+    ]
+    DEFAULT_CSS = """
+    ShelfScreen #kinds { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
+        link-background: $panel; }
+    ShelfScreen #search { height: 1; }
+    ShelfScreen #search Static { width: auto; padding: 0 1; }
+    ShelfScreen #search Input { width: 1fr; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._kind = 0
+        self._kept = Kept((), ())
+        self._found: Sequence[Motor] = ()
+
+    def body(self) -> Iterable[Widget]:
+        """The names of the lists, a search, the list."""
+        yield Static("", id="kinds")
+        with Horizontal(id="search"):
+            yield Static("/")
+            yield Input(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
+        yield Table(empty="nothing here yet", enter="Change")
+
+    def on_mount(self) -> None:
+        """Keys go to the table."""
+        self.query_one(Input).cursor_blink = False
+        self.query_one(Table).focus()
+
+    def reload(self) -> None:
+        """Read what the flights name."""
+        self._show()
+        self.ask(self._read, self._have)
+        self._search_now()
+
+    def _read(self) -> Kept:
+        flights = self.desk.ledger.flights()
+        ids = self.desk.ledger.ids(flights)
+        return Kept(grouped(ids, flights, "rocket", "config"), grouped(ids, flights, "site"))
+
+    def _have(self, kept: Kept) -> None:
+        self._kept = kept
+        self._show()
+
+    @on(Input.Changed)
+    def _search_now(self) -> None:
+        text = self.query_one(Input).value
+        self.ask(lambda: self.desk.motors.search(text), self._have_motors, "motors")
+
+    def _have_motors(self, motors: "list[Motor]") -> None:
+        self._found = motors
+        for error in self.desk.complaints:
+            self.complain(str(error))
+        self.desk.complaints.clear()
+        self._show()
+
+    def _show(self) -> None:
+        """The list in front."""
+        parts = []
+        for number, name in enumerate(KINDS):
+            here = f"[b reverse] {name} [/]" if number == self._kind else f"[@click=screen.kind({number})] {name} [/]"
+            parts.append(Content.from_markup(here))
+        self.query_one("#kinds", Static).update(Content(" ").join(parts))
+        self.query_one("#search").display = self._kind == 0
+        heads, keys, cells = (self._motors, self._builds, self._sites, self._settings)[self._kind]()
+        table = self.query_one(Table)
+        table.enter = ("About it", "Change", "Change", "Change")[self._kind]
+        table.show(heads, keys, cells)
+        self.query_one(KeyBar).refresh(layout=True)
+
+    def _motors(self) -> tuple[list[Head], Sequence[Any], Cells]:
+        from fieldkit.motors.motor import delays_text
+
+        wide = self.size.width >= 100
+        heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 6, True), Head("avg N", 5, True)]
+        heads += [Head("burn s", 6, True), Head("grams", 6, True)] if wide else []
+        heads += [Head("delays", 18 if wide else 12), Head("", 14 if wide else 5)]
+
+        def cells(motor: "Motor") -> list[str]:
+            gone = "" if motor.available else "no longer made" if wide else "gone"
+            figures = [f"{motor.burn_time:.3g}", f"{motor.loaded_mass * 1e3:.4g}"] if wide else []
+            first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:g}", f"{motor.total_impulse:.4g}"]
+            return [*first, f"{motor.average_thrust:.3g}", *figures, delays_text(motor.delays), gone]
+
+        return heads, self._found, cells
+
+    def _builds(self) -> tuple[list[Head], Sequence[Any], Cells]:
+        system = self.desk.settings.units
+
+        def cells(group: Group) -> list[str]:
+            numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
+            return [*group.names, *numbers, str(len(group.ids)), group.last.motor]
+
+        heads = [Head("rocket", 0), Head("config", 10), Head("dry mass", 9, True), Head("diameter", 9, True)]
+        return [*heads, Head("flights", 7, True), Head("last motor", 14)], self._kept.builds, cells
+
+    def _sites(self) -> tuple[list[Head], Sequence[Any], Cells]:
+        system = self.desk.settings.units
+
+        def cells(group: Group) -> list[str]:
+            elevation = measure(BY_NAME["site_elevation"], group.last.number("site_elevation"), system)
+            last = answer_text(group.last, "date_time")[:10]
+            return [group.names[0], elevation, str(len(group.ids)), last]
+
+        heads = [Head("site", 0), Head("elevation", 9, True), Head("flights", 7, True), Head("last", 10)]
+        return heads, self._kept.sites, cells
+
+    def _settings(self) -> tuple[list[Head], Sequence[Any], Cells]:
+        from fieldkit.places import motor_folder, settings_file
+
+        settings = self.desk.settings
+        target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
+        rows = {
+            "units": (settings.units, "SI, US, or mixed: feet and grams"),
+            "theme": (settings.theme, "field, sun, night or terminal"),
+            "target": (target, "what motors are compared against"),
+            "ledger": (self.desk.name, "where flights are kept: --ledger, FIELDKIT_LEDGER"),
+            "own motors": (str(motor_folder()), "your .eng and .rse files"),
+            "settings": (str(settings_file()), "where these choices are kept"),
+        }
+        narrow = self.size.width < 100
+        heads = [Head("setting", 10), Head("is", 0)] + ([] if narrow else [Head("means", 52)])
+        return heads, list(rows), lambda name: (name, *rows[name][: 1 if narrow else 2])
+
+    def action_kind(self, kind: int) -> None:
+        """Another list."""
+        self._kind = kind
+        self.query_one(Table).by_hand = False
+        self._show()
+        self.query_one(Table).focus()
+
+    def action_turn(self, by: int) -> None:
+        """The next list, or the one before."""
+        self.action_kind((self._kind + by) % len(KINDS))
+
+    def action_search(self) -> None:
+        """Type a motor's name."""
+        self.action_kind(0)
+        self.query_one(Input).focus()
+
+    @on(Input.Submitted)
+    def _to_table(self) -> None:
+        self.query_one(Table).focus()
+
+    @on(Table.Chosen)
+    def _change(self, message: Table.Chosen) -> None:
+        (self._about_motor, self._change_build, self._change_site, self._change_setting)[self._kind](message.key)
+
+    def _about_motor(self, motor: "Motor") -> None:
+        from fieldkit.motors import describe
+        from fieldkit.tui.dialogs import HelpScreen
+
+        facts = [(name.replace("_", " "), _said(value)) for name, value in describe(motor).items()]
+        text = f"{motor.maker} {motor.designation}"
+        known = tuple((name, printable(value)) for name, value in facts if value)
+        about = Help("What is on record of this motor.", known, (f"fieldkit motors {text} --json",))
+        self.app.push_screen(HelpScreen(text, about, (), "On record"))
+
+    def _change_build(self, group: Group) -> None:
+        self._edit(group, BUILD, " ".join(name for name in group.names if name))
+
+    def _change_site(self, group: Group) -> None:
+        self._edit(group, SITE, group.names[0])
+
+    def _edit(self, group: Group, questions: Sequence[Question], what: str) -> None:
+        """A form over a group; what is changed there is changed in every flight of it."""
+        system = self.desk.settings.units
+        texts, units = dict[str, str](), dict[str, str]()
+        for question in questions:
+            column = question.column
+            texts[question.name] = (
+                answer_text(group.last, question.name)
+                if column is None
+                else measure(column, group.last.number(question.name), system)
+            )
+            units[question.name] = unit_of(column, system) if column else ""
+        title = f"{what}: {len(group.ids)} flights"
+        self.app.push_screen(Form(title, questions, texts, units), partial(self._edited, group, what, texts))
+
+    def _edited(self, group: Group, what: str, texts: dict[str, str], values: dict[str, object] | None) -> None:
+        if values is None:
+            return
+        changes = {
+            name: value
+            for name, value in values.items()
+            if not _same(group.last, name, value, texts[name], self.desk.settings.units)
+        }
+        if changes:
+            work = partial(self.desk.ledger.edit_all, group.ids, what, **changes)
+            self.ask(work, partial(self._changed, what), "edit")
+
+    def _changed(self, what: str, count: int) -> None:
+        self.tell(f"{what}: {count} flights changed; u takes it back")
+        self.field_app.changed()
+
+    def _change_setting(self, name: str) -> None:
+        settings = self.desk.settings
+        if name == "units":
+            self.field_app.choose(units=UNITS[(UNITS.index(settings.units) + 1) % len(UNITS)])
+        elif name == "theme":
+            self.field_app.choose(theme=THEMES[(THEMES.index(settings.theme) + 1) % len(THEMES)])
+        elif name == "target":
+            self.field_app.ask_target()
+        else:
+            self.complain(f"{name} is not changed here; ? says how")
+
+    def action_import_motors(self) -> None:
+        """Add the motors of a file."""
+        self.app.push_screen(AskText("Add motors", "", "The path of a .eng or .rse file."), self._import)
+
+    def _import(self, text: str | None) -> None:
+        if not text or not text.strip():
+            return
+
+        def work() -> "list[Motor]":
+            from fieldkit.motors.own import import_file
+            from fieldkit.places import motor_folder
+
+            return import_file(Path(text.strip()).expanduser(), motor_folder())
+
+        self.ask(work, self._imported, "import")
+
+    def _imported(self, motors: "list[Motor]") -> None:
+        self.desk.forget_motors()
+        self.tell(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
+        self.field_app.changed()
+
+    def copied(self) -> str:
+        """The row under the cursor."""
+        return self.query_one(Table).current_text()
+
+
+def _same(flight: Flight, name: str, value: object, text: str, system: str) -> bool:
+    """Whether a form's value is what it was: a number that reads the same was not changed."""
+    column = BY_NAME.get(name)
+    if column is None:
+        return bool(getattr(flight, name) == value)
+    return measure(column, value if isinstance(value, float) else None, system) == text
+
+
+def _said(value: object) -> str:
+    """A fact as text; long lists are left to the command."""
+    if isinstance(value, list | tuple):
+        return ", ".join(map(str, value)) if len(value) <= 12 else f"{len(value)} entries"
+    return "" if value is None else str(value)
+
+
+PAGE = Page(6, "Setup", ShelfScreen)

@@ -1,0 +1,78 @@
+"""The app in a browser, on this computer or on a phone in the same network, by textual-serve.
+
+Beyond this computer nobody gets in without a token, and a page of another origin never does.
+"""
+
+import hmac
+import ipaddress
+import socket
+import sys
+from collections.abc import Awaitable, Callable
+from shlex import join
+from urllib.parse import urlsplit
+
+from aiohttp import web
+from textual_serve.server import Server
+
+COOKIE = "fieldkit"
+Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
+
+
+def is_loopback(host: str) -> bool:
+    """Whether a host is this computer and nobody else can reach it."""
+    try:
+        return ipaddress.ip_address(host).is_loopback
+    except ValueError:
+        return host == "localhost"
+
+
+def address(host: str) -> str:
+    """The address under which others reach this computer, for a host that listens everywhere."""
+    if host not in ("0.0.0.0", "::"):
+        return host
+    with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
+        probe.connect(("192.0.2.1", 9))  # sends nothing: it only asks which way a packet would leave
+        return str(probe.getsockname()[0])
+
+
+class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
+    """textual-serve with a token where there is one, and deaf to pages of other origins."""
+
+    def __init__(self, host: str, port: int, token: str, ledger: str | None) -> None:
+        chosen = ["--ledger", ledger] if ledger else []
+        command = join([sys.executable, "-m", "fieldkit.cli.main", *chosen, "tui"])
+        super().__init__(command, host, port, "fieldkit", f"http://{address(host)}:{port}")
+        self.token = token
+
+    @property
+    def link(self) -> str:
+        """What is typed into a browser."""
+        return f"{self.public_url}/" + (f"?token={self.token}" if self.token else "")
+
+    async def _make_app(self) -> web.Application:
+        app = await super()._make_app()
+
+        @web.middleware
+        async def guarded(request: web.Request, handler: Handler) -> web.StreamResponse:
+            return await self.guard(request, handler)
+
+        app.middlewares.append(guarded)
+        return app
+
+    async def on_startup(self, app: web.Application) -> None:
+        """Say nothing: the command has said what there is to say."""
+
+    async def guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
+        """Let in who knows the token, or has shown it before; refuse what another page asks for."""
+        origin = request.headers.get("Origin")
+        if origin is not None and urlsplit(origin).netloc != urlsplit(self.public_url).netloc:
+            raise web.HTTPForbidden(text="asked for by another page")
+        shown = request.query.get("token", "") or request.cookies.get(COOKIE, "")
+        if self.token and not hmac.compare_digest(shown.encode(), self.token.encode()):
+            raise web.HTTPForbidden(
+                text="the token is missing or wrong; open the whole link that fieldkit serve printed"
+            )
+        response = await handler(request)
+        if self.token and not response.prepared:
+            response.set_cookie(COOKIE, self.token, httponly=True, samesite="Strict")
+        return response

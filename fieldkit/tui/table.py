@@ -1,0 +1,229 @@
+"""A table of any length: only the lines in sight are drawn, so that five thousand flights answer a key at once."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from rich.cells import cell_len, set_cell_size
+from rich.segment import Segment
+from rich.style import Style
+from textual import events
+from textual.binding import Binding, BindingType
+from textual.geometry import Region, Size
+from textual.message import Message
+from textual.reactive import reactive
+from textual.scroll_view import ScrollView
+from textual.strip import Strip
+
+from fieldkit.safe_text import printable
+
+
+@dataclass(frozen=True, slots=True)
+class Head:
+    """A column: its heading, its width in cells (0: what is left over), numbers to the right."""
+
+    title: str
+    width: int
+    right: bool = False
+
+
+Cells = Callable[[Any], Sequence[str]]
+"""The cells of the row that stands for something, as text, which may come from files."""
+
+MARK, NO_MARK = "▸", " "
+"""Before the row of the cursor and before the others, for eyes and terminals without colours."""
+
+
+class Table(ScrollView, can_focus=True, inherit_bindings=False):
+    """Rows with a cursor. `Moved` when the cursor does, `Chosen` on Enter or a second click."""
+
+    DEFAULT_CSS = """
+    Table { height: 1fr; background: $surface; color: $foreground; scrollbar-size-vertical: 1; overflow-x: hidden; }
+    Table > .table--head { text-style: bold; color: $primary; background: $panel; }
+    Table > .table--cursor { color: $block-cursor-foreground; background: $block-cursor-background;
+        text-style: $block-cursor-text-style; }
+    Table > .table--blurred { color: $block-cursor-blurred-foreground; background: $block-cursor-blurred-background;
+        text-style: bold; }
+    """
+    COMPONENT_CLASSES: ClassVar[set[str]] = {"table--head", "table--cursor", "table--blurred"}
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter", "choose", "Open", key_display="Enter"),
+        Binding("up", "move(-1)", "Up", show=False),
+        Binding("down", "move(1)", "Down", show=False),
+        Binding("pageup", "page(-1)", "Page up", show=False),
+        Binding("pagedown", "page(1)", "Page down", show=False),
+        Binding("home", "end(False)", "First", show=False),
+        Binding("end", "end(True)", "Last", show=False),
+    ]
+
+    @dataclass
+    class Moved(Message):
+        """The cursor stands on another row."""
+
+        table: "Table"
+        key: Any
+
+        @property
+        def control(self) -> "Table":
+            """The table it is of."""
+            return self.table
+
+    class Chosen(Moved):
+        """A row was chosen."""
+
+    @dataclass
+    class HeadClicked(Message):
+        """The heading of a column was clicked."""
+
+        table: "Table"
+        column: int
+
+        @property
+        def control(self) -> "Table":
+            """The table it is of."""
+            return self.table
+
+    cursor: reactive[int] = reactive(0, repaint=True)
+
+    def __init__(self, *, empty: str = "", enter: str = "Open", **rest: Any) -> None:
+        super().__init__(**rest)
+        self.enter = enter
+        """What Enter does with a row, in a word for the key bar."""
+        self.heads: Sequence[Head] = ()
+        self.keys: Sequence[Any] = ()
+        self.cells: Cells = lambda _: ()
+        self.empty = empty
+        self.by_hand = False
+        """Whether the flyer has moved the cursor since the table was last told to begin anew."""
+
+    def show(self, heads: Sequence[Head], keys: Sequence[Any], cells: Cells, *, keep: bool = True) -> None:
+        """Show a row for each key; the cursor stays on its row if that is still there and was chosen by hand."""
+        before, keep = self.current, keep and self.by_hand
+        self.heads, self.keys, self.cells = heads, keys, cells
+        self.set_reactive(Table.cursor, keys.index(before) if keep and before in keys else 0)
+        self.virtual_size = Size(self.size.width, len(keys) + 1)
+        self._in_sight()
+        self.refresh()
+        if self.current != before:
+            self.post_message(self.Moved(self, self.current))
+
+    @property
+    def current(self) -> Any:
+        """What the row under the cursor stands for, None without rows."""
+        return self.keys[self.cursor] if self.cursor < len(self.keys) else None
+
+    def move_to(self, key: Any) -> None:
+        """Put the cursor on the row that stands for something."""
+        if key in self.keys:
+            self._go(self.keys.index(key))
+
+    def current_text(self) -> str:
+        """The row under the cursor as text, headings and all, to be copied."""
+        if self.current is None:
+            return ""
+        pairs = zip(self.heads, self.cells(self.current), strict=True)
+        return "  ".join(f"{head.title.strip(' ▲▼')} {cell}" for head, cell in pairs if cell)
+
+    def validate_cursor(self, row: int) -> int:
+        """Within the rows."""
+        return max(0, min(row, len(self.keys) - 1))
+
+    def watch_cursor(self, before: int, after: int) -> None:
+        """Keep the cursor in sight and say where it is."""
+        if before != after:
+            self._in_sight()
+            self.post_message(self.Moved(self, self.current))
+
+    def _in_sight(self) -> None:
+        room = max(1, self.size.height - 1)
+        top = round(self.scroll_y)
+        if self.cursor < top:
+            top = self.cursor
+        elif self.cursor >= top + room:
+            top = self.cursor - room + 1
+        self.scroll_to(y=top, animate=False, immediate=True)
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """Columns are fitted anew."""
+        self.virtual_size = Size(self.size.width, len(self.keys) + 1)
+        self._in_sight()
+
+    def widths(self) -> list[int]:
+        """Of the columns, in cells; columns without a width share what is left over."""
+        room = self.size.width - 1 - len(self.heads) - sum(head.width for head in self.heads)
+        loose = sum(not head.width for head in self.heads)
+        return [head.width or max(4, room // max(loose, 1)) for head in self.heads]
+
+    def render_line(self, y: int) -> Strip:
+        """The heading stays on the first line; below it the rows."""
+        base = self.rich_style
+        if y == 0:
+            style = base + self.get_component_rich_style("table--head")
+            return self._strip(NO_MARK, [head.title for head in self.heads], style)
+        row = round(self.scroll_y) + y - 1
+        if row >= len(self.keys):
+            text = f" {self.empty}" if y == 1 and not self.keys else ""
+            return Strip([Segment(set_cell_size(text, self.size.width), base)])
+        style = base
+        if row == self.cursor:
+            style = base + self.get_component_rich_style("table--cursor" if self.has_focus else "table--blurred")
+        return self._strip(MARK if row == self.cursor else NO_MARK, self.cells(self.keys[row]), style)
+
+    def _strip(self, mark: str, cells: Sequence[str], style: Style) -> Strip:
+        parts = [mark]
+        for head, width, cell in zip(self.heads, self.widths(), cells, strict=True):
+            parts.append(fitted(printable(cell), width, head.right) + " ")
+        text = set_cell_size("".join(parts), self.size.width)
+        return Strip([Segment(text, style)], self.size.width)
+
+    def action_move(self, by: int) -> None:
+        """One row up or down."""
+        self._go(self.cursor + by)
+
+    def _go(self, row: int) -> None:
+        self.by_hand, self.cursor = True, row
+
+    def action_page(self, by: int) -> None:
+        """One screen up or down."""
+        self._go(self.cursor + by * max(1, self.size.height - 2))
+
+    def action_end(self, last: bool) -> None:
+        """To the first or the last row."""
+        self._go(len(self.keys) - 1 if last else 0)
+
+    def action_choose(self) -> None:
+        """Take the row under the cursor."""
+        if self.current is not None:
+            self.post_message(self.Chosen(self, self.current))
+
+    def on_click(self, event: events.Click) -> None:
+        """A click moves the cursor, one where it stands takes the row, one on the heading names its column."""
+        if event.y == 0:
+            self._head_clicked(event.x)
+            return
+        row = round(self.scroll_y) + event.y - 1
+        if row < len(self.keys):
+            again = row == self.cursor
+            self._go(row)
+            if again:
+                self.action_choose()
+
+    def _head_clicked(self, x: int) -> None:
+        edge = 1
+        for number, width in enumerate(self.widths()):
+            edge += width + 1
+            if x < edge:
+                self.post_message(self.HeadClicked(self, number))
+                return
+
+    def watch_scroll_y(self, old_value: float, new_value: float) -> None:
+        """Everything in sight is drawn anew, for the heading does not scroll."""
+        super().watch_scroll_y(old_value, new_value)
+        self.refresh(Region(0, 0, *self.size))
+
+
+def fitted(text: str, width: int, right: bool) -> str:
+    """A text in a width, cut with an ellipsis where it is too long."""
+    text = set_cell_size(text, width - 1) + "…" if cell_len(text) > width else text
+    blank = " " * (width - cell_len(text))
+    return blank + text if right else text + blank

@@ -1,0 +1,156 @@
+"""Tags of a flight: a list that explains each, and what they do to Cd and the next forecast as soon as one changes."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from functools import partial
+from threading import Lock
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import on
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import TAGS, Flight
+from fieldkit.measures import measure
+from fieldkit.safe_text import printable
+from fieldkit.tui import cards
+from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.loop.predict import Prediction
+
+OWN = "another ..."
+"""The row for a tag of one's own."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """What is known of the rocket with the tags as they are: Cd, and the next flight on the same motor."""
+
+    forecast: "Prediction"
+
+    def lines(self, system: str) -> list[tuple[str, str]]:
+        """Cd, apogee and what they rest on."""
+        one = self.forecast
+        low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
+        return [
+            ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
+            ("next apogee", f"{middle}, 90 % between {low} and {high}"),
+            ("rests on", f"{one.rests_on} clean flights"),
+        ]
+
+
+class TagScreen(PageScreen):
+    """A row a tag; Enter or the space bar puts it on or takes it off, at once and undoable."""
+
+    NAME = "flights"
+    TITLE = "Tags"
+    ABOUT = Help(
+        "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach "
+        "the model any more. Below the list you see what that does to the rocket's drag and to the forecast of its "
+        "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
+        tuple(TAGS.items()),
+        ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space", "toggle_tag", "On/off", show=False),
+        Binding("escape", "back", "Done"),
+    ]
+    DEFAULT_CSS = """
+    TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
+    TagScreen Table { height: 1fr; min-height: 5; }
+    TagScreen #means { height: auto; padding: 0 1; }
+    TagScreen #effect { height: auto; max-height: 9; padding: 0 1; border-top: solid $border-blurred; }
+    """
+
+    def __init__(self, id: str) -> None:
+        super().__init__()
+        self._flight_id = id
+        self._flight: Flight | None = None
+        self._before: Shift | None = None
+        self._one_at_a_time = Lock()
+
+    def body(self) -> Iterable[Widget]:
+        """The flight, the tags, the effect."""
+        yield Static(id="which")
+        yield Table(id="tags", enter="On/off")
+        yield Static(id="means")
+        yield Static("working out what the tags do ...", id="effect")
+
+    def on_mount(self) -> None:
+        """Keys go to the list."""
+        self.query_one(Table).focus()
+
+    def reload(self) -> None:
+        """Read the flight and what the model makes of the tags."""
+        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
+
+    def _have(self, flight: Flight) -> None:
+        self._flight = flight
+        self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
+        tags = dict(TAGS) | {
+            tag: "your own: it is kept, and the flight still teaches" for tag in flight.tags if tag not in TAGS
+        }
+        rows = {tag: ("[x]" if tag in flight.tags else "[ ]", tag, text) for tag, text in tags.items()}
+        rows[OWN] = ("", OWN, "type a tag of your own")
+        self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
+        self.ask(partial(self._shift, flight), self._have_shift, "effect")
+
+    def _shift(self, flight: Flight) -> Shift:
+        from fieldkit.loop.desk import predict_plans
+
+        plan = Flight(rocket=flight.rocket, config=flight.config, motor=flight.motor, dry_mass=flight.dry_mass)
+        (forecast,) = predict_plans(self.desk.ledger, self.desk.motors, [plan], keep=False)
+        return Shift(forecast)
+
+    def _have_shift(self, shift: Shift) -> None:
+        self._before = self._before or shift
+        system = self.desk.settings.units
+        before, now = self._before.lines(system), shift.lines(system)
+        rows = [
+            (name, old if old == new else f"{old}\n{'':13}now {new}")
+            for (name, old), (_, new) in zip(before, now, strict=True)
+        ]
+        parts: list[str | tuple[str, str]] = [("With these tags", "b $primary")]
+        for name, text in rows:
+            parts += ["\n", (f"{name:13}", "$text-muted"), (text, "b")]
+        self.query_one("#effect", Static).update(Content.assemble(*parts))
+
+    @on(Table.Moved)
+    def _moved(self, message: Table.Moved) -> None:
+        text = TAGS.get(message.key, "a tag of your own keeps the flight teaching")
+        self.query_one("#means", Static).update(Content(printable(f"{message.key}: {text}")))
+
+    @on(Table.Chosen)
+    def action_toggle_tag(self) -> None:
+        """Put the tag under the cursor on the flight, or take it off."""
+        tag = self.query_one(Table).current
+        if self._flight is None:
+            return
+        if tag == OWN:
+            self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
+        else:
+            self._change(tag)
+
+    def _own(self, text: str | None) -> None:
+        if text and text.strip():
+            self._change(text.strip())
+
+    def _change(self, tag: str) -> None:
+        """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
+
+        def work() -> None:
+            with self._one_at_a_time:
+                ledger = self.desk.ledger
+                there = tag in ledger.flight(self._flight_id).tags
+                (ledger.untag if there else ledger.tag)(self._flight_id, tag)
+
+        self.ask(work, lambda _: self.field_app.changed(), "tag")
+
+    def copied(self) -> str:
+        """The tag under the cursor and what it means."""
+        return self.query_one(Table).current_text()

@@ -1,0 +1,123 @@
+"""Colours of the app: one for any room, one for bright sun, one for the dark, one that is the terminal's own.
+
+Nothing is said by colour alone, so each may use as few as it likes.
+"""
+
+from collections.abc import Mapping
+
+from textual.theme import BUILTIN_THEMES, Theme
+
+INKS = """text text-muted text-disabled foreground-muted foreground-disabled footer-foreground footer-key-foreground
+text-primary text-secondary text-warning text-error text-success text-accent footer-description-foreground border
+input-cursor-background block-cursor-background block-cursor-blurred-background scrollbar scrollbar-hover
+scrollbar-active screen-selection-background input-selection-background link-color"""
+PAPERS = """block-cursor-foreground block-cursor-blurred-foreground input-cursor-foreground scrollbar-background
+scrollbar-background-hover scrollbar-background-active footer-background footer-key-background boost surface-active
+footer-description-background screen-selection-foreground input-selection-foreground block-hover-background
+link-background scrollbar-corner-color button-color-foreground"""
+"""Variables of Textual that are ink, and those that are paper, in a scheme of two colours."""
+
+
+def _flat(ink: str, paper: str, line: str) -> dict[str, str]:
+    """Variables of a scheme in which no text is dimmer than the rest: one ink, one paper, one line."""
+    return {
+        **dict.fromkeys(INKS.split(), ink),
+        **dict.fromkeys(PAPERS.split(), paper),
+        "border-blurred": line,
+        "backdrop": paper,
+        "block-cursor-text-style": "bold",
+        "block-cursor-blurred-text-style": "none",
+        "input-cursor-text-style": "none",
+    }
+
+
+FIELD = Theme(
+    name="field",
+    primary="#8fd0ff",
+    secondary="#b9c7d8",
+    accent="#ffc66d",
+    warning="#ffd479",
+    error="#ff9b8f",
+    success="#98e6ad",
+    foreground="#eef3f8",
+    background="#0e141b",
+    surface="#141c25",
+    panel="#1d2833",
+    boost="#243240",
+    dark=True,
+    variables={
+        "text-muted": "#b4c2d0",
+        "text-disabled": "#b4c2d0",
+        "foreground-muted": "#b4c2d0",
+        "border": "#8fd0ff",
+        "border-blurred": "#4a5d70",
+        "backdrop": "#0e141b 70%",
+        "block-cursor-background": "#8fd0ff",
+        "block-cursor-foreground": "#0b1117",
+        "block-cursor-text-style": "bold",
+        "block-cursor-blurred-background": "#2b3b4b",
+        "block-cursor-blurred-foreground": "#eef3f8",
+        "footer-background": "#1d2833",
+        "footer-key-foreground": "#ffc66d",
+        "input-cursor-background": "#ffc66d",
+        "input-cursor-foreground": "#0b1117",
+        "input-cursor-text-style": "none",
+        "scrollbar": "#4a5d70",
+        "scrollbar-background": "#141c25",
+    },
+)
+SUN = Theme(
+    name="sun",
+    primary="#000000",
+    secondary="#000000",
+    accent="#00226b",
+    warning="#000000",
+    error="#7a0000",
+    success="#003d12",
+    foreground="#000000",
+    background="#ffffff",
+    surface="#ffffff",
+    panel="#ffffff",
+    dark=False,
+    text_alpha=1.0,
+    luminosity_spread=0.0,
+    variables=_flat("#000000", "#ffffff", "#000000"),
+)
+NIGHT = Theme(
+    name="night",
+    primary="#ff5a4f",
+    secondary="#ff5a4f",
+    accent="#ff5a4f",
+    warning="#ff5a4f",
+    error="#ff5a4f",
+    success="#ff5a4f",
+    foreground="#ff5a4f",
+    background="#000000",
+    surface="#000000",
+    panel="#000000",
+    dark=True,
+    text_alpha=1.0,
+    luminosity_spread=0.0,
+    variables=_flat("#ff5a4f", "#000000", "#8a1a12"),
+)
+TERMINAL = Theme(
+    name="terminal",
+    ansi=True,
+    primary="ansi_default",
+    secondary="ansi_default",
+    accent="ansi_default",
+    warning="ansi_default",
+    error="ansi_default",
+    success="ansi_default",
+    foreground="ansi_default",
+    background="ansi_default",
+    surface="ansi_default",
+    panel="ansi_default",
+    boost="ansi_default",
+    variables=BUILTIN_THEMES["ansi-dark"].variables
+    | dict.fromkeys([*INKS.split(), *PAPERS.split(), "border-blurred"], "ansi_default")
+    | {"block-cursor-text-style": "reverse", "block-cursor-blurred-text-style": "reverse"}
+    | {"input-cursor-text-style": "reverse", "backdrop": "ansi_default"},
+)
+THEMES: Mapping[str, Theme] = {theme.name: theme for theme in (FIELD, SUN, NIGHT, TERMINAL)}
+"""By the names that settings keep."""

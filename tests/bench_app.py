@@ -1,0 +1,151 @@
+"""How fast the app is there and answers: `pytest -o addopts= --benchmark-only tests/bench_app.py`.
+
+The first group holds the app and an empty Textual app, each as a whole process up to its first paint; the second the
+time from a key to the screen that shows it, in a ledger of 5,000 flights, beside an empty app that answers a key.
+"""
+
+import asyncio
+import os
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from datetime import datetime, timedelta
+from itertools import cycle
+from pathlib import Path
+
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+from textual import events
+from textual.app import App
+from textual.pilot import Pilot
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from tests.pressing import opened, season
+
+ROOT = Path(__file__).parents[1]
+FLYER = {k: v for k, v in os.environ.items() if k != "FIELDKIT_CHECK_SHAPES"} | {"PYTHONPATH": str(ROOT)}
+MANY = 5000
+
+PAINTED = """
+import asyncio, os
+async def painted():
+    async with app.run_test(size=(80, 24)):
+        os._exit(0)
+asyncio.run(painted())
+"""
+EMPTY = "from textual.app import App\napp = App()\n" + PAINTED
+OURS = (
+    "from pathlib import Path, PosixPath\nfrom fieldkit.tui.app import FieldkitApp\napp = FieldkitApp({!r}, {!r})\n"
+    + PAINTED
+)
+
+
+def measure(benchmark: BenchmarkFixture, code: str) -> None:
+    def start() -> None:
+        subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.DEVNULL)
+
+    benchmark.pedantic(start, rounds=9, warmup_rounds=1)
+
+
+@pytest.mark.benchmark(group="first paint")
+def test_an_empty_app_is_painted(benchmark: BenchmarkFixture) -> None:
+    measure(benchmark, EMPTY)
+
+
+@pytest.mark.benchmark(group="first paint")
+def test_the_app_is_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
+    season(tmp_path / "ledger.db")
+    measure(benchmark, OURS.format(str(tmp_path / "ledger.db"), tmp_path / "settings.json"))
+
+
+@pytest.fixture(scope="module")
+def crowded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A ledger of 5,000 flights."""
+    file = tmp_path_factory.mktemp("many") / "ledger.db"
+    first = datetime(2020, 1, 1, 10)
+    flights = [
+        Flight(
+            flight_id=str(n),
+            rocket=f"Rocket {n % 17}",
+            config="AB"[n % 2],
+            motor=("C6-5", "F24-4W", "E35-5W")[n % 3],
+            date_time=first + timedelta(hours=n),
+            dry_mass=0.3,
+            diameter=0.066,
+            apogee=100.0 + n % 200,
+        )
+        for n in range(MANY)
+    ]
+    with Ledger.open(file) as ledger:
+        ledger.add(flights)
+    return file
+
+
+KEYS = [
+    "down",
+    "up",
+    "pagedown",
+    "pageup",
+    "end",
+    "home",
+    "slash",
+    "2",
+    "f",
+    "4",
+    "backspace",
+    "backspace",
+    "backspace",
+    "escape",
+    "s",
+    "r",
+]
+"""Moving, filtering as one types, sorting: each a key of its own."""
+
+
+class Session:
+    """An app that stays open while keys are sent to it, one at a time."""
+
+    def __init__(self, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
+        self.loop = asyncio.new_event_loop()
+        self.keys: asyncio.Queue[str] = asyncio.Queue()
+        self.done: asyncio.Queue[None] = asyncio.Queue()
+        self.task = self.loop.create_task(self._run(open))
+
+    async def _run(self, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
+        async with open() as pilot:
+            while key := await self.keys.get():
+                pilot.app.post_message(events.Key(key, key if len(key) == 1 else None))
+                await pilot._wait_for_screen()  # until every message that the key brought about was read
+                self.done.put_nowait(None)
+        self.done.put_nowait(None)
+
+    def press(self, key: str) -> None:
+        """Send a key and wait for what comes of it; the empty one closes the app."""
+        self.keys.put_nowait(key)
+        self.loop.run_until_complete(self.done.get())
+
+
+@asynccontextmanager
+async def listening() -> AsyncIterator[Pilot[None]]:
+    """An empty app that is told of keys and does nothing."""
+    async with App[None]().run_test(size=(80, 24)) as pilot:
+        yield pilot
+
+
+def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
+    session, keys = Session(open), cycle(KEYS)
+    benchmark.pedantic(lambda: session.press(next(keys)), rounds=5 * len(KEYS), warmup_rounds=len(KEYS))
+    session.press("")
+    session.loop.close()
+
+
+@pytest.mark.benchmark(group="a key")
+def test_an_empty_app_hears_a_key(benchmark: BenchmarkFixture) -> None:
+    answer(benchmark, listening)
+
+
+@pytest.mark.benchmark(group="a key")
+def test_a_key_is_answered_with_five_thousand_flights(benchmark: BenchmarkFixture, crowded: Path) -> None:
+    answer(benchmark, lambda: opened(crowded))

@@ -1,0 +1,144 @@
+"""The app for tests: opened on a ledger of its own in any size, keys pressed, and waited for until it is calm."""
+
+import asyncio
+import atexit
+import re
+import shutil
+import time
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from datetime import datetime, timedelta
+from functools import cache
+from pathlib import Path
+from tempfile import mkdtemp
+from typing import Any
+from unittest.mock import patch
+
+import pytest
+from textual.pilot import Pilot
+from textual.widgets import Static
+
+from fieldkit.ledger import Ledger, models
+from fieldkit.parsing import read
+from fieldkit.tui.app import FieldkitApp
+
+ROOT = Path(__file__).parents[1]
+FIRST = datetime(2026, 4, 18, 10, 0)
+MOMENT = "2026-04-17T18:00:00+00:00"
+"""When everything is signed that a ledger signs."""
+FULL = {
+    "apogee": 281.3,
+    "top_speed": 83.4,
+    "burn_time": 2.1,
+    "peak_accel": 77.5,
+    "avg_accel": 39.8,
+    "coast_to_apogee": 5.4,
+    "apogee_to_eject": -0.4,
+    "eject_altitude": 279.9,
+    "descent_speed": 6.2,
+    "duration": 48.3,
+    "site_elevation": 210.0,
+    "temperature": 294.8,
+    "wind": 2.1,
+}
+"""What is added to the second reference flight, so that one has all that an altimeter shows. [SI]"""
+
+
+def season(file: Path) -> None:
+    """A ledger of the twelve reference flights with dates and a site; one has every readout, one had a forecast."""
+    shutil.copy(_season(), file)
+
+
+@cache
+def _season() -> Path:
+    """The ledger that is copied for each test, made once."""
+    folder = Path(mkdtemp())
+    atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    table = (ROOT / "fieldkit" / "data" / "reference_flights.csv").read_bytes()
+    raw = read(table, "reference_flights.csv", lambda name: None).flights
+    flights = [
+        flight.with_changes(date_time=FIRST + timedelta(minutes=25 * place), site="North field", extra={})
+        for place, flight in enumerate(raw)
+    ]
+    flights[1] = flights[1].with_changes(**FULL)
+    apogee = {"mean": 196.0, "sd": 18.0, "p05": 168.0, "p50": 194.0, "p95": 228.0}
+    said = {"rocket": "Astra", "config": "B", "motor": "F39", "model": "field", "apogee_m": apogee}
+    with Ledger.open(folder / "ledger.db") as ledger, patch.object(models, "now", lambda: MOMENT):
+        ledger.add(flights)
+        ledger.keep_prediction(said, digest="a digest", rocket="Astra", flight_id="12")
+    return folder / "ledger.db"
+
+
+@cache
+def looked_at() -> Any:
+    """What the loop finds in that season, worked out once."""
+    from fieldkit.loop.desk import close_loop
+    from fieldkit.loop.findings import findings
+    from fieldkit.motors import catalogue
+
+    with Ledger.open(_season()) as ledger:
+        return findings("Astra", close_loop(ledger, catalogue(), "Astra", accept=False))
+
+
+def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
+    """One time zone and one moment for all that a ledger signs."""
+    monkeypatch.setenv("TZ", "UTC")
+    time.tzset()
+    monkeypatch.setattr(models, "now", lambda: MOMENT)
+
+
+@asynccontextmanager
+async def opened(file: Path, size: tuple[int, int] = (80, 24)) -> AsyncIterator[Pilot[None]]:
+    """The app on a ledger, its settings kept beside it, once it is calm."""
+    app = FieldkitApp(file, file.with_name("settings.json"))
+    async with app.run_test(size=size) as pilot:
+        await calm(pilot)
+        yield pilot
+        app.workers.cancel_all()
+
+
+async def calm(pilot: Pilot[None]) -> None:
+    """Wait until nothing is being worked out and all messages were read."""
+    quiet = 0
+    while quiet < 2:
+        await pilot.pause()
+        busy = [worker for worker in pilot.app.workers if not worker.is_finished]
+        quiet = 0 if busy else quiet + 1
+        if busy:
+            await asyncio.sleep(0.01)
+
+
+async def press(pilot: Pilot[None], *keys: str) -> None:
+    """Press keys one after the other, `_` waits until the app is calm, and so does the end."""
+    for key in keys:
+        if key == "_":
+            await calm(pilot)
+        else:
+            await pilot.press(key)
+    await calm(pilot)
+
+
+def typed(text: str) -> list[str]:
+    """The keys of a text."""
+    names = {" ": "space", "-": "minus", ".": "full_stop", "/": "slash", "=": "equals_sign", ";": "semicolon"}
+    names |= {"_": "underscore"}
+    return [names.get(letter, letter) for letter in text]
+
+
+def shown(pilot: Pilot[None]) -> str:
+    """The screen as lines of text."""
+    screen = pilot.app.screen
+    lines = []
+    for strip in screen._compositor.render_strips():
+        lines.append("".join(segment.text for segment in strip).rstrip())
+    return "\n".join(lines)
+
+
+def told(pilot: Pilot[None], place: str) -> str:
+    """What stands in one place, on one line."""
+    return " ".join(str(pilot.app.screen.query_one(place, Static).content).split())
+
+
+def words(pilot: Pilot[None]) -> str:
+    """The screen as one line, blanks between the words, frames left out."""
+    return re.sub(r"[\s│─╭╮╰╯┌┐└┘█▌▁]+", " ", shown(pilot))

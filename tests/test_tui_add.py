@@ -1,0 +1,131 @@
+"""Typing a flight in on the screen: few keys, nothing lost, nothing refused before it is saved."""
+
+from pathlib import Path
+
+import pytest
+
+from fieldkit.flight import READOUTS
+from fieldkit.form import DRAFT
+from fieldkit.ledger import Ledger
+from fieldkit.tui.screens.add import AddScreen
+from tests.pressing import frozen, opened, press, season, shown, typed, words
+
+READ_OFF = ("923ft", "140mph", "2.14", "7.9", "2.98", "5.6", "-.4", "905", "14mph", "48.3")
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+async def test_ten_readouts_take_fewer_than_45_keys_besides_their_digits(file: Path) -> None:
+    keys = ["a"]
+    for text in READ_OFF:
+        keys += [*typed(text), "enter"]
+    keys.append("enter")
+    besides = [key for key in keys if not key.isdigit()]
+    async with opened(file) as pilot:
+        await press(pilot, *keys)
+        assert "added as flight 13" in words(pilot)
+    with Ledger.open(file) as ledger:
+        flight = ledger.flight("13")
+    assert len(besides) < 45
+    assert len(flight.readouts()) == 10
+    assert (flight.rocket, flight.config, flight.motor, flight.site) == ("Astra", "B", "F39", "North field")
+    assert flight.apogee == pytest.approx(281.33, abs=0.01)
+    assert flight.eject_altitude == pytest.approx(275.84, abs=0.01)
+    assert flight.apogee_to_eject == -0.4
+    assert flight.dry_mass == pytest.approx(0.448)
+
+
+async def test_the_fields_stand_in_the_order_of_the_altimeter(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "2")
+        places = [shown(pilot).index(f"{column.title} ") for column in READOUTS]
+        assert places == sorted(places)
+
+
+async def test_a_typo_in_the_third_field_is_a_note_and_no_wall(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", *typed("2.x"), "enter")
+        assert "✗ found" in shown(pilot)
+        await press(pilot, *typed("7.9"), "ctrl+s")
+        assert "✗ error Burn time: found" in words(pilot)
+        assert pilot.app.focused is not None
+        assert pilot.app.focused.id == "in-burn_time"
+        await press(pilot, "escape", "ctrl+u", *typed("2.14"), "ctrl+s")
+        assert "added as flight 13" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("13").burn_time == 2.14
+
+
+async def test_figures_at_odds_are_noted_and_taken(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("100m"), "enter", *typed("100"), "enter", *typed("2"), "enter", "enter")
+        await press(pilot, *typed("2"))
+        assert "speed/(average × burn) 2.55 ! not about 1" in words(pilot)
+        await press(pilot, "enter", "enter", "enter", *typed("150m"))
+        assert "! ejection altitude 150 m is above apogee 100 m" in words(pilot)
+        await press(pilot, "ctrl+s")
+        assert "added as flight 13" in words(pilot)
+
+
+async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("923ft"), "enter", *typed("14"))
+        with Ledger.open(file) as ledger:
+            assert ledger.draft(DRAFT) == {"apogee": "923ft", "top_speed": "14m/s"}
+    async with opened(file) as pilot:
+        await press(pilot, "a")
+        assert "typed halfway" in words(pilot)
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("apogee").line.value == "923ft"
+        assert pilot.app.focused is screen.field("burn_time").line
+        await press(pilot, "escape", "ctrl+n")
+        assert screen.field("apogee").line.value == ""
+        assert screen.field("rocket").line.value == "Astra"
+        with Ledger.open(file) as ledger:
+            assert ledger.draft(DRAFT) is None
+
+
+async def test_another_rocket_suggests_other_answers(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("config").line.focus()
+        await press(pilot, *typed("A"), "enter")
+        assert screen.field("dry_mass").line.value == "322 g"
+
+
+async def test_an_unknown_motor_is_said_with_the_nearest(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("motor").line.focus()
+        await press(pilot, *typed("F2555"), "enter")
+        assert "found no such motor; nearest" in words(pilot)
+
+
+async def test_nothing_typed_is_not_saved(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", "ctrl+s")
+        assert "expected at least one; nothing was added" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 12
+
+
+async def test_help_explains_a_field_and_a_question_mark_is_a_letter_in_the_notes(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", "question_mark")
+        assert "Help: Add a flight" in shown(pilot)
+        await press(pilot, "escape")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("notes").line.focus()
+        await press(pilot, "question_mark")
+        assert screen.field("notes").line.value == "?"

@@ -1,0 +1,167 @@
+"""The table of flights, one flight in full, and tags with what they do."""
+
+from pathlib import Path
+
+import pytest
+from textual.pilot import Pilot
+
+from fieldkit.flight import TAGS, Flight
+from fieldkit.ledger import Ledger
+from fieldkit.tui.table import Table
+from tests.pressing import frozen, opened, press, season, shown, typed, words
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+def table_keys(pilot: Pilot[None]) -> list[str]:
+    return list(pilot.app.screen.query_one(Table).keys)
+
+
+async def test_flights_are_listed_newest_first_with_what_each_says(file: Path) -> None:
+    async with opened(file) as pilot:
+        assert table_keys(pilot) == [str(number) for number in range(12, 0, -1)]
+        line = next(line for line in shown(pilot).splitlines() if line.startswith("▸12"))
+        assert line.split()[1:7] == ["2026-04-18", "Astra", "B", "F39", "198.1", line.split()[6]]
+        assert 0.4 < float(line.split()[6]) < 1.6
+        assert "+4.1" in line
+
+
+async def test_a_filter_narrows_while_it_is_typed_and_takes_any_words(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "slash", *typed("weak"))
+        assert table_keys(pilot) == ["6", "5"]
+        await press(pilot, *typed(" e35 2026-04"))
+        assert table_keys(pilot) == ["6", "5"]
+        await press(pilot, *typed("x"))
+        assert table_keys(pilot) == []
+        assert "0 of 12" in shown(pilot)
+
+
+async def test_any_column_sorts_by_key_and_by_mouse(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "s", "s", "s", "s")
+        assert "apogee▼" in shown(pilot)
+        assert table_keys(pilot)[0] == "2"
+        await press(pilot, "r")
+        assert table_keys(pilot)[0] == "6"
+        await pilot.click(Table, offset=(2, 0))
+        await press(pilot)
+        assert table_keys(pilot)[0] == "1"
+
+
+async def test_a_second_click_opens_the_flight(file: Path) -> None:
+    async with opened(file) as pilot:
+        await pilot.click("Table", offset=(10, 3))
+        await pilot.click("Table", offset=(10, 3))
+        await press(pilot)
+        assert "10 · Astra B · F39" in shown(pilot)
+
+
+async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -> None:
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, "end", "up", "enter")
+        seen = words(pilot)
+        assert "2 · Astra A · F24-4W · 2026-04-18 10:25" in seen
+        assert "Apogee 281.3 m" in seen
+        assert "Top speed 83.4 m/s" in seen
+        assert "from the 7 other clean flights" in seen
+        assert "no log with samples" in seen
+        await press(pilot, "escape", "home", "enter")
+        assert "forecast of 2026-04-17 18:00, model field" in words(pilot)
+        assert "flown 198.1 m: 4.1 higher, inside the interval" in words(pilot)
+        assert "✗" in shown(pilot)
+
+
+async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
+    from fieldkit.intake import bring_in
+    from tests.pressing import ROOT
+
+    log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        bring_in(ledger, [log], lambda name: None, defaults={"rocket": "Comet"})
+    async with opened(tmp_path / "ledger.db", (160, 90)) as pilot:
+        await press(pilot, "enter")
+        seen = words(pilot)
+        assert "PerfectFlite" in seen
+        for what in ("altitude [m]", "speed [m/s]", "acceleration [g]", "burnout", "apogee"):
+            assert what in seen
+
+
+async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "end", "up", "t")
+        assert "2 · Astra A" in shown(pilot)
+        assert "rests on 8 clean flights" in words(pilot)
+        for tag in list(TAGS)[:5]:
+            assert tag in shown(pilot)
+        await press(pilot, "down", "enter")
+        assert "now 7 clean flights" in words(pilot)
+        assert "[x] off_axis" in shown(pilot)
+        with Ledger.open(file) as ledger:
+            assert ledger.flight("2").tags == ("off_axis",)
+        await press(pilot, "space", "_", "space", "_", "u", "_", "u", "_", "u")
+        assert "rests on 8 clean flights now" not in words(pilot)
+        with Ledger.open(file) as ledger:
+            assert ledger.flight("2").tags == ()
+
+
+async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "t", "end", "enter", *typed("windy"), "enter")
+        assert "[x] windy" in shown(pilot)
+
+
+async def test_a_flight_is_edited_and_a_slip_becomes_a_notice_that_stays(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "end", "up", "enter", "e", *typed("apogee=2o2"), "enter")
+        assert "✗ error apogee: found" in words(pilot)
+        await press(pilot, "down", "up", "t")
+        assert "✗ error apogee: found" in words(pilot)
+        await press(pilot, "escape")
+        assert "✗ error" not in words(pilot)
+        await press(pilot, "escape", "e", *typed("apogee=900ft;notes=calm"), "enter")
+        with Ledger.open(file) as ledger:
+            assert ledger.flight("2").apogee == pytest.approx(274.32)
+            assert ledger.flight("2").notes == "calm"
+
+
+async def test_y_copies_the_row_and_the_card(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "y")
+        assert pilot.app.clipboard.startswith("id 12  date 2026-04-18  rocket Astra  cfg B  motor F39  apogee 198.1")
+        await press(pilot, "enter", "y")
+        assert "Apogee" in pilot.app.clipboard
+        assert "alpha" in pilot.app.clipboard
+
+
+async def test_text_from_files_is_shown_without_markup_and_escapes(tmp_path: Path) -> None:
+    bad = "[red]Nasty[/] \x1b[31m$x \u202e"
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(flight_id="1", rocket=bad, motor=bad, apogee=100.0, notes=bad, tags=(bad,), site="[b]x")])
+    async with opened(tmp_path / "ledger.db", (160, 50)) as pilot:
+        for keys in ([], ["enter"], ["t"], ["escape", "escape", "6", "right"], ["right"], ["2"]):
+            await press(pilot, *keys)
+            assert "\x1b" not in shown(pilot)
+            assert "\u202e" not in shown(pilot)
+            if keys != ["right"]:
+                assert "[red]N" in shown(pilot), keys
+
+
+async def test_a_damaged_ledger_is_a_notice_and_not_a_crash(tmp_path: Path) -> None:
+    (tmp_path / "ledger.db").write_bytes(b"not a ledger at all, " * 100)
+    async with opened(tmp_path / "ledger.db") as pilot:
+        assert "this file is not a ledger" in words(pilot)
+        await press(pilot, "4", "_", "5", "_", "6")
+        assert "error" in words(pilot)
+
+
+async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
+    async with opened(tmp_path / "ledger.db") as pilot:
+        assert "no flights yet; a adds one" in words(pilot)
+        await press(pilot, "enter", "t", "y", "4")
+        assert "no flights yet: import or add some" in words(pilot)

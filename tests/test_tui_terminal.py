@@ -1,0 +1,109 @@
+"""A session in a real terminal, driven by its keys and read back off its screen, from opening to the ledger."""
+
+import shutil
+import subprocess
+import sys
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from fieldkit.ledger import Ledger
+from tests.pressing import ROOT, season
+
+PATIENCE = 60.0
+"""How long a screen may take on a machine that does ten other things. [s]"""
+
+pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
+
+
+class Terminal:
+    """A tmux session of 80x24 in which the app runs."""
+
+    def __init__(self, folder: Path) -> None:
+        self.socket = str(folder / "tmux")
+
+    def tmux(self, *arguments: str) -> str:
+        """What a tmux command prints."""
+        command = ["tmux", "-S", self.socket, "-f", "/dev/null", *arguments]
+        return subprocess.run(command, check=True, capture_output=True, text=True).stdout
+
+    def start(self, ledger: Path, home: Path) -> None:
+        """The app in a new session, as `fieldkit` without a command."""
+        settings = {"XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home, "PYTHONPATH": ROOT, "FIELDKIT_LEDGER": ledger}
+        flags = [part for name, value in settings.items() for part in ("-e", f"{name}={value}")]
+        program = f"{sys.executable} -m fieldkit.cli.main; echo left with $?; sleep 60"
+        self.tmux("new-session", "-d", "-x", "80", "-y", "24", *flags, "-c", str(home), "sh", "-c", program)
+
+    def press(self, *keys: str) -> None:
+        """Send keys; a text that is no key's name is typed."""
+        self.tmux("send-keys", *keys)
+
+    def escape(self) -> None:
+        """Press Escape, and wait until a terminal no longer takes it for the start of another key."""
+        self.press("Escape")
+        time.sleep(0.5)
+
+    def screen(self) -> str:
+        """The screen as it is."""
+        return self.tmux("capture-pane", "-p")
+
+    def until(self, text: str) -> str:
+        """The screen once it shows a text."""
+        ends = time.monotonic() + PATIENCE
+        while time.monotonic() < ends:
+            screen = self.screen()
+            if text in screen:
+                return screen
+            time.sleep(0.1)
+        raise AssertionError(f"{text!r} did not come; the screen is\n{self.screen()}")
+
+
+@pytest.fixture
+def terminal(tmp_path: Path) -> Iterator[Terminal]:
+    terminal = Terminal(tmp_path)
+    yield terminal
+    subprocess.run(["tmux", "-S", terminal.socket, "kill-server"], check=False, capture_output=True)
+
+
+def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) -> None:
+    file, home = tmp_path / "ledger.db", tmp_path / "home"
+    home.mkdir()
+    season(file)
+    terminal.start(file, home)
+    screen = terminal.until("12 of 12")
+    assert "▸12" in screen
+    assert max(map(len, screen.splitlines())) <= 80
+    terminal.press("a")
+    terminal.until("Save this flight")
+    for text in ("650ft", "120mph", "2.1", "7.5", "2.6", "4.9", "0.3", "640ft", "14mph", "41"):
+        terminal.press(text, "Enter")
+    terminal.until("speed/(average")
+    terminal.press("Enter")
+    terminal.until("added as flight 13")
+    terminal.escape()
+    terminal.escape()
+    terminal.press("1")
+    terminal.until("▸13")
+    terminal.press("t")
+    terminal.until("With these tags")
+    terminal.press("Enter")
+    terminal.until("[x] weak_launch")
+    terminal.press("u")
+    terminal.until("undone: tag 13 weak_launch")
+    terminal.escape()
+    terminal.escape()
+    terminal.until("13 of 13")
+    terminal.press("4")
+    terminal.until("on the altimeter")
+    terminal.press("T")
+    terminal.until("theme sun")
+    terminal.press("q")
+    terminal.until("left with 0")
+    with Ledger.open(file) as ledger:
+        flight = ledger.flight("13")
+    assert flight.apogee == pytest.approx(198.12)
+    assert len(flight.readouts()) == 10
+    assert flight.tags == ()
+    assert '"theme": "sun"' in (home / "fieldkit" / "settings.json").read_text()
