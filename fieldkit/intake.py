@@ -1,16 +1,20 @@
 """Files into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
+from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
-from fieldkit.flight import BY_NAME, Flight
-from fieldkit.ledger import Arrival, Ledger
+from fieldkit.flight import BY_NAME, FIELDS, READOUTS, Flight
 from fieldkit.mapping import Choice
 from fieldkit.parsing import CheckMotor, Mapped, Rejected, read, read_together
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
 
 
 @dataclass(frozen=True, slots=True)
@@ -24,8 +28,18 @@ class Receipt:
     mapped: tuple[Mapped, ...] = ()
 
 
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """What files hold for a ledger, before one is opened: nothing of their bytes is left but packed."""
+
+    arrivals: tuple[Arrival, ...]
+    rejected: tuple[Rejected, ...]
+    notes: tuple[str, ...]
+    mapped: tuple[Mapped, ...] = ()
+
+
 def bring_in(
-    ledger: Ledger,
+    ledger: "Ledger",
     paths: Sequence[Path],
     check_motor: CheckMotor,
     *,
@@ -34,34 +48,64 @@ def bring_in(
     choices: Sequence[Choice] = (),
     dry_run: bool = False,
 ) -> Receipt:
-    """Import files as one command; `defaults` are fields for flights that leave them open.
+    """Import files as one command: `gather` and `take_in`."""
+    gathered = gather(paths, check_motor, format=format, defaults=defaults, choices=choices)
+    return take_in(ledger, gathered, dry_run=dry_run)
+
+
+def gather(
+    paths: Sequence[Path],
+    check_motor: CheckMotor,
+    *,
+    format: str | None = None,
+    defaults: Mapping[str, object] | None = None,
+    choices: Sequence[Choice] = (),
+) -> Gathered:
+    """Read files for one import; `defaults` are fields for flights that leave them open.
 
     `choices` say which columns of a table of samples are what, best first.
 
-    Raises FieldkitError for a file that cannot be used at all, before anything goes in.
+    Raises FieldkitError for a file that cannot be used at all, before anything is taken from any.
     """
-    opened = [(path, name, content) for path in paths for name, content in _logs(path)]
-    intakes = read_together([(name, log) for _, name, log in opened], check_motor, format, choices)
+    folders: list[Path] = []
+    originals: list[Original] = []
+
+    def one_by_one() -> Iterator[tuple[str, bytes]]:
+        for path in paths:
+            for name, content in _logs(path):
+                yield name, content
+                folders.append(path.parent)
+                originals.append(Original.of(content))  # read by now, and let go: it may be long
+
+    intakes = read_together(one_by_one(), check_motor, format, choices)
+    by_digest = {original.digest: original for original in originals}
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
-    for (path, name, content), intake in zip(opened, intakes, strict=True):
+    for folder, original, intake in zip(folders, originals, intakes, strict=True):
+        name = intake.source
         rejected += intake.rejected
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
+            given = _left_open(flight, defaults or {})
+            others = tuple(by_digest[one] for one in flight.extra.get(OTHER_LOGS, "").split() if one in by_digest)
+            arrival = Arrival(flight.with_changes(**given), original, name, row, given, others)
             try:
-                arrival, remarks = _with_log(
-                    Arrival(_completed(flight, defaults or {}), content, name, row), path.parent, check_motor
-                )
+                arrival, remarks = _with_log(arrival, folder, check_motor)
             except BadValue as error:
                 rejected.append(Rejected(name, row, "log", str(error)))
             else:
                 arrivals.append(arrival)
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
-    added = ledger.add(arrivals, dry_run=dry_run)
-    rejected += [Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts]
     mapped = tuple(one for intake in intakes for one in intake.mapped)
-    return Receipt(added.new, added.duplicates, tuple(rejected), tuple(notes), mapped)
+    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped)
+
+
+def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False) -> Receipt:
+    """Put what was gathered into a ledger, as one change."""
+    added = ledger.add(gathered.arrivals, dry_run=dry_run)
+    conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
+    return Receipt(added.new, added.duplicates, (*gathered.rejected, *conflicts), gathered.notes, gathered.mapped)
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
@@ -76,10 +120,10 @@ def _name(path: Path) -> str:
     return os.fsencode(path).decode("utf-8", "replace")
 
 
-def _completed(flight: Flight, defaults: Mapping[str, object]) -> Flight:
-    """A flight with defaults for the fields that it leaves open."""
+def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
+    """Defaults for the fields that a flight leaves open."""
     empty = (None, "", ())
-    return flight.with_changes(**{f: v for f, v in defaults.items() if getattr(flight, f) in empty})
+    return {f: v for f, v in defaults.items() if getattr(flight, f) in empty}
 
 
 def read_file(path: Path) -> bytes:
@@ -109,8 +153,11 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     try:
         found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
-        return replace(arrival, log=content), [f"kept but not read: {error}"]
-    return replace(arrival, flight=_filled(flight, found.flights), log=content), list(found.notes)
+        return replace(arrival, log=Original.of(content), given=None), [f"kept but not read: {error}"]
+    measured = {column.name for column in READOUTS if flight.number(column.name) is None}
+    row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
+    filled = _filled(flight, found.flights)
+    return replace(arrival, flight=filled, log=Original.of(content), given=row), list(found.notes)
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:

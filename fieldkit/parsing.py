@@ -7,119 +7,42 @@ that come twice, rockets that are described in another file.
 
 import hashlib
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from datetime import datetime, time, timedelta
-from pathlib import Path
-from typing import Literal
+from dataclasses import fields, replace
+from datetime import datetime
 
+from fieldkit.arrival import digest_of
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
 from fieldkit.logtext import shown
 from fieldkit.mapping import Choice, choice_for
+from fieldkit.parts import joined
+from fieldkit.reading import Found, Intake, Mapped, Note, Parser, Reading, Rejected
 from fieldkit.safe_text import printable
 from fieldkit.sanity import check, doubts
 from fieldkit.shelf import plugins
 
-SAME_MOMENT = timedelta(seconds=2)
-"""Files of one logger that state the same lift-off to within this are of one flight."""
+__all__ = [
+    "HEAD",
+    "CheckMotor",
+    "Found",
+    "Intake",
+    "Mapped",
+    "Note",
+    "Parser",
+    "Reading",
+    "Rejected",
+    "claims",
+    "derived_id",
+    "parsers",
+    "read",
+    "read_plans",
+    "read_recordings",
+    "read_together",
+    "recognise",
+]
+
 HEAD = 65_536
 """How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
-
-
-@dataclass(frozen=True, slots=True)
-class Reading:
-    """One flight as a log states it, or one rocket of a list of rockets.
-
-    `stated` maps fields of `Flight` to SI values or texts, `columns` the same fields to the names that
-    this log has for them (for messages). `rocket_key` is the log's own name of the rocket, by which a list of
-    rockets read together with it adds what it knows. `series` holds the samples where there are any, a `Series`
-    for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
-    to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
-    with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
-    for one flight; their clocks then share one zero, and those read together become one reading.
-    """
-
-    stated: Mapping[str, object] = field(default_factory=dict)
-    extra: Mapping[str, str] = field(default_factory=dict)
-    columns: Mapping[str, str] = field(default_factory=dict)
-    row: int | None = None
-    describes: Literal["flight", "rocket", "simulation"] = "flight"
-    rocket_key: str = ""
-    series: Series | tuple[Series, ...] = ()
-    events: Mapping[str, float] = field(default_factory=dict)
-    device: str = ""
-    firmware: str = ""
-    serial: str = ""
-    part: str = ""
-
-    @property
-    def clocks(self) -> tuple[Series, ...]:
-        """The samples, a `Series` for each clock of the log."""
-        return (self.series,) if isinstance(self.series, Series) else self.series
-
-
-EVENTS = ("liftoff", "burnout", "apogee", "ejection", "drogue", "main", "landing")
-"""What most loggers mark; `drogue` and `main` are outputs of a logger, `ejection` is the motor's own charge."""
-
-
-@dataclass(frozen=True, slots=True)
-class Note:
-    """Something the flyer should know about a log, which keeps nothing out of the ledger."""
-
-    text: str
-    row: int | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Mapped(Note):
-    """Which columns of a table are read as what: for the flyer to see, and to be remembered if it was chosen."""
-
-    choice: Choice = Choice({})
-    chosen: bool = False
-
-
-Found = Reading | DamagedLog | Note
-"""What a parser finds in a log: readings, rows that are damaged (and cost only themselves), notes."""
-
-
-@dataclass(frozen=True, slots=True)
-class Parser:
-    """One logger or table format.
-
-    `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
-    log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
-    about a log that no other parser recognises, so it never takes one from a parser that knows better.
-    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that.
-    """
-
-    title: str
-    recognises: Callable[[bytes], bool]
-    read: Callable[[bytes], Sequence[Found]]
-    fallback: bool = False
-    mapped: Callable[[bytes, Sequence[Choice]], Sequence[Found]] | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Rejected:
-    """A row that did not become a flight, and why."""
-
-    file: str
-    row: int | None
-    column: str | None
-    error: str
-
-
-@dataclass(frozen=True, slots=True)
-class Intake:
-    """What one file brought: flights and the rows they are from, rows that are none, what one should know."""
-
-    source: str
-    format: str
-    flights: tuple[Flight, ...]
-    rejected: tuple[Rejected, ...]
-    notes: tuple[str, ...]
-    rows: tuple[int | None, ...]
-    mapped: tuple[Mapped, ...] = ()
 
 
 CheckMotor = Callable[[str], str | None]
@@ -227,13 +150,13 @@ def read_together(
     A list of rockets among them names and weighs the rockets of the others. Files of one folder that a logger
     wrote of one flight bring one flight, in the first of them that holds heights. `choices` say which columns of a
     table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
-    before anything is taken from any.
+    before anything is taken from any. The bytes of a file are let go before its flights are measured.
     """
-    logs = list(files)
-    joined = _joined([(source, *_open(log, source, format, choices)) for source, log in logs])
+    read = [((source, *_open(log, source, format, choices)), digest_of(log)) for source, log in files]
+    digests = [digest for _, digest in read]
     opened = [
-        (source, name, _with_figures(found, name, log))
-        for (source, name, found), (_, log) in zip(joined, logs, strict=True)
+        (source, name, _with_figures(found, name, digest))
+        for (source, name, found), digest in zip(joined([one for one, _ in read], digests), digests, strict=True)
     ]
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
@@ -252,66 +175,6 @@ def read_recordings(
     if not readings:
         raise DamagedLog("found no samples, expected a log of heights over time", source=source)
     return readings
-
-
-Opened = tuple[str, str, Sequence[Found]]
-"""A file as it was opened: its name, the parser, what that found."""
-
-
-def _joined(opened: Sequence[Opened]) -> list[Opened]:
-    """Files in which the parts of each flight are one reading; the files of the other parts say where it is."""
-    places = [(i, item) for i, (_, _, found) in enumerate(opened) for item in found if isinstance(item, Reading)]
-    groups: list[list[tuple[int, Reading]]] = []
-    for place in (place for place in places if place[1].part):
-        same = [other for group in groups for other in group if _folder(opened, other) == _folder(opened, place)]
-        fitting = [group for group in groups if all(_are_parts(place, other, same) for other in group)]
-        fitting[0].append(place) if len(fitting) == 1 else groups.append([place])
-    found = [list(items) for _, _, items in opened]
-    for group in (group for group in groups if len(group) > 1):
-        (home, main), *others = sorted(group, key=lambda place: _worth(place[1]))
-        whole = _whole(main, [other for _, other in others])
-        found[home] = [whole if item is main else item for item in found[home]]
-        for i, other in others:
-            note = Note(f"is part of the flight of {opened[home][0]}")
-            found[i] = [note if item is other else item for item in found[i]]
-    return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
-
-
-def _worth(part: Reading) -> int:
-    """Which part of a flight to name it by: one with heights, else one with samples, else any."""
-    return 0 if any(series.altitude is not None for series in part.clocks) else 1 if part.clocks else 2
-
-
-def _folder(opened: Sequence[Opened], place: tuple[int, Reading]) -> tuple[str, Path]:
-    return place[1].device, Path(opened[place[0]][0]).parent
-
-
-def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Sequence[tuple[int, Reading]]) -> bool:
-    """Whether two readings of files, among others of one folder, can be of one flight."""
-    one, two = place[1], other[1]
-    if other not in same or place[0] == other[0] or one.part == two.part or len({one.serial, two.serial} - {""}) > 1:
-        return False
-    first, second = one.stated.get("date_time"), two.stated.get("date_time")
-    if not isinstance(first, datetime) or not isinstance(second, datetime):
-        return all(one.part != third.part for _, third in same)
-    if time() in (first.time(), second.time()):
-        return first.date() == second.date()
-    return abs(first - second) < SAME_MOMENT
-
-
-def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
-    """One reading of its parts; where they differ the first counts."""
-    parts = [*reversed(others), main]
-    return replace(
-        main,
-        stated={name: value for part in parts for name, value in part.stated.items()},
-        extra={name: value for part in parts for name, value in part.extra.items()},
-        events={name: when for part in parts for name, when in part.events.items()},
-        series=tuple(series for part in (main, *others) for series in part.clocks),
-        firmware=next((part.firmware for part in (main, *others) if part.firmware), ""),
-        serial=next((part.serial for part in (main, *others) if part.serial), ""),
-        part="",
-    )
 
 
 def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
@@ -372,16 +235,15 @@ def _told(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
     return DamagedLog(printable(error.found)[:MOST_TOLD], row=row or error.row, column=column, source=source)
 
 
-def _with_figures(found: Sequence[Found], format: str, log: bytes) -> Sequence[Found]:
+def _with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
     """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
     if not with_samples:
         return found
-    digest = hashlib.sha256(log).hexdigest()[:10]
     told: list[Found] = []
     for item in found:
         if isinstance(item, Reading) and item.clocks and item.describes == "flight":
-            told += _recorded(item, format, digest, with_samples.index(id(item)) + 1, len(with_samples))
+            told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
         else:
             told.append(item)
     return told

@@ -16,6 +16,7 @@ from itertools import islice
 
 import numpy as np
 
+from fieldkit.checks import BUYPASS
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.parsing import Found, Note, Parser, Reading
@@ -63,15 +64,7 @@ def crcs(frames: Sequence[bytes]) -> list[int]:
     return [int(value) for value in values]
 
 
-def _table() -> Iterator[int]:
-    for byte in range(256):
-        value = byte << 8
-        for _ in range(8):
-            value = (value << 1 ^ (0x8005 if value & 0x8000 else 0)) & 0xFFFF
-        yield value
-
-
-_TABLE = np.array(list(_table()), np.uint16)
+_TABLE = np.array(BUYPASS, np.uint16)
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,7 +7,6 @@ off by a tenth. Characters between the digits do not matter, a wrong checksum do
 Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 """
 
-import binascii
 import re
 import struct
 from collections.abc import Iterator
@@ -16,6 +15,7 @@ from itertools import islice
 
 import numpy as np
 
+from fieldkit.checks import crc_x25
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
 from fieldkit.parsing import Found, Note, Parser, Reading
@@ -30,7 +30,6 @@ LONGEST = 4 << 20
 """More digits, and what is between them, than a day of flight has."""
 MOST_FLIGHTS = 100
 """A file of more transmissions is read up to here. [1]"""
-REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 LEAST, MOST = 10_000, 120_000
 """Between these the pressure of the ground can be. [Pa]"""
 
@@ -74,12 +73,6 @@ def _is_header(data: bytes) -> bool:
     return (LEAST < ground < MOST and count >> 12 < len(MODELS)) or data == b"\xff" * 10
 
 
-def checksum(payload: bytes) -> int:
-    """CRC-16/X-25 of bytes: "123456789" gives 0x906e. Bits backwards, it is the CRC that Python has."""
-    straight = binascii.crc_hqx(payload.translate(REVERSED), 0xFFFF)
-    return int(f"{straight:016b}"[::-1], 2) ^ 0xFFFF
-
-
 def _flight(digits: bytes, row: int) -> list[Found]:
     """The flight of one transmission, or what is wrong with it."""
     data = bytes.fromhex(digits[: len(digits) // 2 * 2].decode())
@@ -95,7 +88,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
         count, begin = count | struct.unpack("<H", data[10:12])[0] << 12, 12
     end = begin + 2 * count
     if len(data) >= end + 2:
-        expected, got = checksum(data[:end]), int.from_bytes(data[end : end + 2], "big")
+        expected, got = crc_x25(data[:end]), int.from_bytes(data[end : end + 2], "big")
         if got != expected:
             return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it once more", row=row)]
     samples = np.frombuffer(data[begin : min(end, begin + (len(data) - begin) // 2 * 2)], "<u2").astype(float)

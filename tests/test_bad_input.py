@@ -122,12 +122,22 @@ def write_repeated(file: Path, log: bytes, size: int) -> None:
         stream.truncate(size)
 
 
-def write_waiting(file: Path, size: int) -> None:
-    """A logger that waited on the pad for hours: one table that goes on."""
+def write_waiting(file: Path, size: int, flown: bool = False) -> None:
+    """A logger that waited on the pad for hours, and may have flown in the end: one table that goes on."""
     with file.open("wb") as stream:
         stream.write(b"time_ms,alt_m,pressure_pa,temp_c\n")
-        for i in range(size // 26):
-            stream.write(b"%d,%.2f,%d,21.5\n" % (i * 5, i % 7 / 10, 99500 + i % 5))
+        waited = size // 26
+        for i in range(waited + 12_000 * flown):
+            height = flown_height((i - waited) * 0.005)
+            stream.write(b"%d,%.2f,%d,21.5\n" % (i * 5, height + i % 7 / 10, 99500 + i % 5 - height * 11.8))
+
+
+def flown_height(time: float) -> float:
+    """A second under thrust to 80 m/s, up to 366 m and down at 8 m/s. [m]"""
+    if time < 1:
+        return 40 * max(time, 0.0) ** 2
+    coast = time - 1
+    return 40 + 80 * coast - 4.9 * coast**2 if coast < 8.16 else max(0.0, 366.5 - 8 * (coast - 8.16))
 
 
 @pytest.mark.slow
@@ -155,6 +165,41 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     with capsys.disabled():
         sys.stdout.write(f"\n{name}: {ran.stdout.strip()}\n")
     assert float(ran.stdout.split()[0]) < LARGEST
+
+
+IMPORT = """
+import resource, sys
+from fieldkit.cli.main import main
+try:
+    main()
+finally:
+    print(f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f} MB", file=sys.stderr)
+"""
+
+
+@pytest.mark.slow
+def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_memory(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = tmp_path / "big.csv"
+    write_waiting(file, 100 * 1024 * 1024, flown=True)
+    command = [sys.executable, "-c", IMPORT, "--ledger", str(tmp_path / "ledger.db"), "import", str(file)]
+    ran = subprocess.run(
+        [sys.executable, "-c", CLEAN, *command],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env={"PYTHONPATH": str(ROOT), "PATH": "", "HOME": str(tmp_path)},
+    )
+    file.unlink()
+    assert ran.returncode == 0, ran.stderr[-2000:]
+    assert "1 imported" in ran.stdout
+    assert "no figure" not in ran.stderr
+    used = ran.stderr.split("\n")[-2]
+    with capsys.disabled():
+        sys.stdout.write(f"\nfieldkit import: {used}\n")
+    assert float(used.split()[0]) < LARGEST
 
 
 def test_seeds_are_logs_that_are_read() -> None:

@@ -2,6 +2,7 @@
 
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -33,9 +34,9 @@ from fieldkit.capture import (
     resume,
     unfinished,
 )
-from fieldkit.capture.checks import crc_buypass, crc_x25, sum_256
 from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, begin, go_on
+from fieldkit.checks import crc_buypass, crc_x25, sum_256
 from fieldkit.cli.live import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
@@ -385,7 +386,7 @@ def test_ctrl_c_ends_a_stream_in_good_order(folder: Path) -> None:
         _, said = process.communicate(timeout=30)
         until(lambda: bytes(wire.received).endswith(b"m 0\n"))
     assert process.returncode == 0
-    assert b"stopped: 100 samples" in said
+    assert re.search(rb"stopped: \d+ samples", said)  # as many as had come by then
 
 
 @terminals

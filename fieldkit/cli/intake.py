@@ -43,16 +43,15 @@ def import_(
     """Take logs and flight tables into the ledger; what is there already changes nothing."""
     from dataclasses import asdict
 
-    from fieldkit.intake import bring_in
+    from fieldkit.intake import gather, take_in
     from fieldkit.mapping import read_choice, remember, remembered
 
     choices = ([read_choice(columns)] if columns else []) + list(remembered())
     check_motor = MotorCheck()
     defaults = read_settings(split_settings(given or ()), check_motor)
+    gathered = gather(files, check_motor, format=format, defaults=defaults, choices=choices)
     with open_ledger(context) as ledger:
-        receipt = bring_in(
-            ledger, files, check_motor, format=format, defaults=defaults, choices=choices, dry_run=dry_run
-        )
+        receipt = take_in(ledger, gathered, dry_run=dry_run)
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")

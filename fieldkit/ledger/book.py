@@ -1,6 +1,5 @@
 """Flights in the tables: taking in, finding, replacing and taking out."""
 
-import hashlib
 import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -8,11 +7,12 @@ from difflib import get_close_matches
 
 from sqlalchemy import Connection, func, insert, or_, select
 
+from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger.journal import Pen
-from fieldkit.ledger.records import Added, Arrival, Conflict
-from fieldkit.ledger.rows import Row, differences, flight_of, row_of, same
+from fieldkit.ledger.records import Added, Conflict
+from fieldkit.ledger.rows import Row, agrees, differences, flight_of, row_of, same
 from fieldkit.ledger.tables import flights, logs, tags
 
 
@@ -32,20 +32,39 @@ class Known:
     def __init__(self, connection: Connection, new: Sequence[Flight]) -> None:
         self.now: dict[tuple[str, str], Flight] = {}
         self.once: dict[tuple[str, str], Flight] = {}
+        self.digests: dict[int, str | None] = {}
         for held in load(connection, rockets={flight.rocket for flight in new}):
             self.note(held.flight)
+            self.digests[id(held.flight)] = held.log_digest
             if held.entered:
                 self.once[held.entered.rocket, held.entered.flight_id] = held.entered
+                self.digests[id(held.entered)] = held.log_digest
 
     def note(self, flight: Flight) -> None:
         """Know this flight from now on."""
         self.now[flight.rocket, flight.flight_id] = flight
 
-    def match(self, flight: Flight) -> Flight | None:
-        """The very same flight, as it is now or as it once came in."""
+    def match(self, arrival: Arrival) -> Flight | None:
+        """The very same flight, as it is now or as it once came in; of the same bytes, whatever is read in them now."""
+        flight = arrival.flight
         identity = flight.rocket, flight.flight_id
-        known = (self.now.get(identity), self.once.get(identity))
-        return next((one for one in known if one and same(one, flight)), None)
+        known = [one for one in (self.now.get(identity), self.once.get(identity)) if one]
+        return next((one for one in known if same(one, flight) or self._reread(one, arrival)), None)
+
+    def _reread(self, one: Flight, arrival: Arrival) -> bool:
+        return (
+            arrival.log is not None
+            and self.digests.get(id(one)) == arrival.log.digest
+            and arrival.given is not None
+            and agrees(one, arrival.given)
+            and not lacks_files(one, arrival.flight)
+        )
+
+
+def lacks_files(there: Flight, flight: Flight) -> bool:
+    """Whether a flight as it arrives is of more files than the one that is there."""
+    named = [set(one.extra.get(OTHER_LOGS, "").split()) for one in (there, flight)]
+    return not named[1] <= named[0]
 
 
 def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
@@ -55,13 +74,16 @@ def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     rows: list[Row] = []
     for arrival in arrivals:
         flight = arrival.flight
-        if known.match(flight):
+        if known.match(arrival):
             duplicates += 1
         elif error := _objection(flight, known.now.get((flight.rocket, flight.flight_id))):
             conflicts.append(Conflict(arrival, error))
         else:
             known.note(flight)
-            digest = None if arrival.log is None else keep_log(pen.connection, arrival.log)
+            for original in (arrival.log, *arrival.others):
+                if original:
+                    keep_log(pen.connection, original)
+            digest = arrival.log.digest if arrival.log else None
             entry += 1
             rows.append(row_of(flight) | {"entry": entry, "log_digest": digest, "source": arrival.source})
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
@@ -75,6 +97,11 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
     """Why a flight cannot be taken in, in one line."""
     if not flight.flight_id:
         return "found no flight_id, expected one that is unique within the rocket"
+    if there and lacks_files(there, flight):
+        return (
+            f"flight {flight.flight_id} of {flight.rocket or 'no rocket'} is in the ledger without the other files "
+            f"of its logger; `fieldkit remove` it and import them together again"
+        )
     if there:
         fields = ", ".join(differences(there, flight))
         return (
@@ -202,16 +229,24 @@ def next_flight_id(connection: Connection, rocket: str) -> str:
     return str(max((int(one) for one in taken if one.isdecimal()), default=0) + 1)
 
 
-def keep_log(connection: Connection, content: bytes) -> str:
-    """The digest under which a log's bytes are kept, once."""
-    digest = hashlib.sha256(content).hexdigest()
-    if connection.scalar(select(logs.c.digest).where(logs.c.digest == digest)) is None:
-        row = {"digest": digest, "size": len(content), "content": zlib.compress(content)}
+def keep_log(connection: Connection, original: Original) -> None:
+    """Keep a log's bytes under their digest, once."""
+    if connection.scalar(select(logs.c.digest).where(logs.c.digest == original.digest)) is None:
+        row = {"digest": original.digest, "size": original.size, "content": original.packed}
         connection.execute(insert(logs).values(**row))
-    return digest
 
 
 def log_of(connection: Connection, held: Held) -> bytes | None:
     """The original bytes of a held flight's log."""
-    content = connection.scalar(select(logs.c.content).where(logs.c.digest == held.log_digest))
+    return _content(connection, held.log_digest)
+
+
+def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
+    """The original bytes of the further files of a held flight."""
+    contents = [_content(connection, digest) for digest in held.flight.extra.get(OTHER_LOGS, "").split()]
+    return [content for content in contents if content is not None]
+
+
+def _content(connection: Connection, digest: str | None) -> bytes | None:
+    content = connection.scalar(select(logs.c.content).where(logs.c.digest == digest))
     return None if content is None else zlib.decompress(content)

@@ -13,11 +13,12 @@ from typing import Any
 
 from sqlalchemy import Connection, Engine
 
+from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import book, drafts, journal, models, opening
 from fieldkit.ledger.journal import Change, Pen
-from fieldkit.ledger.records import Added, Arrival, Prediction, Version
+from fieldkit.ledger.records import Added, Prediction, Version
 
 
 class Ledger:
@@ -69,10 +70,12 @@ class Ledger:
         """Take flights in; `log` and `source` are those of each that does not arrive with its own.
 
         A flight that is there already, as it is now or as it once came in, is a duplicate and changes
-        nothing. One that is there with other content, or cannot be kept, is a conflict. `draft` is one that
-        these flights finish, dropped with them. A dry run says what would happen.
+        nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
+        other content, or cannot be kept, is a conflict. `draft` is one that these flights finish, dropped
+        with them. A dry run says what would happen.
         """
-        arrivals = [one if isinstance(one, Arrival) else Arrival(one, log, source) for one in flights]
+        original = None if log is None else Original.of(log)
+        arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
         with self._changing(keep=not dry_run) as pen:
             added = book.add(pen, arrivals)
             if added.new:
@@ -106,6 +109,11 @@ class Ledger:
         """The original bytes of a flight's log, or None where there is none."""
         with self._reading() as connection:
             return book.log_of(connection, book.resolve(connection, id))
+
+    def other_logs(self, id: str) -> list[bytes]:
+        """The original bytes of the other files that a flight's logger wrote of it."""
+        with self._reading() as connection:
+            return book.other_logs_of(connection, book.resolve(connection, id))
 
     def names(self, field: str, rocket: str | None = None) -> list[str]:
         """Every `rocket`, `config`, `motor` or `site` that flights name, the last used first."""

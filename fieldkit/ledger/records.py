@@ -5,17 +5,7 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from fieldkit.flight import Flight
-
-
-@dataclass(frozen=True, slots=True)
-class Arrival:
-    """A flight on its way in, with the original bytes it was read from, and their file and row."""
-
-    flight: Flight
-    log: bytes | None = None
-    source: str = ""
-    row: int | None = None
+from fieldkit.arrival import Arrival
 
 
 @dataclass(frozen=True, slots=True)

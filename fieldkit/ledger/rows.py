@@ -46,6 +46,14 @@ def differences(one: Flight, other: Flight) -> list[str]:
     return [name for name in FIELDS if not _alike(getattr(one, name), getattr(other, name))]
 
 
+def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
+    """Whether a record holds what is given, by field; of extra columns it may hold more."""
+    extra = given.get("extra", {})
+    columns = extra.items() if isinstance(extra, Mapping) else ()
+    fields = all(_alike(getattr(flight, name), value) for name, value in given.items() if name != "extra")
+    return fields and all(flight.extra.get(name) == value for name, value in columns)
+
+
 def _alike(one: Any, other: Any) -> bool:
     if isinstance(one, float | int) and isinstance(other, float | int):
         return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-9)

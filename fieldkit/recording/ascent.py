@@ -35,6 +35,8 @@ _SOUND, _NEAR_SOUND = 335.0, 0.13
 """Speed of sound [m/s], and how near to it, as a part of it, no sample is believed once some seemed to fall. [1]"""
 _MARGIN = 0.4
 """How long before and after a seeming fall its samples are not believed. [s]"""
+_GAS, _GAS_LASTS = 4.0, 0.7
+"""What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
 _FREE = 300.0
 """How much acceleration wanders once a parachute may be out. [m^2/s^5]"""
 
@@ -67,9 +69,18 @@ class _Guess:
     height: Float[Array, "knot"]
 
 
-def ascend(track: Heights, push: Push | None, seen: Outline, lift: float | None, free: float | None) -> Ascent | None:
-    """The ascent, or None where it has too few samples. `free` is when something was ejected, where known. [s]"""
-    step = median_step(track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:4000])
+def ascend(
+    track: Heights, push: Push | None, seen: Outline, lift: float | None, blow: float | None, marked: float | None
+) -> Ascent | None:
+    """The ascent, or None where it has too few samples.
+
+    `blow` is when the charge was felt, `marked` where the logger saw apogee, after which it may have fired one. [s]
+    """
+    free = blow if blow is not None else marked
+    climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:4000]
+    if climb.size < 2:
+        return None
+    step = median_step(climb)
     begin = max(float(track.time[0]), (lift if lift is not None else float(track.time[0])) - 1.5)
     end = min(float(track.time[-1]), seen.top + max(_AFTER, 4 * step))
     fallen = _dip(track, seen, lift)
@@ -90,13 +101,17 @@ def ascend(track: Heights, push: Push | None, seen: Outline, lift: float | None,
             break
         near &= ~sonic
     rows = basis(grid, time)
+    charge = blow if blow is not None else np.inf
+    gas = np.where((time >= charge - 0.05) & (time < charge + _GAS_LASTS), _GAS, 0.0)
     if fused:
         burnout = _fastest(grid, guess, lift, released)
-    found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused)
+    found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
     if not fused and lift is not None:
         burnout, spread = _likeliest(grid, rows, time, height, coast, found, lift, burnout, released)
         guess, _ = _guess(grid, coast, None, lift, burnout, released)
-        found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused)
+        found = _fitted(
+            grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas
+        )
         return _drawn(grid, guess, found, fused, spread)
     return _drawn(grid, guess, found, fused, 0.0)
 
@@ -222,10 +237,12 @@ def _fitted(
     phases: Int[Integers, "interval"],
     noise: float,
     fused: bool,
+    gas: Float[Array, "time"],
 ) -> _Settled:
     """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
 
-    Where an accelerometer gives the shape, the error of the pressure in a fast airframe counts as noise too.
+    Where an accelerometer gives the shape, the error of the pressure in a fast airframe counts as noise too; `gas`
+    is what a charge adds to the noise of each sample.
     """
     from scipy.optimize import minimize
 
@@ -239,7 +256,9 @@ def _fitted(
     ram = lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * _SOUND)) ** 6)
 
     def variance(settings: Float[Array, "four"]) -> Float[Array, "time"]:
-        return np.asarray(np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + ram**2)
+        return np.asarray(
+            np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + ram**2 + gas**2
+        )
 
     def curve(settings: Float[Array, "four"], share: float = 1.0) -> Fit:
         wander = np.choose(phases, [0.01, np.exp(settings[0]), np.exp(settings[1]), _FREE])

@@ -46,7 +46,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(push, seen.fastest, seen.top)
     try:
-        ascent = ascend(track, push, seen, lift.time if lift else None, blow.time if blow else stated.get("apogee"))
+        ascent = ascend(
+            track, push, seen, lift.time if lift else None, blow.time if blow else None, stated.get("apogee")
+        )
     except np.linalg.LinAlgError:  # samples so wild that no curve goes through them
         ascent = None
     if ascent is None:

@@ -68,7 +68,7 @@ class Forces:
 class Recorded:
     """All that the samples of one flight say.
 
-    `events` are named as in `fieldkit.parsing.EVENTS`, on the log's own clock; `figures` are the readouts by their
+    `events` are named as in `fieldkit.reading.EVENTS`, on the log's own clock; `figures` are the readouts by their
     names in `Flight`, and `time_to_apogee`. What the samples do not show is not there, and `notes` say why.
     """
 

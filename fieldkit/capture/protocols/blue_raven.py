@@ -9,11 +9,11 @@ import re
 import time
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.checks import crc_buypass
 from fieldkit.capture.events import Told
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.checks import crc_buypass
 from fieldkit.errors import PortTrouble
 
 SILENCE = 5.0

@@ -9,11 +9,11 @@ from collections.abc import Mapping
 
 from fieldkit.capture.altus import silence_echo, version
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.checks import sum_256
 from fieldkit.capture.events import Sample, Told
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.checks import sum_256
 from fieldkit.errors import PortTrouble
 
 STREAM = 1800.0

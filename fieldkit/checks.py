@@ -1,0 +1,35 @@
+"""The checksums that loggers send along with their data."""
+
+import binascii
+
+_REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
+
+
+def _buypass(byte: int) -> int:
+    value = byte << 8
+    for _ in range(8):
+        value = (value << 1 ^ (0x8005 if value & 0x8000 else 0)) & 0xFFFF
+    return value
+
+
+BUYPASS = tuple(map(_buypass, range(256)))
+"""What each byte does to a CRC-16/BUYPASS."""
+
+
+def crc_x25(data: bytes) -> int:
+    """CRC-16/X-25, of MicroPeak: "123456789" gives 0x906e. Bits backwards, it is the CRC that Python has."""
+    straight = binascii.crc_hqx(data.translate(_REVERSED), 0xFFFF)
+    return int(f"{straight:016b}"[::-1], 2) ^ 0xFFFF
+
+
+def crc_buypass(data: bytes) -> int:
+    """CRC-16/BUYPASS, of Blue Raven: "123456789" gives 0xfee8."""
+    crc = 0
+    for byte in data:
+        crc = (crc << 8 & 0xFFFF) ^ BUYPASS[crc >> 8 ^ byte]
+    return crc
+
+
+def sum_256(data: bytes, start: int = 0) -> int:
+    """The sum of all bytes, modulo 256, of AltiMulti and, from 0x5a, of AltOS."""
+    return (start + sum(data)) % 256

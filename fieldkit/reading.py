@@ -1,0 +1,105 @@
+"""What a parser says of a log, and what a file brings in the end: the records of reading."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Literal
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Flight, Series
+from fieldkit.mapping import Choice
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """One flight as a log states it, or one rocket of a list of rockets.
+
+    `stated` maps fields of `Flight` to SI values or texts, `columns` the same fields to the names that
+    this log has for them (for messages). `rocket_key` is the log's own name of the rocket, by which a list of
+    rockets read together with it adds what it knows. `series` holds the samples where there are any, a `Series`
+    for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
+    to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
+    with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
+    for one flight; their clocks then share one zero, and those read together become one reading.
+    """
+
+    stated: Mapping[str, object] = field(default_factory=dict)
+    extra: Mapping[str, str] = field(default_factory=dict)
+    columns: Mapping[str, str] = field(default_factory=dict)
+    row: int | None = None
+    describes: Literal["flight", "rocket", "simulation"] = "flight"
+    rocket_key: str = ""
+    series: Series | tuple[Series, ...] = ()
+    events: Mapping[str, float] = field(default_factory=dict)
+    device: str = ""
+    firmware: str = ""
+    serial: str = ""
+    part: str = ""
+
+    @property
+    def clocks(self) -> tuple[Series, ...]:
+        """The samples, a `Series` for each clock of the log."""
+        return (self.series,) if isinstance(self.series, Series) else self.series
+
+
+EVENTS = ("liftoff", "burnout", "apogee", "ejection", "drogue", "main", "landing")
+"""What most loggers mark; `drogue` and `main` are outputs of a logger, `ejection` is the motor's own charge."""
+
+
+@dataclass(frozen=True, slots=True)
+class Note:
+    """Something the flyer should know about a log, which keeps nothing out of the ledger."""
+
+    text: str
+    row: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped(Note):
+    """Which columns of a table are read as what: for the flyer to see, and to be remembered if it was chosen."""
+
+    choice: Choice = Choice({})
+    chosen: bool = False
+
+
+Found = Reading | DamagedLog | Note
+"""What a parser finds in a log: readings, rows that are damaged (and cost only themselves), notes."""
+
+
+@dataclass(frozen=True, slots=True)
+class Parser:
+    """One logger or table format.
+
+    `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
+    log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
+    about a log that no other parser recognises, so it never takes one from a parser that knows better.
+    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that.
+    """
+
+    title: str
+    recognises: Callable[[bytes], bool]
+    read: Callable[[bytes], Sequence[Found]]
+    fallback: bool = False
+    mapped: Callable[[bytes, Sequence[Choice]], Sequence[Found]] | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Rejected:
+    """A row that did not become a flight, and why."""
+
+    file: str
+    row: int | None
+    column: str | None
+    error: str
+
+
+@dataclass(frozen=True, slots=True)
+class Intake:
+    """What one file brought: flights and the rows they are from, rows that are none, what one should know."""
+
+    source: str
+    format: str
+    flights: tuple[Flight, ...]
+    rejected: tuple[Rejected, ...]
+    notes: tuple[str, ...]
+    rows: tuple[int | None, ...]
+    mapped: tuple[Mapped, ...] = ()
