@@ -22,7 +22,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
     """
     coolness = standard_temperature(strength) / standard_temperature(np.zeros(()))
     thinness = _density(strength) / _density(np.zeros(()))
-    known = np.isfinite(recorded(flights, "temperature"))
+    known = np.isfinite(recorded(flights, "temperature")) if flights else np.asarray(False)
     density = setup.air.density * thinness * np.where(known, coolness, 1.0)
     air = replace(setup.air, density=density, temperature=setup.air.temperature * np.where(known, 1.0, coolness))
     return setup.with_changes(air=air, altimeter_gain=setup.altimeter_gain * np.where(known, coolness, 1.0))
