@@ -48,7 +48,8 @@ async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
         await runner.cleanup()
 
 
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")  # its child's pipes are left open
+@pytest.mark.slow  # its child's pipes are left open, which is charged to whatever test runs when they are swept up
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 async def test_the_app_is_shown_through_the_socket(unused_tcp_port: int, tmp_path: Path) -> None:
     season(tmp_path / "ledger.db")
     server = GuardedServer("127.0.0.1", unused_tcp_port, "", str(tmp_path / "ledger.db"))
