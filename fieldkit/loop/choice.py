@@ -18,7 +18,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 ODDS = 3.0
 """Prior odds that something is missing, as the steady evidence has less to say than all of it: set, like what
-follows, so that of 66 histories without an effect (`bench`, seeds 7, 11 and 12) none is given one. [1]"""
+follows, so that of 66 histories without an effect (`bench`, seeds 7, 11 and 12) none was given one. [1]"""
 DECISIVE = 0.65
 """Posterior probability of an effect, against the model without it, from which on it is taken if it helps. [1]"""
 BETTER = 0.97
