@@ -11,8 +11,9 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
-from fieldkit.loop.fit import Fit, fit_robustly, own_reading_sd, scale_grid
+from fieldkit.loop.fit import Fit, fit_robustly, leave_one_out, own_reading_sd, scale_grid
 from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
+from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
@@ -198,10 +199,12 @@ def _drawn(
 def sample(
     result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of a model's terms within their bounds, and the scales of scatter and reading that go with each."""
+    """Draws of a model's terms within their bounds, and by what scatter and reading of a flight to come are scaled."""
     scatter_scale, reading_scale, _ = scale_grid()
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
     roots = np.linalg.cholesky(np.linalg.inv(result.precision))
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
-    return np.clip(values, lows, highs), np.stack([scatter_scale[which], reading_scale[which]], axis=-1)
+    scales = np.stack([scatter_scale[which], reading_scale[which]], axis=-1)
+    apart = leave_one_out(result).spread.draw(draws, rng) * tails(draws, rng)
+    return np.clip(values, lows, highs), scales * apart[:, None]
