@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.parsing import Intake, Parser, Reading, claims, parsers, read, recognise
-from fieldkit.recording import Recorded, sd_header
+from fieldkit.recording import Recorded
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -24,7 +24,7 @@ every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.
 
 def rounded(flight: Flight, column: Column, value: float) -> float:
     """A readout as a display shows it, or as well as it was measured."""
-    number, sd = float(column.render(value)), flight.extra.get(sd_header(column))
+    number, sd = float(column.render(value)), flight.extra.get(column.sd_header)
     return round(number, -math.floor(math.log10(float(sd)))) if sd else float(f"{number:.5g}")
 
 
