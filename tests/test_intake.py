@@ -196,6 +196,11 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
         assert main(["--ledger", str(tmp_path / "ledger.db"), *arguments]) == 0
         return capsys.readouterr().out
 
+    ledger.renew([Renewal(id, before.with_changes(apogee=(before.apogee or 0) - 2))])
+    capsys.readouterr()
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "show", id]) == 0
+    assert f"`fieldkit remeasure {id}`" in capsys.readouterr().err
+    ledger.undo()
     assert "1 would change, 0 as before, 1 without samples" in run("remeasure", "--dry-run")
     assert ledger.flight(id) == before
     (told,) = json.loads(run("remeasure", id, "--json"))["flights"]
