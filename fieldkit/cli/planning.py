@@ -90,8 +90,9 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
     from fieldkit.ledger.sites import site_of
 
-    named = {"ceiling": given.get("waiver"), "size": given.get("field_size")}
-    return replace(site_of(ledger, plan.site), **{key: length(text) for key, text in named.items() if text})
+    known = site_of(ledger, plan.site)
+    ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
+    return replace(known, ceiling=ceiling or known.ceiling, size=size or known.size)
 
 
 def length(text: str | None, default: str = "m") -> float | None:

@@ -1,6 +1,6 @@
 """Launch sites: what the flights say of them, and what the flyer saved beside the flights: size and ceiling."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from fieldkit.errors import BadValue
 from fieldkit.ledger.ledger import Ledger
@@ -25,17 +25,14 @@ def sites(ledger: Ledger) -> list[Site]:
     saved = ledger.draft(SITES) or {}
     names = dict.fromkeys([*ledger.names("site"), *saved])
     flown = {flight.site: flight.site_elevation for flight in ledger.flights() if flight.site_elevation is not None}
-    return [
-        Site(
-            name, **{"elevation": flown.get(name)} | {key: value for key, value in saved.get(name, {}).items() if value}
-        )
-        for name in names
-        if name
-    ]
+    return [Site(name, **{"elevation": flown.get(name)} | saved.get(name, {})) for name in names if name]
 
 
 def site_of(ledger: Ledger, name: str) -> Site:
     """What is known of a site; nothing but its name where it is new."""
+    saved = (ledger.draft(SITES) or {}).get(name, {})
+    if not name or "elevation" in saved:
+        return Site(name, **saved)
     return next((site for site in sites(ledger) if site.name == name), Site(name))
 
 
@@ -51,4 +48,4 @@ def keep_site(
     saved = ledger.draft(SITES) or {}
     saved[name] = saved.get(name, {}) | changes
     ledger.keep_draft(SITES, saved)
-    return replace(site_of(ledger, name), **changes)
+    return site_of(ledger, name)

@@ -202,9 +202,9 @@ def fly_ahead(
         Prediction(
             plan=flight,
             found=motor,
-            **{name: values[:, i] for name, values in figures.items()},
             rests_on=learnt.rests_on,
             model=learnt.name,
+            **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
     ]

@@ -16,7 +16,7 @@ from fieldkit.plan.desk import Rocket, forecasts
 from fieldkit.plan.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
-GRID = 24
+GRID = 16
 """Masses that are flown. [1]"""
 DRAWS = 500
 """Flights flown at each mass. [1]"""

@@ -1,10 +1,9 @@
 """Contest points: seasons are files in `fieldkit/data/seasons`, flights and plans are scored by them."""
 
 import tomllib
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -162,11 +161,11 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     return Outlook(said[0], rule.points(apogee, duration), duration, fall.flights, *best)
 
 
-def _best_area(cost: Any) -> tuple[float, float]:
+def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
     """The share of the area that costs least, and that cost; by its logarithm, for half and double are alike."""
     from scipy.optimize import minimize_scalar
 
-    bounds = tuple(float(np.log(end)) for end in AREAS)
+    bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))
     best = minimize_scalar(
         lambda log: cost(float(np.exp(log))), bounds=bounds, method="bounded", options={"xatol": 5e-3}
     )
