@@ -71,21 +71,26 @@ def timed(benchmark: BenchmarkFixture, name: str, work: Callable[[], Any]) -> No
     benchmark.pedantic(measured, rounds=5, warmup_rounds=1)
 
 
-PLAN = Flight(rocket="Astra", config="A", motor="F24-4W", wind=3.0)
+PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")
 
 
-def test_one_predict(benchmark: BenchmarkFixture, ledger: Ledger, motors: Catalogue) -> None:
-    timed(benchmark, "one predict", lambda: predict_plans(ledger, motors, [PLAN], keep=False))
-
-
+@pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
 def test_the_whole_catalogue_for_one_rocket(
-    benchmark: BenchmarkFixture, ledger: Ledger, motors: Catalogue, every: list[Motor]
+    benchmark: BenchmarkFixture, ledger: Ledger, motors: Catalogue, every: list[Motor], wind: float | None
 ) -> None:
-    def work() -> None:
-        rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
-        guide(rocket, plan, every, limits(), Site())
+    day = PLAN.with_changes(wind=wind)
 
-    timed(benchmark, f"motors --fit, {len(every)} motors", work)
+    def work() -> None:
+        guide(rocket_of(ledger, motors, "Astra"), begun(ledger, day, Settings()), every, limits(), Site())
+
+    timed(benchmark, f"motors --fit, {len(every)} motors, {'windy' if wind else 'still'}", work)
+
+
+@pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
+def test_one_predict(benchmark: BenchmarkFixture, ledger: Ledger, motors: Catalogue, wind: float | None) -> None:
+    day = PLAN.with_changes(wind=wind)
+    name = "one predict" + (", windy" if wind else "")
+    timed(benchmark, name, lambda: predict_plans(ledger, motors, [day], keep=False))
 
 
 def test_a_delay(benchmark: BenchmarkFixture, ledger: Ledger, motors: Catalogue) -> None:

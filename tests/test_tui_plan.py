@@ -17,8 +17,8 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f67"), "enter", "_", "d")
-        assert "Astra B on AeroTech F67W: coasts" in told(pilot, "#answer")
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
+        assert "Astra B on AeroTech F39T: coasts" in told(pilot, "#answer")
         assert "field size: unknown" in told(pilot, "#answer")
         await press(pilot, "right")
         assert "No target yet" in told(pilot, "#answer")

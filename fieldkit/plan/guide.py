@@ -27,6 +27,8 @@ SAME = 0.0006
 """By how much two diameters of one mount may differ. [m]"""
 DRAWS = 150
 """Flights flown for each motor: a 5 % quantile is good to a quarter of the spread, and all motors share their luck."""
+SLANTED = 60
+"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
 SHORTLIST = "shortlist"
@@ -150,15 +152,16 @@ def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 
 
 def guide(
-    rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int = DRAWS
+    rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
 ) -> list[Choice]:
     """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
 
-    A motor flies with the delay on sale that fires nearest to apogee. Raises ImpossibleFlight for a plan without a
-    mass.
+    A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
+    Raises ImpossibleFlight for a plan without a mass.
     """
     if not motors:
         return []
+    draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
     learnt = learn(rocket.history, planned, rocket.places, draws=draws)
     coasts = shown(learnt.model, learnt.at[None], {})["coast_time"][0]

@@ -125,7 +125,7 @@ class NextScreen(PageScreen):
     NextScreen #card Static { height: auto; }
     NextScreen #big { height: 3; width: auto; color: $accent; }
     NextScreen #hill { height: 6; }
-    NextScreen.-tall #hill { height: 16; margin: 1 0; }
+    NextScreen.-tall #hill { height: 11; }
     """
 
     def __init__(self) -> None:
@@ -371,7 +371,7 @@ class NextScreen(PageScreen):
             ("ejection", _ejection(said.median_eject)),
             ("by delay", "  ".join(fires)),
             ("off rail", self._rail(said)),
-            ("T:W", f"{one.first_thrust:.1f} first half second, {one.average_thrust:.1f} on average"),
+            ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
             ("top speed", measure(BY_NAME["top_speed"], median(said.top_speed), system)),
             ("Cd", f"{said.cd.mean():.2f} ± {said.cd.std():.2f}"),
             ("alpha", f"{said.alpha.mean():.3f} ± {said.alpha.std():.3f}"),
