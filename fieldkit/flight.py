@@ -207,6 +207,8 @@ class Flight:
         return replace(self, **changes)  # type: ignore[arg-type]
 
 
+MOTOR_TEMPERATURE = "motor_temperature_c"
+"""Extra column of a planned flight: how warm the motor is, for a safety check alone."""
 FIELDS = tuple(f.name for f in fields(Flight))
 TEXT_COLUMNS = ("flight_id", "date_time", "rocket", "config", "motor", "site", "tags", "notes", "log")
 """The columns of a flight table that are not numbers."""

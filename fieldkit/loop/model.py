@@ -29,6 +29,8 @@ CD = (np.log(0.6), 0.35)
 UNKNOWN_AREA_SD = 0.45
 """Of log area where the diameter was not recorded and follows from the mass. [1]"""
 
+EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
+"""Figures of a flight that the altimeter does not show and a plan asks for."""
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
@@ -175,8 +177,7 @@ def shown(
         bias = _sum(model, values, name)
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
-    extras = ("rail_speed", "eject_speed", "drift")
-    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in extras} | {"true": flown.apogee}
+    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS} | {"true": flown.apogee}
 
 
 def _sum(model: Model, values: Array, bends: str) -> Array:
