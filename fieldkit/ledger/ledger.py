@@ -16,9 +16,9 @@ from sqlalchemy import Connection, Engine
 from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import book, drafts, journal, models, opening
+from fieldkit.ledger import book, drafts, journal, models, opening, past
 from fieldkit.ledger.journal import Change, Pen
-from fieldkit.ledger.records import Added, Prediction, Version
+from fieldkit.ledger.records import Added, Past, Prediction, Version
 
 
 class Ledger:
@@ -239,6 +239,13 @@ class Ledger:
         """The predictions made, oldest first; of one rocket, or for one flight."""
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)
+
+    def before(self, flights: Sequence[Flight]) -> list[Past]:
+        """How the rocket of each of these flights stood just before the flight came in."""
+        if not flights:
+            return []
+        with self._reading() as connection:
+            return past.before(connection, flights)
 
     # Drafts
 

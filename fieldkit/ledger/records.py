@@ -6,6 +6,7 @@ from datetime import datetime
 from typing import Any
 
 from fieldkit.arrival import Arrival
+from fieldkit.flight import Flight
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,3 +47,11 @@ class Prediction:
     flight_id: str
     digest: str
     payload: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Past:
+    """A rocket's flights, in order, and the number of the model in use at some moment, 0 for the plain one."""
+
+    flights: tuple[Flight, ...]
+    version: int
