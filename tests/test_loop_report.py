@@ -25,12 +25,12 @@ from fieldkit.loop.leftover import leftover
 from fieldkit.loop.marks import marks
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import predict, rocket_model
-from fieldkit.loop.report.page import check_page, page, write_page
 from fieldkit.loop.score import Forecasts
 from fieldkit.loop.telling import BALLAST, Explanation, divergence, options, telling
 from fieldkit.loop.widen import widened, widening
 from fieldkit.loop.words import report
 from fieldkit.motors import catalogue
+from fieldkit.report.loop.page import check_page, page, write_page
 
 HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
 """A flight id, rocket, motor spelling or site as a file may have it."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, Start
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
@@ -81,8 +81,14 @@ def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> fl
     return float(version.payload.get("unexplained", {}).get("widened", 1.0)) if version else 1.0
 
 
-def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
-    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none."""
+def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
+    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
+
+    A configuration that has not flown takes them from how it starts, if that is known.
+    """
+    if start is not None and all(flight.config != plan.config for flight in history):
+        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
+        plan = plan.with_changes(**known)
     alike = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED:
@@ -90,6 +96,13 @@ def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
         if plan.number(name) is None and value is not None:
             missing[name] = value
     return plan.with_changes(**missing)
+
+
+def start_of(ledger: Ledger, plan: Flight) -> Start | None:
+    """How the configuration of a plan starts; where the rocket has only one that is kept, that one."""
+    known = ledger.starts(plan.rocket)
+    named = [one for one in known if one.config == plan.config]
+    return (named or known)[0] if named or len(known) == 1 else None
 
 
 def predict_plans(
@@ -106,8 +119,14 @@ def predict_plans(
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
-        planned = [(completed(plans[row], before), motors.resolve(plans[row].motor)) for row in rows]
-        made = predict(history, planned, accepted_places(ledger, rocket, which), declared=which == "after")
+        starts = [start_of(ledger, plans[row]) for row in rows]
+        planned = [
+            (completed(plans[row], before, start), motors.resolve(plans[row].motor))
+            for row, start in zip(rows, starts, strict=True)
+        ]
+        places = accepted_places(ledger, rocket, which)
+        drag = next((one.cd for one in starts if one and one.cd), None)
+        made = predict(history, planned, places, declared=which == "after", drag=drag)
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [widened(one, wider).corrected(sure, len(surprises)) for one in made]
         if keep:
