@@ -96,8 +96,8 @@ def beside_rivals(
     flight: Flight,
     motor: Found,
     draws: Float[Array, "draw"],
-    simulated: Float[Array, "draw"],
-    earlier: Sequence[tuple[Flight, Found, Float[Array, "draw"]]],
+    simulated: Float[Array, "simulated"],
+    earlier: Sequence[tuple[Flight, Found, Float[Array, "simulated"]]],
     interval: tuple[float, float, float],
 ) -> Forecast:
     """A flight beside its forecast and what the rivals make of the earlier flights, each with its simulation.

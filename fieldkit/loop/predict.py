@@ -25,8 +25,8 @@ DRAWS = 1000
 FORECAST_SLACK = 3.0
 """How far motors are taken to be from their certificate, and masses from the scales, in a forecast. [1]"""
 DESIGN_CD_SD = 0.2
-"""Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell, for
-paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
+"""Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
+for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
 LEVELS = (0.05, 0.5, 0.95)
 
 

@@ -28,7 +28,7 @@ def root_of(content: bytes, source: str) -> "Element":
         root: Element = fromstring(_unpacked(content, source), forbid_dtd=True)
     except ParseError as error:
         row, _ = error.position
-        raise DamagedLog(f"found broken XML ({error.msg.split(':')[0]})", row=row, source=source) from error
+        raise DamagedLog(f"found broken XML ({str(error).split(':')[0]})", row=row, source=source) from error
     except DefusedXmlException as error:
         found = "found a document type or entities, expected plain XML without <!DOCTYPE>"
         raise DamagedLog(found, source=source) from error

@@ -10,6 +10,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.parts import airframe, children, everything, mass, number, sizes
 from fieldkit.safe_text import printable
+from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
@@ -185,9 +186,7 @@ def _row(text: str, count: int) -> list[float]:
     return row
 
 
-def _coast_cd(
-    values: dict[str, "np.ndarray[tuple[int], np.dtype[np.float64]]"], events: dict[str, str]
-) -> float | None:
+def _coast_cd(values: dict[str, Float[Array, "row"]], events: dict[str, str]) -> float | None:
     """Mean Cd from burnout to apogee, weighted by speed squared: what of it slows the rocket. [1]"""
     time, cd = values.get("time"), values.get("drag coefficient")
     speed = values.get("total velocity", values.get("vertical velocity"))

@@ -11,6 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from fieldkit.shapes import Array, Float
+
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
@@ -142,9 +144,7 @@ def _shell(part: "Element", size: Size) -> float:
     return body + sum(_ring(part, f"{end}shoulder") for end in ("fore", "aft"))
 
 
-def _profile(
-    part: "Element", x: "np.ndarray[tuple[int], np.dtype[np.float64]]"
-) -> "np.ndarray[tuple[int], np.dtype[np.float64]]":
+def _profile(part: "Element", x: Float[Array, "step"]) -> Float[Array, "step"]:
     """How far the radius has gone from one end to the other; 0 to 1.
 
     Source: Crowell, The Descriptive Geometry of Nose Cones, 1996.
@@ -152,18 +152,20 @@ def _profile(
     shape = (part.findtext("shape") or "conical").strip()
     bent = number(part, "shapeparameter", 1.0)
     if shape == "ellipsoid":
-        return np.sqrt(1 - (1 - x) ** 2)
+        return np.asarray(np.sqrt(1 - (1 - x) ** 2))
     if shape == "ogive":
         length, radius = number(part, "length", 1.0), abs(number(part, "aftradius", 0.1) or 0.1)
         rho = (radius**2 + length**2) / (2 * radius)
-        return np.clip((np.sqrt(np.maximum(rho**2 - (length * (1 - x)) ** 2, 0)) + radius - rho) / radius, 0, 1)
+        return np.asarray(
+            np.clip((np.sqrt(np.maximum(rho**2 - (length * (1 - x)) ** 2, 0)) + radius - rho) / radius, 0, 1)
+        )
     if shape == "power":
-        return x ** (bent or 1.0)
+        return np.asarray(x ** (bent or 1.0))
     if shape == "parabolic":
         return np.asarray((2 * x - bent * x**2) / (2 - bent))
     if shape == "haack":
         angle = np.arccos(1 - 2 * x)
-        return np.sqrt(np.maximum(angle - np.sin(2 * angle) / 2 + bent * np.sin(angle) ** 3, 0) / np.pi)
+        return np.asarray(np.sqrt(np.maximum(angle - np.sin(2 * angle) / 2 + bent * np.sin(angle) ** 3, 0) / np.pi))
     return x
 
 

@@ -36,9 +36,9 @@ class Book:
         rows = [(str(len(self.cards)), "flights")]
         if apogees:
             rows.append((f"{max(apogees):.0f} m", "highest apogee"))
-        rows.append((str(told), "predicted before they flew"))
+        rows.append((str(told), "predicted before"))
         if told:
-            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {told}", "inside the 90 % interval")]
+            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {told}", "inside 90 %")]
         return tuple(rows)
 
     @property
@@ -120,7 +120,7 @@ def _span(flights: Sequence[Flight]) -> str:
 
 def table(found: Book) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The flights of a report as a table: headers, and a row for each."""
-    headers = ("flight", "rocket", "motor", "mass [g]", "wind [m/s]", "predicted [m]", "flown [m]", "miss [m]", "")
+    headers = ("flight", "rocket", "motor", "mass g", "wind m/s", "predicted m", "flown m", "miss m", "")
     rows: list[tuple[str, ...]] = []
     for card in found.cards:
         flight, said = card.flight, card.foretold

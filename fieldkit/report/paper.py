@@ -167,14 +167,14 @@ def _summary(book: Book) -> Iterator["Figure"]:
 
 def _table(part: "SubFigure", headers: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
     """A table of texts; numbers to the right."""
-    places = (0.0, 0.1, 0.3, 0.46, 0.57, 0.69, 0.79, 0.885, 0.9)
+    places = (0.0, 0.1, 0.28, 0.46, 0.54, 0.66, 0.75, 0.83, 0.845)
     right = (3, 4, 5, 6, 7)
     step = 1 / (len(rows) + 1)
     for number, row in enumerate([tuple(headers), *rows]):
         height = 1 - (number + 0.5) * step
         for column, cell in enumerate(row):
             part.text(
-                LEFT + places[column] * (RIGHT - LEFT), height, shortened(cell, 20), fontsize=8.5, va="center",
+                LEFT + places[column] * (RIGHT - LEFT), height, shortened(cell, 18), fontsize=8.2, va="center",
                 ha="right" if column in right else "left", weight="bold" if number == 0 else "normal",
             )  # fmt: skip
         _rule(part, height - step / 2, INK if number == 0 else GRID)
