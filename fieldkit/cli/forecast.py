@@ -35,7 +35,7 @@ def predict(
     **given: str | None,
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
-    from fieldkit.loop.desk import forecast_document, predict_plans
+    from fieldkit.loop.desk import forecast_document, predict_plans, start_of
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
@@ -43,10 +43,13 @@ def predict(
             raise typer.BadParameter("give --flights or --motor, not both")
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
         predictions = predict_plans(ledger, check.catalogue, plans, model.value)
+        start = start_of(ledger, plans[0]) if flights is None else None
     if json:
         print_json({"predictions": [forecast_document(one) for one in predictions]})
     elif flights is None:
         _print_one(predictions[0])
+        if start and start.cd:
+            say(f"  design    its Cd starts from the {start.cd:.2f} of {start.source}")
     else:
         _print_table(predictions)
 

@@ -124,7 +124,9 @@ def predict(
     model = rocket_model(flights, found, acting, FORECAST_SLACK)
     if drag is not None:
         model = model.with_prior("drag", np.log(drag), DESIGN_CD_SD)
-    taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
+    taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)] or [
+        0
+    ]  # one term at least
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
     result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
     rng = np.random.default_rng(seed)
