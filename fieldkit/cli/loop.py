@@ -35,7 +35,7 @@ def loop(
     from fieldkit.loop.words import report
 
     if page is not None:
-        from fieldkit.loop.report.page import check_page, write_page
+        from fieldkit.report.loop.page import check_page, write_page
 
         check_page(page)
     with open_ledger(context) as ledger:

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.predictions import foretold, say_foretold
 from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
@@ -65,12 +66,18 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
         recording = _recording(ledger, flight) if found.log or "log_format" in found.extra else None
+        said = foretold(ledger, found)
     if json:
         from fieldkit.cli.compare import document as measured
 
-        print_json(document(found) | ({"recording": measured(recording)} if recording else {}))
+        print_json(
+            document(found)
+            | ({"recording": measured(recording)} if recording else {})
+            | ({"prediction": said.json()} if said else {})
+        )
         return
     print_card(found, id)
+    say_foretold(said)
     if recording:
         _print_events(recording)
         if _measures_otherwise(found, recording):

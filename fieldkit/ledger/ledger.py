@@ -16,9 +16,9 @@ from sqlalchemy import Connection, Engine
 from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.ledger import book, drafts, journal, models, opening
+from fieldkit.ledger import book, drafts, journal, models, opening, past, starts
 from fieldkit.ledger.journal import Change, Pen
-from fieldkit.ledger.records import Added, Prediction, Renewal, Version
+from fieldkit.ledger.records import Added, Past, Prediction, Renewal, Start, Version
 
 
 class Ledger:
@@ -257,6 +257,25 @@ class Ledger:
         """The predictions made, oldest first; of one rocket, or for one flight."""
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)
+
+    def before(self, flights: Sequence[Flight]) -> list[Past]:
+        """How the rocket of each of these flights stood just before the flight came in."""
+        if not flights:
+            return []
+        with self._reading() as connection:
+            return past.before(connection, flights)
+
+    def keep_start(self, start: Start) -> bool:
+        """Keep a starting configuration in place of an older one; False where it is there already."""
+        with self._changing() as pen:
+            if kept := starts.keep(pen, start):
+                pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
+        return kept
+
+    def starts(self, rocket: str) -> list[Start]:
+        """The starting configurations of a rocket, by name."""
+        with self._reading() as connection:
+            return starts.starts(connection, rocket)
 
     # Drafts
 

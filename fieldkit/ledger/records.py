@@ -57,3 +57,24 @@ class Prediction:
     flight_id: str
     digest: str
     payload: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Past:
+    """A rocket's flights, in order, and the number of the model in use at some moment, 0 for the plain one."""
+
+    flights: tuple[Flight, ...]
+    version: int
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What is known of a rocket's configuration before it has flown, and from which file; None where it is not. SI."""
+
+    rocket: str
+    config: str
+    dry_mass: float | None = None
+    diameter: float | None = None
+    length: float | None = None
+    cd: float | None = None
+    source: str = ""

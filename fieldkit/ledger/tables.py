@@ -90,6 +90,18 @@ predictions = Table(
     Column("payload", document, nullable=False),
 )
 
+configurations = Table(
+    "configurations",
+    metadata,
+    Column("rocket", Text, primary_key=True),
+    Column("config", Text, primary_key=True),
+    Column("dry_mass", Double),
+    Column("diameter", Double),
+    Column("length", Double),
+    Column("cd", Double),
+    Column("source", Text, nullable=False),  # the file it came from
+)
+
 journal = Table(
     "journal",
     metadata,

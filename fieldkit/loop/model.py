@@ -93,6 +93,11 @@ class Model:
         """The same model with more unknowns."""
         return Model(self.flights, self.found, self.area, (*self.terms, *terms))
 
+    def with_prior(self, name: str, mean: float, sd: float) -> "Model":
+        """The same model with another belief about one unknown."""
+        changed = (replace(term, mean=mean, sd=sd) if term.name == name else term for term in self.terms)
+        return replace(self, terms=tuple(changed))
+
     def only(self, terms: Sequence[int]) -> "Model":
         """The same flights with some of the unknowns."""
         return replace(self, terms=tuple(self.terms[i] for i in terms))

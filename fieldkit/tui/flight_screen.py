@@ -149,13 +149,12 @@ def said_by(flight: Flight, motors: "Catalogue") -> Said:
 def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
     """The forecast that was made for a flight, else the one that the other flights make now."""
     from fieldkit.loop.desk import forecast_from_others
-    from fieldkit.loop.pairing import made_for
+    from fieldkit.loop.kept import of_flight
 
-    (kept,) = made_for([flight], ledger.predictions(flight.rocket), motors)
+    kept = of_flight(ledger, motors, flight)
     if kept is not None:
-        at = kept.payload["apogee_m"]
-        when = f"{kept.at.astimezone():%Y-%m-%d %H:%M}"
-        return Foretold(at["p05"], at["p50"], at["p95"], f"forecast of {when}, model {kept.payload.get('model', '')}")
+        by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
+        return Foretold(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
     return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
@@ -297,7 +296,8 @@ class FlightScreen(PageScreen):
 
         system, flown = self.desk.settings.units, self._flight.apogee
         low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
-        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), f"\n{printable(said.by)}\n"]
+        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
+        parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
         parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
         if flown is not None:
             inside = "inside" if said.low <= flown <= said.high else "outside"

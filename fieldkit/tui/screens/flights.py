@@ -28,12 +28,16 @@ FEW = 200
 
 @dataclass(slots=True, eq=False)
 class Row:
-    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later."""
+    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later.
+
+    `stale` says that what the forecast was made from had changed when the flight came in.
+    """
 
     id: str
     place: int
     flight: Flight
     miss: float | None = None
+    stale: bool = False
     drag: float | None = None
     thrust: float | None = None
 
@@ -57,7 +61,7 @@ def _miss(row: Row, system: str) -> str:
     if row.miss is None:
         return ""
     sign = "+" if row.miss >= 0 else "-"
-    return sign + number(cards.APOGEE, abs(row.miss), system)
+    return sign + number(cards.APOGEE, abs(row.miss), system) + "*" * row.stale
 
 
 def _date(form: str) -> Callable[[Row, str], str]:
@@ -111,7 +115,7 @@ class FlightsScreen(PageScreen):
             ("apogee", "Highest point above the pad, as your altimeter showed it."),
             ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
             ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
-            ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
+            ("miss", "Flown less forecast, for the forecast made before it; a * marks one that was stale by then."),
             ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
         ),
         ("fieldkit flights [--rocket R] [--tag T]", "fieldkit infer", "fieldkit tag FLIGHT TAG", "fieldkit undo"),
@@ -160,13 +164,16 @@ class FlightsScreen(PageScreen):
         self.ask(self._read, self._have)
 
     def _read(self) -> list[Row]:
-        from fieldkit.loop.pairing import made_for, residual
+        from fieldkit.loop.kept import by_flight, kept
 
         ledger = self.desk.ledger
         flights = ledger.flights()
-        said = made_for(flights, ledger.predictions(), self.desk.motors)
-        ids = ledger.ids(flights)
-        return [Row(i, n, f, residual(f, p)) for n, (i, f, p) in enumerate(zip(ids, flights, said, strict=True))]
+        said = by_flight(kept(ledger, self.desk.motors))
+        rows = []
+        for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
+            one = said.get((flight.rocket, flight.flight_id))
+            rows.append(Row(id, place, flight, one.miss, one.stale) if one else Row(id, place, flight))
+        return rows
 
     def _have(self, rows: list[Row]) -> None:
         known = {row.id: row for row in self._rows.values() if row.drag is not None}
