@@ -5,6 +5,7 @@ A row that is no row of the table costs itself and nothing else, and is told of 
 of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
 """
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 
 from fieldkit.logs.cells import SI, Channel
@@ -17,6 +18,7 @@ __all__ = ["SI", "Channel", "Table", "read_columns"]
 
 FIRST_ROWS = 100
 """So many rows say what the decimal mark is. [1]"""
+_POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
 
 
 def read_columns(
@@ -52,6 +54,6 @@ def read_columns(
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:
-    """The decimal mark of the first rows. Raises DamagedLog where `1,148` could be either number."""
+    """The decimal mark of the first rows: a point where any has one. Raises DamagedLog where `1,148` may be two."""
     cells = [cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)]
-    return decimal_mark(cells, separator)
+    return "." if any(_POINT.fullmatch(cell) for cell in cells) else decimal_mark(cells, separator)
