@@ -2,14 +2,17 @@
 
 import json
 from dataclasses import replace
+from datetime import datetime, timedelta
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.entry import QUESTIONS
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.form import enter, offer
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site, keep_site, site_of
 from fieldkit.loop.desk import predict_plans
@@ -272,6 +275,22 @@ def test_a_site_is_saved_beside_what_flights_say_of_it() -> None:
         assert (plan.site, plan.site_elevation, plan.rail_length) == ("Meadow", 212.0, 1.8)
         with pytest.raises(BadValue, match="size"):
             keep_site(ledger, "Meadow", size=-1.0)
+
+
+@pytest.mark.parametrize(("days", "offered"), [(0, "3 m/s"), (1, "")])
+def test_the_weather_of_the_day_is_offered_and_no_older_one(days: int, offered: str) -> None:
+    question = next(one for one in QUESTIONS if one.name == "wind")
+    with Ledger.open(":memory:") as ledger:
+        flown = Flight(flight_id="1", rocket="A", date_time=datetime.now() - timedelta(days=days), wind=3.0, apogee=9.0)
+        ledger.add([flown])
+        assert offer(ledger, Flight(rocket="A"), question) == offered
+
+
+def test_a_typed_flight_takes_the_elevation_of_its_site() -> None:
+    with Ledger.open(":memory:") as ledger:
+        keep_site(ledger, "Meadow", elevation=212.0)
+        flight, _ = enter(ledger, Flight(rocket="A", site="Meadow", apogee=100.0))
+        assert flight.site_elevation == 212.0
 
 
 COMMANDS = [

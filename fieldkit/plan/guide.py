@@ -25,10 +25,10 @@ from fieldkit.units import STANDARD_GRAVITY
 
 SAME = 0.0006
 """By how much two diameters of one mount may differ. [m]"""
-DRAWS = 150
-"""Flights flown for each motor: a 5 % quantile is good to a quarter of the spread, and all motors share their luck."""
+DRAWS = 100
+"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a fifth of a standard deviation."""
 SLANTED = 60
-"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
+"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a quarter."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
 SHORTLIST = "shortlist"

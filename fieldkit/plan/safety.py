@@ -7,6 +7,7 @@ decides anything of its own.
 import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
@@ -60,6 +61,7 @@ class Line:
         return {"check": self.name, "verdict": self.verdict, "text": self.text, "source": self.source}
 
 
+@lru_cache(maxsize=2048)
 def first_thrust(motor: Motor) -> float:
     """Mean thrust of the first half second from ignition, of the whole burn where that is shorter. [N]"""
     end = min(HALF_SECOND, motor.thrust_end)
