@@ -52,9 +52,9 @@ def predict(
         print_json({"predictions": documents})
     elif flights is None:
         _print_one(predictions[0])
-        print_safety(predictions[0].plan, lines[0])
         if start and start.cd:
             say(f"  design    its Cd starts from the {start.cd:.2f} of {start.source}")
+        print_safety(predictions[0].plan, lines[0])
     else:
         _print_table(predictions)
         _print_safety_of_all(predictions, lines)

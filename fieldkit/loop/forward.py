@@ -43,7 +43,7 @@ class Forecast:
     stretch: float | None = None
     corrected: tuple[float, float] | None = None
     draws: Float[Array, "draw"] | None = field(default=None, repr=False, compare=False)
-    spreads: Mapping[str, Float[Array, "draw"]] = field(default_factory=dict, repr=False, compare=False)
+    spreads: Mapping[str, Float[Array, "_"]] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def interval(self) -> tuple[float, float, float]:

@@ -115,7 +115,7 @@ class FlightsScreen(PageScreen):
             ("apogee", "Highest point above the pad, as your altimeter showed it."),
             ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
             ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
-            ("miss", "Flown less forecast, for the forecast made before it; a * marks one that was stale by then."),
+            ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
             ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
         ),
         ("fieldkit flights [--rocket R] [--tag T]", "fieldkit infer", "fieldkit tag FLIGHT TAG", "fieldkit undo"),
