@@ -111,7 +111,7 @@ class ImportScreen(PageScreen):
 
     def on_mount(self) -> None:
         """Keys go to the files."""
-        self.query_one("#files", Table).focus()
+        self.set_focus(self.query_one("#files", Table))
 
     def resting_place(self) -> Widget:
         """The files."""
