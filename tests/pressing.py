@@ -21,9 +21,10 @@ from textual.pilot import Pilot
 from textual.widgets import Static
 
 from fieldkit.ledger import Ledger, models
-from fieldkit.loop.guide import choices as guided
 from fieldkit.parsing import read
+from fieldkit.plan.guide import guide as guided
 from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.page import PageScreen
 
 ROOT = Path(__file__).parents[1]
 FIRST = datetime(2026, 4, 18, 10, 0)
@@ -95,19 +96,18 @@ WORKED_OUT: dict[str, Any] = {}
 """Forecasts of many motors, by all that decides them: the same are not worked out for every page that is opened."""
 
 
-def choices(ledger: Ledger, motors: Any, plan: Any, wanted: Any) -> Any:
+def guide(rocket: Any, plan: Any, motors: Any, *rest: Any) -> Any:
     """What the guide says, worked out at the first asking."""
-    version = ledger.active_version(plan.rocket)
-    names = [(motor.maker, motor.designation) for motor in wanted]
-    asked = repr((ledger.flights(plan.rocket), version and version.payload, plan, names))
+    names = [(motor.maker, motor.designation) for motor in motors]
+    asked = repr((rocket.flights, rocket.places, rocket.widened, rocket.stretched, plan, names, rest))
     if asked not in WORKED_OUT:
-        WORKED_OUT[asked] = guided(ledger, motors, plan, wanted)
+        WORKED_OUT[asked] = guided(rocket, plan, motors, *rest)
     return WORKED_OUT[asked]
 
 
 def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     """One time zone and one moment for all that a ledger signs; long forecasts are made once."""
-    monkeypatch.setattr("fieldkit.loop.guide.choices", choices)
+    monkeypatch.setattr("fieldkit.plan.guide.guide", guide)
     monkeypatch.setenv("TZ", "UTC")
     time.tzset()
     monkeypatch.setattr(models, "now", lambda: MOMENT)
@@ -127,12 +127,14 @@ async def opened(file: Path, size: tuple[int, int] = (80, 24)) -> AsyncIterator[
 async def calm(pilot: Pilot[None]) -> None:
     """Wait until nothing is being worked out, all messages were read and nothing is put off to the next paint."""
     quiet = 0
-    while quiet < 2:
+    while quiet < 5:  # a message climbs from a widget to its screen one by one
         await pilot._wait_for_screen()
         pilot.app.screen._on_timer_update()  # what waits for the next paint need not wait for its time
+        screen = pilot.app.screen
         busy = [worker for worker in pilot.app.workers if not worker.is_finished]
-        quiet = 0 if busy or pilot.app.screen._callbacks else quiet + 1
-        if busy:
+        due = isinstance(screen, PageScreen) and screen._seen != (pilot.app.revision, pilot.app.look)
+        quiet = 0 if busy or due or screen._callbacks else quiet + 1
+        if busy or due:
             await asyncio.sleep(0.005)
 
 

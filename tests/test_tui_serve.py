@@ -30,6 +30,8 @@ from aiohttp import (
 from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, is_loopback
 from tests.pressing import ROOT, season
 
+PATIENCE = 300.0
+"""How long a server, a browser and the app may take on a machine that does ten other things. [s]"""
 BINARY = 2
 """Opcode of a frame that is no text: what the app draws."""
 CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
@@ -165,7 +167,7 @@ async def browsing(http: ClientSession, folder: Path) -> AsyncIterator[Browser]:
 
 @pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
 async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: str, tmp_path: Path) -> None:
-    async with asyncio.timeout(120), ClientSession() as http:
+    async with asyncio.timeout(PATIENCE), ClientSession() as http:
         page = await listening(http, served)
         assert VIEWPORT in page
         async with browsing(http, tmp_path / "chromium") as browser:
@@ -190,7 +192,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
 
 async def test_the_app_comes_through_the_socket(served: str) -> None:
     shown = b""
-    async with asyncio.timeout(120), ClientSession() as http:
+    async with asyncio.timeout(PATIENCE), ClientSession() as http:
         assert "fieldkit" in await listening(http, served)
         async with http.ws_connect(f"{served}ws?width=80&height=24", origin=served.rstrip("/")) as socket:
             async for message in socket:

@@ -25,6 +25,9 @@ from fieldkit.tui.themes import THEMES
 WAIT, MOST_WAITS = 0.005, 600
 """How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
 
+LOOKS = {"units", "theme", "target"}
+"""Settings that change how things are shown and nothing that is worked out."""
+
 
 class FieldkitApp(App[None]):
     """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown."""
@@ -164,7 +167,10 @@ class FieldkitApp(App[None]):
         else:
             self.tell(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
         self.theme = settings.theme
-        self.look += 1
+        if changes.keys() <= LOOKS:
+            self.look += 1
+        else:
+            self.revision += 1
         self._refresh_page()
 
     def ask_target(self) -> None:
