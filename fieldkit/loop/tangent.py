@@ -96,7 +96,8 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) 
     scattered = {kind.bends: per_kind[kind.bends] * kind.sd for kind in SCATTER if kind.bends in per_kind}
     scattered |= {kind.bends: moved[row] for row, kind in enumerate(_ASIDE, start=1 + len(STEPS))}
     scatter = [scattered.get(kind.bends, lean) for kind in SCATTER]
-    return Tangent(at, flown[0], np.stack(columns, axis=-1), np.nan_to_num(np.stack(scatter, axis=-1)))
+    slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
+    return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
 
 
 def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:

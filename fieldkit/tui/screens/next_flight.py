@@ -77,6 +77,7 @@ class NextScreen(PageScreen):
 
     NAME = "next_flight"
     TITLE = "Next flight"
+    LETTERS = ("search",)
     ABOUT = Help(
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
@@ -101,7 +102,7 @@ class NextScreen(PageScreen):
         ("fieldkit predict --motor F24-4W --config A --wind 8mph", "fieldkit motors --fit ROCKET --target 800ft"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
+        Binding("slash", "search", "Motor", key_display="/", priority=True, tooltip="Search a motor"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
@@ -158,11 +159,19 @@ class NextScreen(PageScreen):
     def on_mount(self) -> None:
         """Keys go to the motors."""
         self.query_one(Input).cursor_blink = False
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
         """Read the plan, and forecast every motor anew."""
         self.ask(self._read_plan, self._have_plan, "plan")
+
+    def redraw(self) -> None:
+        """Other units or another target leave the forecasts as they are: they are sorted and written at once."""
+        if self._plan is None:
+            self.reload()
+            return
+        self._show_plan(self._plan)
+        self._refill()
 
     def _read_plan(self) -> Plan:
         from fieldkit.errors import ImpossibleFlight, NoFlights
@@ -173,11 +182,11 @@ class NextScreen(PageScreen):
         from fieldkit.plan.limits import limits
 
         ledger, motors = self.desk.ledger, self.desk.motors
-        last = ledger.latest()
-        if last is None:
-            raise NoFlights("no flights yet: import or add some, and what comes next can be forecast")
-        plan = Flight(rocket=last.rocket, config=last.config)
-        plan = plan.with_changes(**plan_changes(ledger.draft(DRAFT) or {}))
+        last, draft = ledger.latest(), ledger.draft(DRAFT) or {}
+        if last is None and not draft:
+            raise NoFlights("no flights yet: import or add some, or p plans a rocket by its name and mass")
+        plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+        plan = plan.with_changes(**plan_changes(draft))
         rocket = rocket_of(ledger, motors, plan.rocket)
         full = begun(ledger, plan, self.desk.settings)
         if full.dry_mass is None:
@@ -220,6 +229,11 @@ class NextScreen(PageScreen):
         self.query_one("#plan", Static).update(Content(printable(" · ".join(parts))))
 
     @on(Input.Changed)
+    def _search_anew(self) -> None:
+        """Another search begins at its first motor."""
+        self.query_one(Table).by_hand = False
+        self._search_now()
+
     def _search_now(self) -> None:
         """Look up the motors and forecast those that are not known yet."""
         self.ask(partial(self._find, self.query_one(Input).value), self._found, "find")
@@ -233,7 +247,6 @@ class NextScreen(PageScreen):
 
     def _found(self, motors: "list[Motor]") -> None:
         self._motors = motors
-        self.query_one(Table).by_hand = False
         self._refill()
         self._forecast()
 
@@ -283,6 +296,7 @@ class NextScreen(PageScreen):
         said = one.prediction
         apogee = number(cards.APOGEE, one.apogee, system)
         off = number(cards.APOGEE, one.apogee - target, system) if target else ""
+        off = f"{float(off):.0f}" if len(off.strip("-")) > 4 else off  # from 100 on there is no room for more
         off = "0" if off and float(off) == 0 else f"+{off}" if target and one.apogee > target else off
         eject = said.median_eject
         fires = "" if eject is None else f"{eject:+.1f}"
@@ -385,16 +399,16 @@ class NextScreen(PageScreen):
 
     def action_search(self) -> None:
         """Type a motor's name."""
-        self.query_one(Input).focus()
+        self.set_focus(self.query_one(Input))
 
     @on(Input.Submitted)
     def _to_table(self) -> None:
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def action_fitting(self) -> None:
         """Only what fits, or everything."""
         self._fitting = not self._fitting
-        self._search_now()
+        self._search_anew()
 
     def action_compare(self) -> None:
         """All figures instead of the card, and back."""
@@ -476,7 +490,7 @@ class NextScreen(PageScreen):
         low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
         unit = spelled(unit_of(cards.APOGEE, system))
         self.tell(f"kept: {said.plan.motor} to {middle} {unit} ({low} to {high}); the flight is measured against it")
-        self.field_app.revision += 1
+        self.changed_for_others()
 
     def copied(self) -> str:
         """The forecast as text."""
