@@ -27,6 +27,7 @@ GROUPS = (
     "loop",
     "score",
     "journal",
+    "backups",
     "motors",
     "plan",
     "simulate",
