@@ -18,6 +18,8 @@ from fieldkit.ledger.tables import EDITED, flights, logs, tags
 
 Identity = tuple[str, str]
 """A rocket and a flight_id, which together name a flight."""
+LARGEST_LOG = 1 << 30
+"""No log that is unpacked is larger. [byte]"""
 FEW = 500
 """So many are asked for by name; of more, everything is read. [1]"""
 
@@ -309,5 +311,16 @@ def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
 
 
 def _content(connection: Connection, digest: str | None) -> bytes | None:
-    content = connection.scalar(select(logs.c.content).where(logs.c.digest == digest))
-    return None if content is None else zlib.decompress(content)
+    row = connection.execute(select(logs.c.content, logs.c.size).where(logs.c.digest == digest)).first()
+    return None if row is None else _unpacked(row.content, row.size)
+
+
+def _unpacked(packed: bytes, size: int) -> bytes:
+    """The bytes of a log, never more than its row says. Raises LedgerError for another size, zlib.error."""
+    if not 0 <= size <= LARGEST_LOG:
+        raise LedgerError(f"found a log of {size} bytes, expected at most {LARGEST_LOG}")
+    unpacking = zlib.decompressobj()
+    content = unpacking.decompress(packed, size + 1)
+    if len(content) != size:
+        raise LedgerError(f"found a log of another size than the {size} bytes of its row, which is damaged")
+    return content

@@ -26,6 +26,8 @@ from fieldkit.places import data_folder
 
 PATIENCE = 15.0
 """How long a command waits for another one that is writing. [s]"""
+SMALLEST = 512
+"""No SQLite database that holds anything is smaller, and it takes a smaller file for an empty one. [byte]"""
 MIGRATIONS = Path(__file__).parent / "migrations"
 STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
 """Every version of the schema that this program knows, oldest first."""
@@ -195,9 +197,7 @@ def bring_up_to_date(engine: Engine) -> None:
     An older one is copied before. Raises LedgerError for a database that is not a ledger, one made by a newer
     fieldkit, or a file that is gone or empty while copies of it are kept.
     """
-    file = file_of(engine.url)
-    if file and not (file.exists() and file.stat().st_size) and backups.backups(file):
-        raise LedgerError(f"{file}: the file is {'empty' if file.exists() else 'gone'}; {backups.offer(file)}")
+    _refuse_remains(file_of(engine.url))
     with reading(engine) as connection:
         version = _version(connection)
     if version == STEPS[-1]:
@@ -207,6 +207,17 @@ def bring_up_to_date(engine: Engine) -> None:
     with writing(engine) as connection:
         if _version(connection) != STEPS[-1]:  # it may have been upgraded while we waited
             _upgrade(connection)
+
+
+def _refuse_remains(file: Path | None) -> None:
+    """Raises LedgerError where SQLite would begin anew in a file that has lost what it held."""
+    if file is None or not file.parent.is_dir():
+        return
+    size = file.stat().st_size if file.exists() else 0
+    if 0 < size < SMALLEST:
+        raise LedgerError(f"{file}: the file is damaged (cut to {size} bytes); {backups.offer(file)}")
+    if not size and backups.backups(file):
+        raise LedgerError(f"{file}: the file is {'empty' if file.exists() else 'gone'}; {backups.offer(file)}")
 
 
 def _version(connection: Connection) -> str | None:
