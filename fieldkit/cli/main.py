@@ -31,6 +31,7 @@ GROUPS = (
     "report",
     "journal",
     "ork",
+    "backups",
     "motors",
     "plan",
     "simulate",

@@ -33,7 +33,7 @@ def flights(
     from fieldkit.export import document
 
     with open_ledger(context) as ledger:
-        chosen = [one for one in ledger.flights(rocket) if tag is None or tag in one.tags]
+        chosen = ledger.flights(rocket, tag=tag)
         ids = ledger.ids(chosen)
         name = ledger.name
     if json:

@@ -27,6 +27,8 @@ class Ledger:
     def __init__(self, engine: Engine, name: str) -> None:
         self._engine = engine
         self.name = name
+        self.trouble = ""
+        """Why no backup could be made before a change, empty where one could; the change was made all the same."""
 
     @classmethod
     def open(cls, where: str | Path | None = None) -> "Ledger":
@@ -90,11 +92,13 @@ class Ledger:
                 drafts.drop(pen.connection, draft)
         return added
 
-    def flights(self, rocket: str | None = None, ids: Sequence[str] | None = None) -> list[Flight]:
-        """Flights by date and then by entry, those without a date last; of one rocket, or named by id."""
+    def flights(
+        self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
+    ) -> list[Flight]:
+        """Flights by date and then by entry, those without a date last; of one rocket, named by id, with a tag."""
         with self._reading() as connection:
-            entries = None if ids is None else [book.resolve(connection, one).entry for one in ids]
-            return [held.flight for held in book.load(connection, rocket=rocket, entries=entries)]
+            entries = None if ids is None else [held.entry for held in book.resolve_all(connection, ids)]
+            return [held.flight for held in book.load(connection, rocket=rocket, tag=tag, entries=entries)]
 
     def flight(self, id: str) -> Flight:
         """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.
@@ -111,9 +115,10 @@ class Ledger:
 
     def ids(self, flights: Sequence[Flight]) -> list[str]:
         """The id that names each of these flights of the ledger."""
+        identities = [(flight.rocket, flight.flight_id) for flight in flights]
         with self._reading() as connection:
-            names = book.ids(connection)
-        return [names[flight.rocket, flight.flight_id] for flight in flights]
+            names = book.ids(connection, identities)
+        return [names[identity] for identity in identities]
 
     def log(self, id: str) -> bytes | None:
         """The original bytes of a flight's log, or None where there is none."""
@@ -148,7 +153,7 @@ class Ledger:
     def edit_all(self, ids: Sequence[str], what: str, **changes: object) -> int:
         """Change fields of several flights as one command, named by `what`; how many it changed."""
         with self._changing() as pen:
-            held = [book.resolve(pen.connection, id) for id in ids]
+            held = book.resolve_all(pen.connection, ids)
             done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
             if done:
                 pen.sign("edit", f"{what} ({', '.join(changes)})")
@@ -192,7 +197,7 @@ class Ledger:
     def remove(self, *ids: str) -> list[Flight]:
         """Take flights out and return them; `undo` brings them back."""
         with self._changing() as pen:
-            gone = list({held.entry: held for held in (book.resolve(pen.connection, id) for id in ids)}.values())
+            gone = list({held.entry: held for held in book.resolve_all(pen.connection, ids)}.values())
             for held in gone:
                 book.remove(pen, held)
             if gone:
@@ -203,12 +208,12 @@ class Ledger:
 
     def undo(self) -> Change:
         """Take back the last change in force and return it. Raises LedgerError when nothing is left."""
-        with opening.writing(self._engine) as connection:
+        with self._writing() as connection:
             return replace(journal.undo(connection), undone=True)
 
     def redo(self) -> Change:
         """Do again what was undone last. Raises LedgerError when nothing was, or a change came between."""
-        with opening.writing(self._engine) as connection:
+        with self._writing() as connection:
             return journal.redo(connection)
 
     def history(self) -> list[Change]:
@@ -298,8 +303,15 @@ class Ledger:
         return opening.reading(self._engine)
 
     @contextmanager
-    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+    def _writing(self, *, keep: bool = True) -> Iterator[Connection]:
+        if keep:
+            self.trouble = opening.keep_backup(self._engine) or self.trouble
         with opening.writing(self._engine, keep=keep) as connection:
+            yield connection
+
+    @contextmanager
+    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+        with self._writing(keep=keep) as connection:
             yield Pen(connection)
 
 
