@@ -11,11 +11,11 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
-from fieldkit.loop.fit import Fit, fit_robustly, own_reading_sd, scale_grid
-from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
+from fieldkit.loop.fit import Fit, apogee_scale, fit_robustly, own_reading_sd, scale_grid, term_sds
+from fieldkit.loop.model import SCATTER, Model, base_model, doubted, observe, shown
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.simulator.effect import effects, spoken
 from fieldkit.simulator.field import recorded
 
@@ -92,6 +92,11 @@ def rocket_model(
     return model.with_terms(*(term for place in known for term in effect_terms(place, model)))
 
 
+def forecast_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
+    """The model of a rocket that its next flight is forecast with."""
+    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK))
+
+
 def model_name(accepted: Sequence[Place]) -> str:
     """`field`, or `field+wind`."""
     return "+".join(["field", *(spoken(place.effect) for place in accepted)])
@@ -116,7 +121,7 @@ def predict(
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    model = rocket_model(flights, found, acting, FORECAST_SLACK)
+    model = forecast_model(flights, found, acting)
     taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
     result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
@@ -186,22 +191,36 @@ def _drawn(
 
     Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn.
     """
-    learned, scales = sample(result, draws, rng)
+    learned, which = _sampled(result, draws, rng)
+    sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, taught] = learned
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
-        values[:, i] = np.clip(rng.normal(term.mean, term.sd, draws), term.low, term.high)
-    return values, scales
+        values[:, i] = np.clip(term.mean + sds[:, i] * rng.normal(size=draws), term.low, term.high)
+    return values, scales_of(model)[which]
 
 
 def sample(
     result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of a model's terms within their bounds, and the scales of scatter and reading that go with each."""
-    scatter_scale, reading_scale, _ = scale_grid()
+    """Draws of a model's terms within their bounds, and the scales of scatter and of reading an apogee that go with
+    each."""
+    values, which = _sampled(result, draws, rng)
+    return values, scales_of(result.model)[which]
+
+
+def scales_of(model: Model) -> Float[Array, "scale 2"]:
+    """Scales of scatter and of reading an apogee."""
+    return np.stack([scale_grid(model.doubtful)[0], apogee_scale(model)], axis=-1)
+
+
+def _sampled(
+    result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
+    """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
     roots = np.linalg.cholesky(np.linalg.inv(result.precision))
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
-    return np.clip(values, lows, highs), np.stack([scatter_scale[which], reading_scale[which]], axis=-1)
+    return np.clip(values, lows, highs), which

@@ -15,7 +15,7 @@ from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.fit import fit_robustly, own_reading_sd
 from fieldkit.loop.model import SCATTER, Model, observe, reference_area, shown
-from fieldkit.loop.predict import FORECAST_SLACK, model_name, rocket_model, sample
+from fieldkit.loop.predict import forecast_model, model_name, sample
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 
@@ -88,7 +88,7 @@ def learn(
     flights = [flight for flight, _ in flown] + [plan] * len(representatives)
     found = [item for _, item in flown] + representatives
     teach = [flight.clean for flight, _ in flown] + [False] * len(representatives)
-    model = rocket_model(flights, found, accepted, FORECAST_SLACK)
+    model = forecast_model(flights, found, accepted)
     fit = fit_robustly(model, observe(flights, teach))
     values, scales = sample(fit, draws, np.random.default_rng(seed))
     ahead = slice(len(flown), None)
