@@ -100,7 +100,8 @@ def term_sds(model: Model) -> Float[Array, "scale term"]:
     """Standard deviation of every term before anything was flown, for every pair of scales."""
     scatter, reading, _ = scale_grid(model.doubtful)
     by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
-    return np.stack([term.sd * by[term.rough] for term in model.terms], axis=-1)
+    sds = [term.sd * by[term.rough] for term in model.terms]
+    return np.stack(sds, axis=-1) if sds else np.empty((len(scatter), 0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,8 +112,15 @@ class Lane:
     start: Float[Array, "term"]
 
 
-def fit(model: Model, data: Data, start: Float[Array, "term"] | None = None, rounds: int = ROUNDS) -> Fit:
-    """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
+def fit(
+    model: Model,
+    data: Data,
+    start: Float[Array, "term"] | None = None,
+    rounds: int = ROUNDS,
+    lean: Float[Array, "flight readout"] | None = None,
+) -> Fit:
+    """The posterior of a model given data, linearised where it ends up; `start` is where to begin, `lean` what
+    `lean_slope` says where that is known.
 
     Without a start it is begun from several opening times of the parachute, for what that does has a kink
     where ejection meets apogee, and the best is kept.
@@ -123,7 +131,8 @@ def fit(model: Model, data: Data, start: Float[Array, "term"] | None = None, rou
     if start is None and OPENING in model.names:
         place = model.names.index(OPENING)
         starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
-    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean_slope(model, at), rounds)
+    lean = lean_slope(model, at) if lean is None else lean
+    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean, rounds)
     return max(fits, key=lambda result: result.log_evidence)
 
 
@@ -267,14 +276,14 @@ def leave_one_out(result: Fit) -> LeftOut:
     return LeftOut(mean, variance, result.log_weight[:, None] - own, distance, residual)
 
 
-def fit_robustly(model: Model, data: Data) -> Fit:
+def fit_robustly(model: Model, data: Data, lean: Float[Array, "flight readout"] | None = None) -> Fit:
     """As `fit`, with less trust in flights that the others contradict.
 
     Each flight is trusted as a Student t distribution with `TAIL` degrees of freedom would: by the expected
     weight (nu + k) / (nu + d^2) of a flight with k readouts at distance d (Lange, Little and Taylor, 1989).
     Fewer than `FEWEST` flights cannot outvote one, and all are trusted.
     """
-    result = fit(model, data)
+    result = fit(model, data, lean=lean)
     if np.count_nonzero(data.seen.any(axis=1)) < FEWEST:
         return result
     for _ in range(ROBUST_ROUNDS):

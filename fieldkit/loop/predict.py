@@ -124,7 +124,8 @@ def predict(
     model = forecast_model(flights, found, acting)
     taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
-    result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
+    lean = lean_slope(model, np.array([term.mean for term in model.terms]))
+    result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]), lean[past])
     rng = np.random.default_rng(seed)
     values, scales = _drawn(model, taught, result, draws, rng)
     ahead = slice(len(flown), None)
@@ -135,11 +136,8 @@ def predict(
         if kind.bends != "tilt"
     }
     readings = shown(part, values, scatter)
-    at = np.array([term.mean for term in model.terms])
-    at[taught] = result.tangent.at
-    slope = lean_slope(part, at)[:, 0]
-    lean = slope * rng.normal(size=(draws, len(planned))) * scales[:, :1]
-    apogee = readings["apogee"] * np.exp(lean)
+    leant = lean[ahead, 0] * rng.normal(size=(draws, len(planned))) * scales[:, :1]
+    apogee = readings["apogee"] * np.exp(leant)
     reading = own_reading_sd(apogee) * scales[:, 1:] * rng.normal(size=apogee.shape)
     cd = np.exp(_bent(part, values, "drag") + scatter["drag"])
     alpha = np.exp(_bent(part, values, "thrust") + scatter["thrust"])
