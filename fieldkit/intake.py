@@ -10,8 +10,8 @@ from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, FIELDS, READOUTS, Flight
-from fieldkit.mapping import Choice
 from fieldkit.parsing import CheckMotor, Mapped, Rejected, read, read_together
+from fieldkit.reading import Choice
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger

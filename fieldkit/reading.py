@@ -6,7 +6,9 @@ from typing import Literal
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight, Series
-from fieldkit.mapping import Choice
+
+HEAD = 65_536
+"""How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,6 +53,14 @@ class Note:
 
     text: str
     row: int | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """Channel to column, as the flyer wrote them, and the headers it is for; none: for whatever is read now."""
+
+    channels: Mapping[str, str]
+    headers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,8 +9,8 @@ from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
 from fieldkit.flight import Flight
 from fieldkit.intake import read_file
 from fieldkit.ledger import Ledger
-from fieldkit.mapping import Choice
 from fieldkit.parsing import Reading, derived_id, parsers, read, read_recordings
+from fieldkit.reading import Choice
 from fieldkit.recording import Figure, Recorded, measure, measured_sd
 
 

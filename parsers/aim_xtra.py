@@ -9,12 +9,14 @@ from itertools import pairwise
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
+from fieldkit.logs.clocks import in_order
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import find_header, header_or_damage
+from fieldkit.logs.pad import marks
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import heading, heading_or_damage, in_order, marks
 from fieldkit.units import STANDARD_GRAVITY, Unit
 
 CHANNELS: Mapping[str, tuple[str, Unit]] = {
@@ -39,11 +41,11 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return heading(head, _fits) is not None
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    head = heading_or_damage(log, _fits, "groups of columns that begin with time, Pressure AGL among them")
+    head = header_or_damage(log, _fits, "groups of columns that begin with time, Pressure AGL among them")
     starts = [place for place, name in enumerate(head.names) if name == "time"]
     groups = [
         (a, [p for p in range(a + 1, b) if head.names[p] in {*CHANNELS, *FLAGS}])

@@ -11,14 +11,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import BadValue
 from fieldkit.flight import Series
-from fieldkit.logtext import decode
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import Header, find_header, header_or_damage
+from fieldkit.logs.pad import upright
+from fieldkit.logs.text import decode
 from fieldkit.parsing import HEAD, Found, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import Heading, heading, heading_or_damage, upright
 from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit, parse
 
 CHANNELS: Mapping[str, tuple[str, Unit]] = {
@@ -41,11 +42,11 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return heading(head, _fits) is not None
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    head = heading_or_damage(log, _fits, "time(ms),altitude(m),...")
+    head = header_or_damage(log, _fits, "time(ms),altitude(m),...")
     channels: list[Channel] = head.channels(CHANNELS)
     parts, found = read_columns(
         log, channels, after=head.row, separator=head.separator, widths={len(head.names)}
@@ -71,7 +72,7 @@ def _series(table: Table) -> Series:
     return series
 
 
-def _labels(log: bytes, head: Heading) -> dict[str, str]:
+def _labels(log: bytes, head: Header) -> dict[str, str]:
     """The labels before the table with their values, which stand side by side."""
     labels: dict[str, str] = {}
     for line in decode(log[:HEAD]).splitlines()[: min(head.row - 1, LABELS)]:

@@ -20,7 +20,7 @@ from datetime import datetime
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.logtext import decode, decode_whole, first_row, rows, shown
+from fieldkit.logs.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import identity
 

@@ -13,10 +13,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.altos import NONE, TICK, entered
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.logtext import first_lines
+from fieldkit.logs.altos import NONE, TICK, entered
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.text import first_lines
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import UNITS, Unit
 

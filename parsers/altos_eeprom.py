@@ -7,78 +7,37 @@ Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from r
 """
 
 import re
-from collections import Counter
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, fields
-from typing import Any
+from dataclasses import fields
 
 import numpy as np
 
-from fieldkit.altos import (
-    NONE,
-    STATES,
-    Coefficients,
-    entered,
-    mp3h6115,
-    ms5607,
-    net_acceleration,
-    seconds,
-    sound,
-)
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import blocks, first_lines, is_cut, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.shapes import Array, Float, Int, Integers
+from fieldkit.logs.altos import NONE, STATES, Coefficients, entered, mp3h6115, ms5607, net_acceleration, seconds
+from fieldkit.logs.altos_flash import (
+    LAYOUTS,
+    OLD_RECORD,
+    Layout,
+    Octets,
+    damage,
+    hex_bytes,
+    new_form,
+    number_at,
+    old_form,
+)
+from fieldkit.logs.text import blocks, first_lines, shown
+from fieldkit.parsing import Found, Parser, Reading
+from fieldkit.shapes import Array, Float, Int
 
-Octets = np.ndarray[Any, np.dtype[np.uint8]]
 LARGEST = 32 << 20
 """No flash of these devices fills a longer file. [bytes]"""
 LARGEST_SETTINGS = 1 << 18
 """The first record is looked for in so much of a file. [bytes]"""
-MOST_TOLD = 20
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
-OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
-
-
-@dataclass(frozen=True, slots=True)
-class Layout:
-    """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
-
-    `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
-    record of the flight) are 2 bytes, None where the format has none or it is not known where.
-    """
-
-    device: str
-    size: int
-    counts: int = 4
-    acceleration: int | None = None
-    ground: int | None = None
-    positions: bool = False
-
-
-MEGA = {5: "TeleMega", 10: "TeleMega 2", 15: "TeleMega 3", 19: "TeleMega 4", 21: "TeleMega 5", 22: "TeleMega 6"}
-EASY_MEGA = {16: "EasyMega 2", 24: "EasyMega 3"}
-MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
-LAYOUTS: Mapping[int, Layout] = {
-    1: Layout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
-    7: Layout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
-    **{number: Layout(device, 32) for number, device in (MEGA | EASY_MEGA).items()},
-    **{number: Layout(device, 16, counts=3) for number, device in MINI.items()},
-}
 TELEMINI_1 = 2
 OTHERS = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
-
-
-@dataclass(frozen=True, slots=True)
-class Flash:
-    """Records without those that are damaged, the text above them, and what is to be said of the rest."""
-
-    settings: str
-    records: Int[Octets, "record byte"]
-    found: tuple[Found, ...]
 
 
 def recognises(head: bytes) -> bool:
@@ -105,7 +64,7 @@ def read(log: bytes) -> list[Found]:
     if layout is None:
         known = f"{number}, {OTHERS[number]}," if number in OTHERS else str(number) if number else "none"
         raise DamagedLog(f"found log format {known}, expected one with pressures: {', '.join(map(str, LAYOUTS))}")
-    flash = _old(log, row, settings, layout) if old else _new(log, row, settings, layout)
+    flash = old_form(log, row, settings, layout) if old else new_form(log, row, settings, layout)
     readings = [_reading(records, flash.settings, layout) for records in _flights(flash.records)]
     found: list[Found] = [reading for reading in readings if reading is not None]
     if not found:
@@ -134,111 +93,26 @@ def _setting(settings: str, name: str) -> int | None:
     return None if found is None or int(found[1]) == NONE else int(found[1])
 
 
-def _new(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
-    """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
-    damaged: list[DamagedLog] = []
-    flash, missing = bytearray(), 0
-    widths = Counter(len(_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
-    width = widths.most_common(1)[0][0]
-    for first, lines in blocks(log, row - 1):
-        for number, line in enumerate(lines, start=first):
-            if not line.strip():
-                continue
-            data = _bytes(line)
-            if data is None or len(data) != width:
-                damaged.append(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
-                data = (data or b"")[:width]
-            missing = width - len(data)
-            flash += data.ljust(width, b"\xff")
-    if is_cut(log) and missing:
-        del flash[-missing:]
-    found = _told(damaged, "lines", log)
-    size = layout.size
-    whole = np.frombuffer(bytes(flash[: len(flash) // size * size]), np.uint8).reshape(-1, size)
-    written = whole[(whole != 0xFF).any(axis=1)]
-    good = sound(written)
-    if not good.all():
-        first_bad = int(np.flatnonzero(~good)[0]) + 1
-        records = "record has" if (~good).sum() == 1 else "records have"
-        found.append(Note(f"{(~good).sum()} {records} a wrong checksum, left out; the first is record {first_bad}"))
-    return Flash(settings, written[good], tuple(found))
-
-
-def _bytes(line: str) -> bytes | None:
-    try:
-        return bytes.fromhex(line)
-    except ValueError:
-        return None
-
-
-def _told(damaged: Sequence[DamagedLog], what: str, log: bytes) -> list[Found]:
-    """Damaged lines as they are told of: the last as a note if the file ends within it, many as one."""
-    last_row = log.count(b"\n") + 1
-    found: list[Found] = [error for error in damaged if not (is_cut(log) and error.row == last_row)]
-    cut = [Note("is cut off where the file ends, left out", last_row)] if len(found) < len(damaged) else []
-    more = (
-        [DamagedLog(f"found {len(found) - MOST_TOLD} more {what} that are damaged")] if len(found) > MOST_TOLD else []
-    )
-    return [*found[:MOST_TOLD], *more, *cut]
-
-
-def _old(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
-    """The records of lines of a letter, a clock and bytes, or of two numbers in format 1."""
-    damaged: list[DamagedLog] = []
-    records = bytearray()
-    for first, lines in blocks(log, row - 1):
-        for number, line in enumerate(lines, start=first):
-            record = _old_record(line, layout)
-            if record is not None:
-                records += record
-            elif re.match(r"[A-Z] [0-9a-fA-F]", line):
-                expected = "two numbers" if layout.size == 8 else f"{layout.size - 4} bytes"
-                damaged.append(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
-    whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
-    return Flash(settings, whole, tuple(_told(damaged, "records", log)))
-
-
-def _old_record(line: str, layout: Layout) -> bytes | None:
-    match = OLD_RECORD.match(line)
-    if not match:
-        return None
-    clock = int(match[2], 16).to_bytes(2, "little")
-    if layout.size > 8 and len(match[3]) == 3 * (layout.size - 4):
-        return bytes([ord(match[1]), 0]) + clock + bytes.fromhex(match[3])
-    words = match[3].split()
-    size = 2 if layout.size == 8 else 1
-    if len(words) * size != layout.size - 4 or any(len(word) > 2 * size for word in words):
-        return None
-    payload = b"".join(int(word, 16).to_bytes(size, "little") for word in words)
-    return bytes([ord(match[1]), 0]) + clock + payload
-
-
 def _flights(records: Int[Octets, "record byte"]) -> list[Int[Octets, "record byte"]]:
     """The records of each flight, which a record of the letter F begins."""
     starts = np.flatnonzero(records[:, 0] == FLIGHT)
     return [part for part in np.split(records, starts[starts > 0]) if len(part)]
 
 
-def _number(records: Int[Octets, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
-    """The whole number at a place behind the clock of records."""
-    values: Integers = records[:, 4 + place : 4 + place + size].astype(np.int64) @ (1 << 8 * np.arange(size))
-    return values - ((values >> (8 * size - 1)) << 8 * size) if signed else values
-
-
 def _reading(records: Int[Octets, "record byte"], settings: str, layout: Layout) -> Reading | None:
     """The flight of records, None if there are no samples in it."""
-    time = seconds(_number(records, -2, 2))
+    time = seconds(number_at(records, -2, 2))
     samples = records[:, 0] == SAMPLE
     if not samples.any():
         return None
     states = records[:, 0] == STATE
-    events = entered(_number(records[states], 0, 2), time[states], STATES)
+    events = entered(number_at(records[states], 0, 2), time[states], STATES)
     start = events.get("liftoff", float(time[samples][0]))
     head = records[records[:, 0] == FLIGHT][:1]
     series = [_samples(records[samples], _onward(time[samples] - start), head, settings, layout)]
     if layout.positions and (fixes := records[:, 0] == POSITION).any():
         series.append(_positions(records[fixes], _onward(time[fixes] - start)))
-    flight = str(_number(head, 2 if layout.size == 8 else 0, 2)[0]) if len(head) else _text(settings, "flight")
+    flight = str(number_at(head, 2 if layout.size == 8 else 0, 2)[0]) if len(head) else _text(settings, "flight")
     return Reading(
         extra={"flight": flight} if flight else {},
         series=tuple(series),
@@ -274,12 +148,12 @@ def _samples(
     acceleration = None
     if layout.acceleration is not None and layout.ground is not None and len(head):
         signed = layout.size != 8
-        counts = _number(samples, layout.acceleration, 2, signed=signed)
-        ground = int(_number(head, layout.ground, 2, signed=signed)[0])
+        counts = number_at(samples, layout.acceleration, 2, signed=signed)
+        ground = int(number_at(head, layout.ground, 2, signed=signed)[0])
         acceleration = net_acceleration(counts, ground, *_gravities(settings))
     if not layout.counts:
-        return Series(time, pressure=_real(mp3h6115(_number(samples, 2, 2))), acceleration=acceleration)
-    raw, warmth = (_number(samples, place, layout.counts) for place in (0, layout.counts))
+        return Series(time, pressure=_real(mp3h6115(number_at(samples, 2, 2))), acceleration=acceleration)
+    raw, warmth = (number_at(samples, place, layout.counts) for place in (0, layout.counts))
     pressure, temperature = ms5607(raw, warmth, _coefficients(settings))
     return Series(time, pressure=_real(pressure), temperature=temperature, acceleration=acceleration)
 
@@ -312,12 +186,12 @@ def _coefficients(settings: str) -> Coefficients:
 
 
 def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"]) -> Series:
-    degrees = [_number(fixes, place, 4, signed=True) * 1e-7 for place in (0, 4)]
+    degrees = [number_at(fixes, place, 4, signed=True) * 1e-7 for place in (0, 4)]
     return Series(
         time,
         latitude=np.where(abs(degrees[0]) <= 90, degrees[0], np.nan),
         longitude=np.where(abs(degrees[1]) <= 180, degrees[1], np.nan),
-        gps_altitude_msl=_number(fixes, 8, 4, signed=True).astype(float),
+        gps_altitude_msl=number_at(fixes, 8, 4, signed=True).astype(float),
     )
 
 
@@ -326,7 +200,7 @@ def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
     data, damaged = bytearray(), list[DamagedLog]()
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
-            words = _bytes(line)
+            words = hex_bytes(line)
             if words is None:
                 damaged.append(DamagedLog(f"found {shown(line)}, expected bytes in hex", row=number))
             data += words or b""
@@ -354,7 +228,7 @@ def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
         device=_word(settings, "product") or "TeleMini 1",
         serial=_text(settings, "serial"),
     )
-    return [reading, *_told(damaged, "lines", log)]
+    return [reading, *damage(damaged, "lines", log)]
 
 
 PARSER = Parser("AltOS .eeprom", recognises, read)

@@ -13,10 +13,10 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.altos import SEED, entered, mp3h6115, seconds
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import blocks, is_cut, shown
+from fieldkit.logs.altos import SEED, entered, mp3h6115, seconds
+from fieldkit.logs.text import blocks, is_cut, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS

@@ -11,12 +11,12 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import decode
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import find_header
+from fieldkit.logs.text import decode
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
-from fieldkit.tables import heading
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
 NAMES = ("met", "acc", "vel", "ialt", "palt")
@@ -39,13 +39,13 @@ def _raw(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return _interpreted(head) is not None or heading(head, _raw) is not None
+    return _interpreted(head) is not None or find_header(head, _raw) is not None
 
 
 def read(log: bytes) -> list[Found]:
     head = _interpreted(log)
     if head is None:
-        if raw := heading(log, _raw):
+        if raw := find_header(log, _raw):
             hint = "found raw counts of an ARTS2, expected the interpreted export (MET Acc Vel iAlt pAlt)"
             raise DamagedLog(hint, row=raw.row)
         raise DamagedLog("found no header, expected # MET Acc Vel iAlt pAlt")

@@ -17,7 +17,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import shown
+from fieldkit.logs.text import shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.units import ZERO_CELSIUS

@@ -13,12 +13,13 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.flight import Series
-from fieldkit.logtext import decode
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import Header, find_header, header_or_damage
+from fieldkit.logs.pad import marks, scale_at_rest, upright
+from fieldkit.logs.text import decode
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import Heading, heading, heading_or_damage, marks, scale_at_rest, upright
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS, Unit
 
 CLOCK = "flight_time_(s)"
@@ -60,11 +61,11 @@ def _is_either(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return heading(head, _is_either) is not None
+    return find_header(head, _is_either) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    head = heading_or_damage(log, _is_either, f"{CLOCK} with a barometer or three accelerations")
+    head = header_or_damage(log, _is_either, f"{CLOCK} with a barometer or three accelerations")
     low = _is_low(head.names)
     channels = head.channels(CHANNELS)
     if low:
@@ -78,13 +79,13 @@ def read(log: bytes) -> list[Found]:
     return [*(_low(part, head, log) if low else _high(part, head, log, found) for part in parts), *found]
 
 
-def _low(table: Table, head: Heading, log: bytes) -> Reading:
+def _low(table: Table, head: Header, log: bytes) -> Reading:
     time = table.values["time"]
     events = marks(time, {name: table.values.get(f"flag {name}") for name in FLAGS.values()})
     return replace(_reading(table.series(), table, head, log), events=events, part="low")
 
 
-def _high(table: Table, head: Heading, log: bytes, notes: list[Found]) -> Reading:
+def _high(table: Table, head: Header, log: bytes, notes: list[Found]) -> Reading:
     time = table.values["time"]
     axes: Float[Array, "axis row"] = np.array([table.values[name] for name in AXES])
     total: Float[Array, "row"] = np.sqrt((axes**2).sum(axis=0))
@@ -97,12 +98,12 @@ def _high(table: Table, head: Heading, log: bytes, notes: list[Found]) -> Readin
     return replace(_reading(series, table, head, log), part="high")
 
 
-def _reading(series: Series, table: Table, head: Heading, log: bytes) -> Reading:
+def _reading(series: Series, table: Table, head: Header, log: bytes) -> Reading:
     lift_off = _lift_off(table, head, log)
     return Reading({"date_time": lift_off} if lift_off else {}, series=series, device="Blue Raven")
 
 
-def _lift_off(table: Table, head: Heading, log: bytes) -> datetime | None:
+def _lift_off(table: Table, head: Header, log: bytes) -> datetime | None:
     """When the clock of a flight was zero; the day alone where a spreadsheet has spoilt the time of day."""
     lines = decode(log[:HEAD]).splitlines()
     row = int(table.rows[0])

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from datetime import datetime, timedelta
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.logtext import decode, shown
+from fieldkit.logs.text import decode, shown
 from fieldkit.parsing import HEAD, Found, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.units import parse

@@ -16,12 +16,13 @@ from itertools import islice
 
 import numpy as np
 
-from fieldkit.checks import BUYPASS
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
+from fieldkit.logs.checks import BUYPASS
+from fieldkit.logs.pad import scale_at_rest, upright
+from fieldkit.logs.text import line_end, lines
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import line_end, lines, scale_at_rest, upright
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 
 KINDS = (b"@ LOG_LOW", b"@ LOG_HIR")

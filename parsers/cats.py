@@ -9,11 +9,12 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import find_header, header_or_damage
+from fieldkit.logs.pad import scale_at_rest
 from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.tables import heading, heading_or_damage, scale_at_rest
 from fieldkit.units import STANDARD_GRAVITY, Unit
 
 SI = Unit(1.0)
@@ -50,12 +51,12 @@ def kind_of(names: Sequence[str]) -> str:
 
 
 def recognises(head: bytes) -> bool:
-    found = heading(head, lambda names: bool(kind_of(names)), (",",))
+    found = find_header(head, lambda names: bool(kind_of(names)), (",",))
     return found is not None and found.row <= 2
 
 
 def read(log: bytes) -> list[Found]:
-    head = heading_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts", (",",))
+    head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts", (",",))
     axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
     wanted = head.channels(CHANNELS) + axes
     parts, found = read_columns(log, wanted, after=head.row, widths={len(head.names)}).flights()

@@ -13,14 +13,15 @@ from itertools import islice
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import decode
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import Header, header_in
+from fieldkit.logs.pad import marks
+from fieldkit.logs.text import decode, lines
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import Heading, heading_of, lines, marks
 from fieldkit.units import UNITS, Unit
 
 EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "drogue", "main": "main"}
@@ -46,14 +47,14 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return any(_fits(found.names) for line in decode(head).splitlines() if (found := heading_of(line, 0, _fits)))
+    return any(_fits(found.names) for line in decode(head).splitlines() if (found := header_in(line, 0, _fits)))
 
 
 @dataclass(frozen=True, slots=True)
 class _Part:
     """One table of a text: its header, the labels above it, and where its rows begin and end. [bytes]"""
 
-    head: Heading
+    head: Header
     summary: Mapping[str, str]
     start: int
     stop: int
@@ -87,7 +88,7 @@ def _parts(log: bytes) -> Iterator[_Part]:
         if line[:1].isdigit() or not line.strip():
             continue
         text = line[:400].decode("cp1252", "replace")
-        if head := heading_of(text, row, _fits):
+        if head := header_in(text, row, _fits):
             if part:
                 yield replace(part, stop=min(part.stop, begin))
             part, labels = _Part(head, labels, place, len(log)), {}
@@ -120,7 +121,7 @@ def _flights(log: bytes, part: _Part) -> list[Found]:
     return [*found, *(_below(remark, above) for remark in remarks)]
 
 
-def _unit(table: Table, head: Heading) -> str:
+def _unit(table: Table, head: Header) -> str:
     """The unit of the heights of a table. Raises DamagedLog where nothing settles it."""
     settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
     settled = settled or unit_of_fall(_seconds(table), table.values["altitude"])
@@ -148,7 +149,7 @@ def _reading(table: Table, part: _Part) -> Reading:
     return Reading(stated, part.summary, series=series, events=events, device="Eggtimer")
 
 
-def _why(table: Table, head: Heading) -> str:
+def _why(table: Table, head: Header) -> str:
     why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as its fall near the top shows"
     return f"bears no units; altitude is taken in {_unit(table, head)}, {why}"
 

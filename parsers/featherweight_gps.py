@@ -9,12 +9,13 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import numpy as np
 
-from fieldkit.columns import Table, read_columns
 from fieldkit.flight import Series
-from fieldkit.logtext import decode
+from fieldkit.logs.clocks import in_order
+from fieldkit.logs.columns import Table, read_columns
+from fieldkit.logs.header import Header, find_header, header_or_damage
+from fieldkit.logs.text import decode, lines
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
-from fieldkit.tables import Heading, heading, heading_or_damage, in_order, lines
 from fieldkit.units import FOOT, Unit
 
 CHANNELS: Mapping[str, tuple[str, Unit]] = {
@@ -38,11 +39,11 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return heading(head, _fits) is not None
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    head = heading_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
+    head = header_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
     ground = head.names[:3] == GROUND
     text = b"\n".join(_seconds(log, head)) if ground else log
     table = read_columns(
@@ -70,7 +71,7 @@ def read(log: bytes) -> list[Found]:
     return [*readings, *notes, *table.found]
 
 
-def _seconds(log: bytes, head: Heading) -> Iterator[bytes]:
+def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
     """The lines of a ground station's log, with the time of day in seconds where it was `14:09:44.6`."""
     mark = head.separator.encode()
     for row, line in enumerate(lines(log), start=1):
@@ -102,7 +103,7 @@ def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
     return Series(time=time, **{name: column for name, column in values.items() if not np.isnan(column).all()})
 
 
-def _utc(log: bytes, head: Heading, table: Table, time: np.ndarray) -> dict[str, str]:
+def _utc(log: bytes, head: Header, table: Table, time: np.ndarray) -> dict[str, str]:
     """The stated UTC of the earliest row, where it stands near the start of the log."""
     place = head.place("utctime")
     texts = decode(log[:HEAD]).splitlines()

@@ -11,7 +11,7 @@ import sys
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logtext import decode, decode_whole, shown
+from fieldkit.logs.text import decode, decode_whole, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 
 HEADERS = {column.header: column for column in COLUMNS}

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logtext import decode, decode_whole, first_row, rows, shown
+from fieldkit.logs.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
 

@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import shown
+from fieldkit.logs.text import shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import FOOT
 

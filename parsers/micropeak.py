@@ -15,9 +15,9 @@ from itertools import islice
 
 import numpy as np
 
-from fieldkit.checks import crc_x25
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
+from fieldkit.logs.checks import crc_x25
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import check
 from fieldkit.shapes import Array, Float

@@ -4,9 +4,9 @@ The pressures are the device's, the heights and speeds the program's; its accele
 too, are left to whoever wants them. Source: the header as listed with the format.
 """
 
-from fieldkit.columns import Channel, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.logtext import first_lines
+from fieldkit.logs.columns import Channel, read_columns
+from fieldkit.logs.text import first_lines
 from fieldkit.parsing import Found, Parser, Reading
 
 COLUMNS = {"time": "time", "press(pa)": "pressure", "height(m)": "altitude", "speed(m/s)": "speed"}

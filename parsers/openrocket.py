@@ -12,10 +12,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog
-from fieldkit.headings import heading, unit_named
-from fieldkit.logtext import decode
+from fieldkit.logs.headings import heading, unit_named
+from fieldkit.logs.simulations import TIME_WORDS, channel_of, read_simulation
+from fieldkit.logs.text import decode
 from fieldkit.parsing import HEAD, Found, Parser, Reading
-from fieldkit.simulations import TIME_WORDS, channel_of, read_simulation
 
 EVENTS = {
     "LIFTOFF": "liftoff",

@@ -13,10 +13,10 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit import units
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
-from fieldkit.logtext import first_lines, shown
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.text import first_lines, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import check
 

@@ -10,9 +10,9 @@ from collections import Counter
 from dataclasses import dataclass
 
 from fieldkit import units
-from fieldkit.columns import Channel, read_columns
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.logtext import first_lines, shown
+from fieldkit.logs.columns import Channel, read_columns
+from fieldkit.logs.text import first_lines, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 
 WARMTH = re.compile(r"-?\d{1,3}(?:\.\d*)?\s*([CF])$")

@@ -6,9 +6,9 @@ Rows are a hundredth of a second apart. Units stand in brackets; `lb` is a force
 import re
 
 from fieldkit.errors import DamagedLog
-from fieldkit.logtext import decode, first_row
+from fieldkit.logs.simulations import read_simulation
+from fieldkit.logs.text import decode, first_row
 from fieldkit.parsing import HEAD, Found, Parser
-from fieldkit.simulations import read_simulation
 
 _HEADER = re.compile(r"\s*Time \(sec\)\s*,\s*Stage\s*,\s*Stage Time \(sec\)\s*,", re.IGNORECASE)
 

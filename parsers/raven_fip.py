@@ -11,12 +11,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
+from fieldkit.logs.clocks import LATEST, in_order
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import find_header, header_or_damage
+from fieldkit.logs.text import lines
 from fieldkit.parsing import Found, Parser, Reading
 from fieldkit.shapes import Array, Float
-from fieldkit.tables import LATEST, heading, heading_or_damage, in_order, lines
 from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
 
 FLAGS = "bilba"
@@ -44,13 +46,13 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return heading(head, _fits, (",",)) is not None
+    return find_header(head, _fits, (",",)) is not None
 
 
 def read(log: bytes) -> list[Found]:
     if len(log) > LARGEST:
         raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {LARGEST >> 20} MB of a Raven")
-    head = heading_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", (",",))
+    head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", (",",))
     places: dict[str, int] = {}
     for name, (channel, _) in CHANNELS.items():
         if name in head.names[1::3]:

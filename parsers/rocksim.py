@@ -6,10 +6,10 @@ that the speed makes of them must be the one that the height shows.
 """
 
 from fieldkit.errors import DamagedLog
-from fieldkit.headings import heading, stated_unit, unit_named
-from fieldkit.logtext import decode, first_row
+from fieldkit.logs.headings import heading, stated_unit, unit_named
+from fieldkit.logs.simulations import base_words, channel_of, read_simulation
+from fieldkit.logs.text import decode, first_row
 from fieldkit.parsing import HEAD, Found, Parser
-from fieldkit.simulations import base_words, channel_of, read_simulation
 
 _OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
 

@@ -12,14 +12,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logtext import decode
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import Header, find_header, header_or_damage
+from fieldkit.logs.text import decode
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.standard_air import pressure_height
-from fieldkit.tables import Heading, heading, heading_or_damage
 from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")
@@ -42,11 +42,11 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return heading(head, _fits) is not None
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    head = heading_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
+    head = header_or_damage(log, _fits, ",".join(name.capitalize() for name in NAMES))
     channels = [Channel(name, place, needed=place == 0) for place, name in enumerate(NAMES) if name not in WORDS]
     parts, found = read_columns(
         log,
@@ -93,7 +93,7 @@ def _temperature(table: Table) -> Float[Array, "row"] | None:
     return None if np.isnan(degrees[which]).all() else degrees[which]
 
 
-def _decimal(log: bytes, head: Heading) -> str:
+def _decimal(log: bytes, head: Header) -> str:
     """The decimal mark: a comma where something else parts the cells and commas are in the first rows."""
     rows = decode(log[:4096]).splitlines()[head.row : head.row + 10]
     return "," if head.separator != "," and any("," in row for row in rows) else "."

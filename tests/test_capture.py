@@ -36,10 +36,10 @@ from fieldkit.capture import (
 )
 from fieldkit.capture.port import again
 from fieldkit.capture.tape import JOURNAL, begin, go_on
-from fieldkit.checks import crc_buypass, crc_x25, sum_256
 from fieldkit.cli.live import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
+from fieldkit.logs.checks import crc_buypass, crc_x25, sum_256
 from tests import devices
 from tests.devices import Device, Unplugged, Wire, played
 

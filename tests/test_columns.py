@@ -5,17 +5,17 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from fieldkit import columns, logtext
-from fieldkit.clocks import onward
-from fieldkit.columns import Channel, read_columns
 from fieldkit.errors import DamagedLog
+from fieldkit.logs import rows, text
+from fieldkit.logs.clocks import onward
+from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.parsing import Note
 from fieldkit.units import UNITS, Unit
 
 CHANNELS = (Channel("time", 0, needed=True), Channel("altitude", 1, Unit(0.3048), header="Alt"))
 
 
-def told(table: columns.Table) -> list[str]:
+def told(table: Table) -> list[str]:
     return [f"note {item.row}" if isinstance(item, Note) else str(item) for item in table.found]
 
 
@@ -96,7 +96,7 @@ def test_a_stray_quotation_mark_costs_one_row() -> None:
 
 
 def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(logtext, "BLOCK", 64)
+    monkeypatch.setattr(text, "BLOCK", 64)
     table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
     assert table.values["time"].tolist() == [0, 2]
     assert told(table) == ["row 2: found a line without end, or NUL, expected a row"]
@@ -106,12 +106,12 @@ def test_many_damaged_rows_are_told_of_as_one() -> None:
     log = b"".join(b"%d,1\nx,1\n" % i for i in range(500))
     table = read_columns(log, CHANNELS, after=0)
     assert len(table) == 500
-    assert told(table)[columns.MOST_TOLD :] == ["found 480 more rows that are damaged"]
+    assert told(table)[rows.MOST_TOLD :] == ["found 480 more rows that are damaged"]
 
 
 def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(logtext, "BLOCK", 256)
-    monkeypatch.setattr(columns, "MOST_NUMBERS", 2000)
+    monkeypatch.setattr(text, "BLOCK", 256)
+    monkeypatch.setattr(rows, "MOST_NUMBERS", 2000)
     log = b"".join(b"%d,1,%s\n" % (i, b"Main" if i == 3777 else b"-") for i in range(5000))
     table = read_columns(log, CHANNELS, after=0, words={"event": 2})
     assert len(table) * 4 <= 2000

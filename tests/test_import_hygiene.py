@@ -14,8 +14,7 @@ ROOT = Path(__file__).parents[1]
 
 NEVER = {"torch", "textual", "pandas", "matplotlib", "serial"}
 ALLOWED = {
-    "parsers": {"parsing", "columns", "flight", "units", "errors", "shapes", "sanity", "logtext", "safe_text"}
-    | {"layout", "headings", "mapping", "settling", "simulations", "tables", "altos", "standard_air", "checks"},
+    "parsers": {"parsing", "logs", "flight", "units", "errors", "shapes", "sanity", "safe_text", "standard_air"},
     "models/effects": {"simulator", "flight", "errors", "shapes"},
 }
 """What the plug-ins of a shelf may use of the engine."""

@@ -7,13 +7,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit import mapping
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import Series
-from fieldkit.headings import channel, heading, stated_unit
-from fieldkit.mapping import Choice, read_choice, remember, remembered
+from fieldkit.logs import mapping
+from fieldkit.logs.headings import channel, heading, stated_unit
+from fieldkit.logs.mapping import read_choice, remember, remembered
 from fieldkit.parsing import Mapped, Note, Reading, claims, parsers, read
+from fieldkit.reading import Choice
 from tests.recorded import recorded
 from tests.samples import any_motor
 

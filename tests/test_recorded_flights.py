@@ -8,12 +8,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit import parsing, replay
+from fieldkit import replay
 from fieldkit.cli.main import main
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.ledger import Ledger
-from fieldkit.parsing import Parser, Reading, parsers
+from fieldkit.parsing import Parser, Reading, parsers, recognition
 from fieldkit.replay import recording_of
 from tests.recordings import LARGE, SMALL, Logger, Rocket, fly, log
 
@@ -52,7 +52,7 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 @pytest.fixture(autouse=True)
 def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     shelf = {**parsers(), "lark": LARK}
-    monkeypatch.setattr(parsing, "parsers", lambda: shelf)
+    monkeypatch.setattr(recognition, "parsers", lambda: shelf)
     monkeypatch.setattr(replay, "parsers", lambda: shelf)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")

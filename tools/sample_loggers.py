@@ -14,6 +14,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldkit.logs.checks import crc_buypass
+
 FOLDER = Path(__file__).parent.parent / "sample_logs"
 FOOT, GRAVITY, ATM = 0.3048, 9.80665, 101_325.0
 
@@ -446,15 +448,6 @@ def blueraven_summary() -> dict[str, bytes]:
         ("Flight number", "7"),
     ]
     return {"blueraven_summary__what_the_app_shows.csv": "".join(f"{k},{v}\n" for k, v in figures).encode()}
-
-
-def crc_buypass(data: bytes) -> int:
-    value = 0
-    for byte in data:
-        value ^= byte << 8
-        for _ in range(8):
-            value = (value << 1 ^ 0x8005) & 0xFFFF if value & 0x8000 else value << 1
-    return value
 
 
 def blueraven_usb() -> dict[str, bytes]:

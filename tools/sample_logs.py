@@ -13,6 +13,8 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldkit.logs.checks import crc_x25
+
 FOLDER = Path(__file__).parent.parent / "sample_logs"
 GRAVITY, FOOT, STEP = 9.80665, 0.3048, 0.01
 PAD = 240.0
@@ -436,16 +438,7 @@ def blinked(whole: Flight, model: int, step: float) -> bytes:
     data += little(len(times) >> 12, 2) if model == 2 else b""
     data += b"".join(little(sample % 65536, 2) for sample in samples)
     rows = "".join("\r\n" + data[i : i + 16].hex() for i in range(0, len(data), 16))
-    return f"~~ MP{rows}\r\n{x25(data):04x}\r\n".encode()
-
-
-def x25(data: bytes) -> int:
-    """The checksum of MicroPeak, bit by bit."""
-    crc = 0xFFFF
-    for byte in data:
-        for bit in range(8):
-            crc = crc >> 1 ^ (0x8408 if (crc ^ byte >> bit) & 1 else 0)
-    return crc ^ 0xFFFF
+    return f"~~ MP{rows}\r\n{crc_x25(data):04x}\r\n".encode()
 
 
 def micropeak_csv() -> Iterator[tuple[str, bytes]]:

@@ -25,7 +25,7 @@ def compare(
     from pathlib import Path
 
     from fieldkit.errors import NoFlights
-    from fieldkit.mapping import remembered
+    from fieldkit.logs.mapping import remembered
     from fieldkit.recording.compare import compare as against
     from fieldkit.replay import recordings
 

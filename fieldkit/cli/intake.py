@@ -44,7 +44,7 @@ def import_(
     from dataclasses import asdict
 
     from fieldkit.intake import gather, take_in
-    from fieldkit.mapping import read_choice, remember, remembered
+    from fieldkit.logs.mapping import read_choice, remember, remembered
 
     choices = ([read_choice(columns)] if columns else []) + list(remembered())
     check_motor = MotorCheck()

@@ -77,7 +77,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
     """The samples of a flight, None where they cannot be read again: the card is printed all the same."""
     from fieldkit.errors import FieldkitError
-    from fieldkit.mapping import remembered
+    from fieldkit.logs.mapping import remembered
     from fieldkit.replay import recording_of
 
     try:

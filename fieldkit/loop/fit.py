@@ -15,6 +15,7 @@ from math import erf, log, sqrt
 import numpy as np
 
 from fieldkit.loop.model import OBSERVED, OPENING, Data, Model, reading_sd
+from fieldkit.loop.spread import TAIL, Spread, apogee_spread
 from fieldkit.loop.tangent import Tangent, lean_slope, tangents
 from fieldkit.shapes import Array, Flags, Float
 
@@ -39,8 +40,6 @@ TRUST_ROUNDS = 2
 """Times trust in single flights is weighed anew about one point."""
 FEWEST = 3
 """Flights from which on one may be contradicted by the others."""
-TAIL = 4.0
-"""Degrees of freedom of the distribution that single flights are taken to have. [1]"""
 UNSEEN = 1e3
 """Standard deviation given to what was not observed."""
 
@@ -239,9 +238,9 @@ class LeftOut:
     """What a fit says of each flight when that flight is left out of it.
 
     For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
-    (times the evidence of the other flights). `distance` is how far the flight's readouts lie from what the
-    others say of them, squared, in standard deviations (Mahalanobis), `residual` each readout's own distance,
-    flown less expected.
+    (times the evidence of the other flights). The variance is scaled as the others' apogees ask (`spread`).
+    `distance` is how far the flight's readouts lie from what the others say of them, squared, in standard
+    deviations (Mahalanobis), `residual` each readout's own distance, flown less expected.
     """
 
     mean: Float[Array, "scale flight"]
@@ -249,6 +248,7 @@ class LeftOut:
     log_weight: Float[Array, "scale flight"]
     distance: Float[Array, "scale flight"]
     residual: Float[Array, "scale flight readout"]
+    spread: Spread
 
 
 def leave_one_out(result: Fit) -> LeftOut:
@@ -265,7 +265,7 @@ def leave_one_out(result: Fit) -> LeftOut:
     apogee = near.slope[:, 0]
     mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, prior_mean + offset - near.at)
     spread = np.linalg.solve(precision, np.broadcast_to(apogee, offset.shape)[..., None])[..., 0]
-    variance = np.einsum("ft,sft->sf", apogee, spread) + _own_variance(result)
+    known, scattered = np.einsum("ft,sft->sf", apogee, spread), _own_variance(result)
     error = miss - np.einsum("fot,sft->sfo", slope, offset)
     shared = np.linalg.solve(precision, np.broadcast_to(np.swapaxes(slope, 1, 2), (*offset.shape, slope.shape[1])))
     covariance = result.noise + slope @ shared
@@ -273,7 +273,20 @@ def leave_one_out(result: Fit) -> LeftOut:
     distance = (error * surprise).sum(axis=-1)
     own = -0.5 * (distance + np.linalg.slogdet(covariance)[1])
     residual = error / np.sqrt(np.diagonal(covariance, axis1=2, axis2=3))
-    return LeftOut(mean, variance, result.log_weight[:, None] - own, distance, residual)
+    log_weight = result.log_weight[:, None] - own
+    lies = _apogee_spread(data, mean, known, scattered, log_weight)
+    variance = known + lies.mean_square_without * scattered
+    return LeftOut(mean, variance, log_weight, distance, residual, lies)
+
+
+def _apogee_spread(data: Data, mean: Array, known: Array, own: Array, log_weight: Array) -> Spread:
+    """The scatter of apogees beside what the scales make of it, by flights left out."""
+    weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    middle = (weight * mean).sum(axis=0)
+    between = (weight * (mean - middle) ** 2).sum(axis=0)
+    seen = data.seen[:, 0]
+    error = np.where(seen, data.values[:, 0] - middle, 0.0)
+    return apogee_spread(error, (weight * known).sum(axis=0) + between, (weight * own).sum(axis=0), seen)
 
 
 def fit_robustly(model: Model, data: Data, lean: Float[Array, "flight readout"] | None = None) -> Fit:

@@ -112,9 +112,7 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        return replace(
-            self, flights=self.flights[rows], found=self.found[rows], area=self.area[rows], terms=terms
-        )
+        return replace(self, flights=self.flights[rows], found=self.found[rows], area=self.area[rows], terms=terms)
 
 
 def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:

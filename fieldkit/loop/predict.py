@@ -11,8 +11,17 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
-from fieldkit.loop.fit import Fit, apogee_scale, fit_robustly, own_reading_sd, scale_grid, term_sds
+from fieldkit.loop.fit import (
+    Fit,
+    apogee_scale,
+    fit_robustly,
+    leave_one_out,
+    own_reading_sd,
+    scale_grid,
+    term_sds,
+)
 from fieldkit.loop.model import SCATTER, Model, base_model, doubted, observe, shown
+from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -196,21 +205,15 @@ def _drawn(
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
         values[:, i] = np.clip(term.mean + sds[:, i] * rng.normal(size=draws), term.low, term.high)
-    return values, scales_of(model)[which]
+    return values, _scales(result, which, rng)
 
 
 def sample(
     result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
-    """Draws of a model's terms within their bounds, and the scales of scatter and of reading an apogee that go with
-    each."""
+    """Draws of a model's terms within their bounds, and by what scatter and reading of a flight to come are scaled."""
     values, which = _sampled(result, draws, rng)
-    return values, scales_of(result.model)[which]
-
-
-def scales_of(model: Model) -> Float[Array, "scale 2"]:
-    """Scales of scatter and of reading an apogee."""
-    return np.stack([scale_grid(model.doubtful)[0], apogee_scale(model)], axis=-1)
+    return values, _scales(result, which, rng)
 
 
 def _sampled(
@@ -222,3 +225,10 @@ def _sampled(
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
     return np.clip(values, lows, highs), which
+
+
+def _scales(result: Fit, which: Int[Integers, "draw"], rng: np.random.Generator) -> Float[Array, "draw 2"]:
+    """By what scatter and the reading of an apogee are scaled for a flight to come, with its tails."""
+    scales = np.stack([scale_grid(result.model.doubtful)[0], apogee_scale(result.model)], axis=-1)
+    apart = leave_one_out(result).spread.draw(len(which), rng) * tails(len(which), rng)
+    return np.asarray(scales[which] * apart[:, None])

@@ -13,8 +13,8 @@ from fieldkit.capture.events import Told
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
-from fieldkit.checks import crc_buypass
 from fieldkit.errors import PortTrouble
+from fieldkit.logs.checks import crc_buypass
 
 SILENCE = 5.0
 """Without a frame of flight data for so long, a download is over: the slower rate has 50 a second. [s]"""

@@ -214,7 +214,7 @@ class ImportScreen(PageScreen):
     def _bring_in(self, path: Path, format: str | None, given: dict[str, str], *, dry_run: bool) -> "Receipt":
         """What a file brings, its columns read as chosen now, or once for such a table."""
         from fieldkit.intake import bring_in
-        from fieldkit.mapping import read_choice, remembered
+        from fieldkit.logs.mapping import read_choice, remembered
 
         choices = ([read_choice(self._columns)] if self._columns else []) + list(remembered())
         return bring_in(
@@ -228,7 +228,7 @@ class ImportScreen(PageScreen):
         )
 
     def _store(self, path: Path, format: str | None, given: dict[str, str]) -> "Receipt":
-        from fieldkit.mapping import remember
+        from fieldkit.logs.mapping import remember
 
         receipt = self._bring_in(path, format, given, dry_run=False)
         for mapped in receipt.mapped:
@@ -281,14 +281,14 @@ class ImportScreen(PageScreen):
 
     def action_columns(self) -> None:
         """Say which column of a table is what."""
-        from fieldkit.headings import QUANTITIES
+        from fieldkit.logs.headings import QUANTITIES
 
         known = ", ".join(QUANTITIES)
         about = f"CHANNEL=COLUMN, several apart by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."
         self.app.push_screen(AskText("Columns", "; ".join(self._columns), about), self._mapped)
 
     def _mapped(self, text: str | None) -> None:
-        from fieldkit.mapping import read_choice
+        from fieldkit.logs.mapping import read_choice
 
         if text is None:
             return

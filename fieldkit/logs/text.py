@@ -148,3 +148,18 @@ def shown(cell: str, most: int = 40) -> str:
     """A cell as messages quote it: in quotes, control characters spelt out, cut when it is long."""
     cell = cell.strip()
     return repr(cell if len(cell) <= most else cell[:most] + "…")
+
+
+def line_end(log: bytes) -> bytes:
+    """What ends the lines of a log, if not a carriage return alone then a line feed with or without one."""
+    return b"\n" if b"\n" in log[: 1 << 21] or b"\r" not in log[: 1 << 21] else b"\r"
+
+
+def lines(log: bytes, longest: int = 1 << 20) -> Iterator[bytes]:
+    """The lines of a log, one at a time; of a line without end its last part."""
+    start, mark = 0, line_end(log)
+    while start <= len(log):
+        end = log.find(mark, start)
+        end = len(log) if end < 0 else end
+        yield log[max(start, end - longest) : end]
+        start = end + 1

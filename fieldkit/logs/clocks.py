@@ -9,6 +9,8 @@ from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 
 TWO_DAYS = 172_800.0
 """Rows further apart than this cannot be of one flight. [s]"""
+LATEST = 1e11
+"""No logger counts so far, not from 1970 either. [s]"""
 
 
 def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
@@ -43,3 +45,14 @@ def onward(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
         kept[row] = True
         row = before[row]
     return kept
+
+
+def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:
+    """Columns of which the first is a clock, with its rows in order; of rows at the same time the first counts.
+
+    Rows without a time, or at one of no logger, are left out.
+    """
+    time = columns[0]
+    known = np.flatnonzero(np.abs(time) < LATEST)
+    _, first = np.unique(time[known], return_index=True)
+    return tuple(column[known[first]] for column in columns)

@@ -6,24 +6,16 @@ Choices are kept by the headers of the table they were made for, in a JSON file 
 """
 
 import os
-from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.headings import QUANTITIES
+from fieldkit.logs.headings import QUANTITIES
 from fieldkit.places import data_folder
+from fieldkit.reading import Choice
 
 MOST = 500
 """So many choices are remembered, the latest ones. [1]"""
-
-
-@dataclass(frozen=True, slots=True)
-class Choice:
-    """Channel to column, as the flyer wrote them, and the headers it is for; none: for whatever is read now."""
-
-    channels: Mapping[str, str]
-    headers: tuple[str, ...] = ()
 
 
 def read_choice(texts: Iterable[str]) -> Choice:

@@ -10,11 +10,11 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.columns import Channel, Table, read_columns
 from fieldkit.errors import DamagedLog
-from fieldkit.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
-from fieldkit.logtext import shown
-from fieldkit.parsing import Found, Reading
+from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
+from fieldkit.logs.text import shown
+from fieldkit.reading import Found, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS
 

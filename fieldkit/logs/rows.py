@@ -1,177 +1,33 @@
-"""Numbers out of the table of a log: block by block in C, and cell by cell only where a row is damaged.
+"""Rows of numbers: block by block in C, and cell by cell only where a row is damaged.
 
-A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
 A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
-of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
+of them are told of as one. A long table is thinned as it is read.
 """
 
-import hashlib
-import math
-import re
 from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
-from itertools import pairwise
 from operator import length_hint
 from typing import Any
 
 import numpy as np
 
-from fieldkit.clocks import credible, restarts
 from fieldkit.errors import DamagedLog
-from fieldkit.flight import Series
-from fieldkit.logtext import ENDLESS, blocks, is_cut, shown
-from fieldkit.parsing import Found, Note
-from fieldkit.shapes import Array, Flags, Float, Int, Integers
-from fieldkit.units import Unit
+from fieldkit.logs.cells import LARGEST, Channel, converter, gaps, number_in
+from fieldkit.logs.table import MOST_TOLD, Table
+from fieldkit.logs.text import ENDLESS, shown
+from fieldkit.reading import Found, Note
+from fieldkit.shapes import Array, Float, Int, Integers
 
 PATIENCE = 50
 """A block with so many damaged rows is read cell by cell from there on. [1]"""
-MOST_TOLD = 20
-"""So many damaged rows are told of one by one. [1]"""
 MOST_DAMAGED = 200_000
 """After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
 MOST_NUMBERS = 750_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
-MOST_FLIGHTS = 100
-"""No logger holds as many flights in one log. [1]"""
-LARGEST = 1e30
-"""No number of a log is further from zero; what is would not survive a square. [any unit]"""
-ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
-"""What stands in a cell, in any case, where the logger had no number."""
-SI = Unit(1.0)
 
 
-@dataclass(frozen=True, slots=True)
-class Channel:
-    """One column of numbers: what it becomes, and the place of its cells in a row, from 0.
-
-    `name` is a field of `Series` or a name of the parser's own, `header` the log's name for messages. A row whose
-    `needed` cell is no number is damaged, any other absent cell is nan. `suffix` ends every cell: `F` of `76.7F`.
-    """
-
-    name: str
-    place: int
-    unit: Unit = SI
-    needed: bool = False
-    header: str = ""
-    suffix: str = ""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class Table:
-    """The rows of a log: SI arrays by channel, and of each row its number in the file, counted from 1.
-
-    `words` holds the columns of words: those there are, and for every row which of them. `remarks` are the
-    comment lines with their row, `found` what a parser hands on: damaged rows, and a note of a last one cut off.
-    """
-
-    values: Mapping[str, Float[Array, "row"]]
-    rows: Int[Integers, "row"]
-    words: Mapping[str, tuple[list[str], Int[Integers, "row"]]] = field(default_factory=dict)
-    remarks: tuple[tuple[int, str], ...] = ()
-    found: tuple[Found, ...] = ()
-
-    def __len__(self) -> int:
-        return len(self.rows)
-
-    def get(self, name: str) -> Float[Array, "row"] | None:
-        """The values of a channel, or None where the log has none of it."""
-        values = self.values.get(name)
-        return None if values is None or np.isnan(values).all() else values
-
-    def where(self, name: str, word: str) -> Int[Integers, "match"]:
-        """The indices of the rows that say `word` in a column of words."""
-        known, which = self.words[name]
-        return np.flatnonzero(which == known.index(word)) if word in known else np.empty(0, np.int64)
-
-    def pick(self, rows: slice | Flags | Integers) -> "Table":
-        """The table with some of its rows; what was found in the file stays."""
-        words = {name: (known, which[rows]) for name, (known, which) in self.words.items()}
-        return replace(self, values={n: v[rows] for n, v in self.values.items()}, rows=self.rows[rows], words=words)
-
-    def series(self) -> Series:
-        """The channels that a `Series` has a field for; `time` must be one of them."""
-        names = {f.name for f in fields(Series)} & self.values.keys()
-        channels = {name: self.get(name) for name in names - {"time"}}
-        return Series(self.values["time"], **channels)
-
-    def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
-        """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
-
-        A part that says the same as an earlier one is a repetition and left out. Raises DamagedLog for a clock that
-        starts anew again and again: rows that were shuffled are no flights.
-        """
-        found = list(self.found)
-        parts: dict[bytes, Table] = {}
-        repeated: list[int] = []
-        anew = restarts(self.values[clock]).tolist()
-        if len(anew) >= MOST_FLIGHTS:
-            expected = f"expected at most {MOST_FLIGHTS} flights in a log"
-            raise DamagedLog(f"found {clock} starting anew {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
-        starts = [0, *anew, len(self)]
-        for start, stop in pairwise(starts):
-            part = self.pick(slice(start, stop))
-            content = _digest(part)
-            if content in parts:
-                repeated.append(int(part.rows[0]))
-                continue
-            kept = credible(part.values[clock])
-            found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
-            parts[content] = part if kept.all() else part.pick(kept)
-        if repeated:
-            times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
-            found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
-        return list(parts.values()), found
-
-
-def _digest(table: Table) -> bytes:
-    """The same bytes for the same numbers."""
-    content = hashlib.blake2b()
-    for values in table.values.values():
-        content.update(np.ascontiguousarray(values).data)
-    return content.digest()
-
-
-def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
-    for row, value in zip(rows[:MOST_TOLD].tolist(), clock.tolist(), strict=False):
-        yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
-    if len(rows) > MOST_TOLD:
-        yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")
-
-
-def read_columns(
-    log: bytes,
-    channels: Sequence[Channel],
-    *,
-    after: int,
-    separator: str | None = ",",
-    decimal: str = ".",
-    widths: Collection[int] | None = None,
-    words: Mapping[str, int] | None = None,
-    comment: str = "",
-) -> Table:
-    """The rows of a log below row `after` (0: all), as numbers in SI and as words.
-
-    `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the
-    needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
-    kept apart. Raises DamagedLog if not one row can be read.
-    """
-    reader = _Reader(channels, separator, widths, words or {})
-    for first, lines in blocks(log, after):
-        kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
-        if comment:
-            reader.remarks += [(first + i, lines[i]) for i in kept if lines[i].startswith(comment)]
-            kept = [i for i in kept if not lines[i].startswith(comment)]
-        rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
-        reader.read([first + i for i in kept], rows)
-        if reader.is_hopeless():
-            break
-    return reader.table(cut=is_cut(log))
-
-
-class _Reader:
+class Rows:
     """Takes lines, and keeps the numbers of those that are whole."""
 
     def __init__(
@@ -183,7 +39,7 @@ class _Reader:
     ) -> None:
         self.channels, self.separator, self.widths, self.words = channels, separator, widths, words
         self.needed = [i for i, channel in enumerate(channels) if channel.needed]
-        self.gaps = _gaps(separator)
+        self.gaps = gaps(separator)
         self.vocabulary: list[dict[str, int]] = [{"": 0} for _ in words]
         self.columns: list[list[np.ndarray[Any, Any]]] = [[] for _ in range(1 + len(words) + len(channels))]
         self.remarks: list[tuple[int, str]] = []
@@ -247,9 +103,7 @@ class _Reader:
         """Keep the rows of lines that all hold numbers where they should. Raises ValueError if one does not."""
         if not lines:
             return
-        converters: dict[int | str, Callable[[str], float]] = {
-            c.place: _converter(c) for c in self.channels if c.suffix
-        }
+        converters: dict[int | str, Callable[[str], float]] = {c.place: converter(c) for c in self.channels if c.suffix}
         numbers = self._load(coming, [channel.place for channel in self.channels], "f8", converters or None)
         if len(numbers) != len(lines):
             raise ValueError("a quotation mark spans lines")
@@ -303,7 +157,7 @@ class _Reader:
         numbers = []
         for channel in self.channels:
             cell = cells[channel.place] if channel.place < len(cells) else ""
-            value = _number(cell, channel)
+            value = number_in(cell, channel)
             if value is None:
                 expected = f"a number with {channel.suffix}" if channel.suffix else "a number"
                 place = channel.header or channel.name
@@ -373,37 +227,3 @@ def _which(known: dict[str, int], cells: list[str]) -> Int[Integers, "row"]:
         if len(known) < MOST_WORDS:
             known.setdefault(cell, len(known))
     return np.array([known.get(cell, 0) for cell in cells], np.int16)
-
-
-def _gaps(separator: str | None) -> re.Pattern[str]:
-    """What finds the cells without a number, and what is before each, in the lines of a table."""
-    words = "|".join(re.escape(word) for word in sorted(ABSENT - {"", "nan"}, key=len, reverse=True))
-    if separator is None:
-        return re.compile(rf"(\s)(?:{words})(?!\S)", re.IGNORECASE)
-    blank, before = r"[^\S\n\t]*" if separator == "\t" else r"[^\S\n]*", rf"[{re.escape(separator)}\n]"
-    return re.compile(rf"({before}){blank}(?:(?:{words}){blank})?(?={before}|$)", re.IGNORECASE)
-
-
-def _converter(channel: Channel) -> Callable[[str], float]:
-    """What numpy calls for each cell of a channel. Raises ValueError."""
-
-    def convert(cell: str) -> float:
-        value = _number(cell.strip().strip('"').strip(), channel)
-        if value is None:
-            raise ValueError(cell)
-        return value
-
-    return convert
-
-
-def _number(cell: str, channel: Channel) -> float | None:
-    """The number of a cell, nan if it is absent and may be, None if it is no number."""
-    if cell.lower() in ABSENT:
-        return None if channel.needed else math.nan
-    if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
-        return None
-    try:
-        value = float(cell[: len(cell) - len(channel.suffix)])
-    except ValueError:
-        return None
-    return value if abs(value) <= LARGEST else None

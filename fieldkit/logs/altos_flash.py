@@ -1,0 +1,145 @@
+"""The flash of an Altus Metrum device as records, out of the lines of hex bytes that a download writes.
+
+A record is a letter, a checksum, a clock of 16 bits and what the letter says; its length and what is where in it
+tells the log format. Erased bytes are ff; a checksum that is wrong costs its record.
+Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files.
+"""
+
+import re
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.logs.altos import sound
+from fieldkit.logs.text import blocks, first_lines, is_cut, shown
+from fieldkit.reading import Found, Note
+from fieldkit.shapes import Int, Integers
+
+Octets = np.ndarray[Any, np.dtype[np.uint8]]
+MOST_TOLD = 20
+OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
+
+    `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
+    record of the flight) are 2 bytes, None where the format has none or it is not known where.
+    """
+
+    device: str
+    size: int
+    counts: int = 4
+    acceleration: int | None = None
+    ground: int | None = None
+    positions: bool = False
+
+
+MEGA = {5: "TeleMega", 10: "TeleMega 2", 15: "TeleMega 3", 19: "TeleMega 4", 21: "TeleMega 5", 22: "TeleMega 6"}
+EASY_MEGA = {16: "EasyMega 2", 24: "EasyMega 3"}
+MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
+LAYOUTS: Mapping[int, Layout] = {
+    1: Layout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
+    7: Layout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
+    **{number: Layout(device, 32) for number, device in (MEGA | EASY_MEGA).items()},
+    **{number: Layout(device, 16, counts=3) for number, device in MINI.items()},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Flash:
+    """Records without those that are damaged, the text above them, and what is to be said of the rest."""
+
+    settings: str
+    records: Int[Octets, "record byte"]
+    found: tuple[Found, ...]
+
+
+def new_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
+    """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
+    damaged: list[DamagedLog] = []
+    flash, missing = bytearray(), 0
+    widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
+    width = widths.most_common(1)[0][0]
+    for first, lines in blocks(log, row - 1):
+        for number, line in enumerate(lines, start=first):
+            if not line.strip():
+                continue
+            data = hex_bytes(line)
+            if data is None or len(data) != width:
+                damaged.append(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
+                data = (data or b"")[:width]
+            missing = width - len(data)
+            flash += data.ljust(width, b"\xff")
+    if is_cut(log) and missing:
+        del flash[-missing:]
+    found = damage(damaged, "lines", log)
+    size = layout.size
+    whole = np.frombuffer(bytes(flash[: len(flash) // size * size]), np.uint8).reshape(-1, size)
+    written = whole[(whole != 0xFF).any(axis=1)]
+    good = sound(written)
+    if not good.all():
+        first_bad = int(np.flatnonzero(~good)[0]) + 1
+        records = "record has" if (~good).sum() == 1 else "records have"
+        found.append(Note(f"{(~good).sum()} {records} a wrong checksum, left out; the first is record {first_bad}"))
+    return Flash(settings, written[good], tuple(found))
+
+
+def hex_bytes(line: str) -> bytes | None:
+    try:
+        return bytes.fromhex(line)
+    except ValueError:
+        return None
+
+
+def damage(damaged: Sequence[DamagedLog], what: str, log: bytes) -> list[Found]:
+    """Damaged lines as they are told of: the last as a note if the file ends within it, many as one."""
+    last_row = log.count(b"\n") + 1
+    found: list[Found] = [error for error in damaged if not (is_cut(log) and error.row == last_row)]
+    cut = [Note("is cut off where the file ends, left out", last_row)] if len(found) < len(damaged) else []
+    more = (
+        [DamagedLog(f"found {len(found) - MOST_TOLD} more {what} that are damaged")] if len(found) > MOST_TOLD else []
+    )
+    return [*found[:MOST_TOLD], *more, *cut]
+
+
+def old_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
+    """The records of lines of a letter, a clock and bytes, or of two numbers in format 1."""
+    damaged: list[DamagedLog] = []
+    records = bytearray()
+    for first, lines in blocks(log, row - 1):
+        for number, line in enumerate(lines, start=first):
+            record = _old_record(line, layout)
+            if record is not None:
+                records += record
+            elif re.match(r"[A-Z] [0-9a-fA-F]", line):
+                expected = "two numbers" if layout.size == 8 else f"{layout.size - 4} bytes"
+                damaged.append(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
+    whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
+    return Flash(settings, whole, tuple(damage(damaged, "records", log)))
+
+
+def _old_record(line: str, layout: Layout) -> bytes | None:
+    match = OLD_RECORD.match(line)
+    if not match:
+        return None
+    clock = int(match[2], 16).to_bytes(2, "little")
+    if layout.size > 8 and len(match[3]) == 3 * (layout.size - 4):
+        return bytes([ord(match[1]), 0]) + clock + bytes.fromhex(match[3])
+    words = match[3].split()
+    size = 2 if layout.size == 8 else 1
+    if len(words) * size != layout.size - 4 or any(len(word) > 2 * size for word in words):
+        return None
+    payload = b"".join(int(word, 16).to_bytes(size, "little") for word in words)
+    return bytes([ord(match[1]), 0]) + clock + payload
+
+
+def number_at(records: Int[Octets, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
+    """The whole number at a place behind the clock of records."""
+    values: Integers = records[:, 4 + place : 4 + place + size].astype(np.int64) @ (1 << 8 * np.arange(size))
+    return values - ((values >> (8 * size - 1)) << 8 * size) if signed else values

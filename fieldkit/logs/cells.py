@@ -1,0 +1,64 @@
+"""One cell of a table of numbers: when it is a number, and when it is allowed to be none."""
+
+import math
+import re
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from fieldkit.units import Unit
+
+LARGEST = 1e30
+"""No number of a log is further from zero; what is would not survive a square. [any unit]"""
+ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
+"""What stands in a cell, in any case, where the logger had no number."""
+SI = Unit(1.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Channel:
+    """One column of numbers: what it becomes, and the place of its cells in a row, from 0.
+
+    `name` is a field of `Series` or a name of the parser's own, `header` the log's name for messages. A row whose
+    `needed` cell is no number is damaged, any other absent cell is nan. `suffix` ends every cell: `F` of `76.7F`.
+    """
+
+    name: str
+    place: int
+    unit: Unit = SI
+    needed: bool = False
+    header: str = ""
+    suffix: str = ""
+
+
+def number_in(cell: str, channel: Channel) -> float | None:
+    """The number of a cell, nan if it is absent and may be, None if it is no number."""
+    if cell.lower() in ABSENT:
+        return None if channel.needed else math.nan
+    if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
+        return None
+    try:
+        value = float(cell[: len(cell) - len(channel.suffix)])
+    except ValueError:
+        return None
+    return value if abs(value) <= LARGEST else None
+
+
+def converter(channel: Channel) -> Callable[[str], float]:
+    """What numpy calls for each cell of a channel. Raises ValueError."""
+
+    def convert(cell: str) -> float:
+        value = number_in(cell.strip().strip('"').strip(), channel)
+        if value is None:
+            raise ValueError(cell)
+        return value
+
+    return convert
+
+
+def gaps(separator: str | None) -> re.Pattern[str]:
+    """What finds the cells without a number, and what is before each, in the lines of a table."""
+    words = "|".join(re.escape(word) for word in sorted(ABSENT - {"", "nan"}, key=len, reverse=True))
+    if separator is None:
+        return re.compile(rf"(\s)(?:{words})(?!\S)", re.IGNORECASE)
+    blank, before = r"[^\S\n\t]*" if separator == "\t" else r"[^\S\n]*", rf"[{re.escape(separator)}\n]"
+    return re.compile(rf"({before}){blank}(?:(?:{words}){blank})?(?={before}|$)", re.IGNORECASE)

@@ -1,0 +1,45 @@
+"""Numbers out of the table of a log: block by block in C, and cell by cell only where a row is damaged.
+
+A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
+A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
+of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
+"""
+
+from collections.abc import Collection, Mapping, Sequence
+
+from fieldkit.logs.cells import SI, Channel
+from fieldkit.logs.rows import Rows
+from fieldkit.logs.table import Table
+from fieldkit.logs.text import blocks, is_cut
+
+__all__ = ["SI", "Channel", "Table", "read_columns"]
+
+
+def read_columns(
+    log: bytes,
+    channels: Sequence[Channel],
+    *,
+    after: int,
+    separator: str | None = ",",
+    decimal: str = ".",
+    widths: Collection[int] | None = None,
+    words: Mapping[str, int] | None = None,
+    comment: str = "",
+) -> Table:
+    """The rows of a log below row `after` (0: all), as numbers in SI and as words.
+
+    `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the
+    needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
+    kept apart. Raises DamagedLog if not one row can be read.
+    """
+    reader = Rows(channels, separator, widths, words or {})
+    for first, lines in blocks(log, after):
+        kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
+        if comment:
+            reader.remarks += [(first + i, lines[i]) for i in kept if lines[i].startswith(comment)]
+            kept = [i for i in kept if not lines[i].startswith(comment)]
+        rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
+        reader.read([first + i for i in kept], rows)
+        if reader.is_hopeless():
+            break
+    return reader.table(cut=is_cut(log))

@@ -1,0 +1,80 @@
+"""The logs that are given, read: into flights, into recordings as they stand, or into plans."""
+
+from collections.abc import Iterable, Sequence
+
+from fieldkit.arrival import digest_of
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Flight
+from fieldkit.parsing.flights import CheckMotor, intake_of, plan_of
+from fieldkit.parsing.measured import with_figures
+from fieldkit.parsing.parts import joined
+from fieldkit.parsing.recognition import open_log, told
+from fieldkit.reading import Choice, Intake, Reading
+
+
+def read(
+    log: bytes,
+    source: str,
+    check_motor: CheckMotor,
+    format: str | None = None,
+    choices: Sequence[Choice] = (),
+) -> Intake:
+    """The flights of one log; `source` is its name in messages. Raises UnknownFormat or DamagedLog."""
+    return read_together([(source, log)], check_motor, format, choices)[0]
+
+
+def read_together(
+    files: Iterable[tuple[str, bytes]],
+    check_motor: CheckMotor,
+    format: str | None = None,
+    choices: Sequence[Choice] = (),
+) -> list[Intake]:
+    """The flights of several logs, given as (name, bytes), an Intake each, in order.
+
+    A list of rockets among them names and weighs the rockets of the others. Files of one folder that a logger
+    wrote of one flight bring one flight, in the first of them that holds heights. `choices` say which columns of a
+    table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
+    before anything is taken from any. The bytes of a file are let go before its flights are measured.
+    """
+    read = [((source, *open_log(log, source, format, choices)), digest_of(log)) for source, log in files]
+    digests = [digest for _, digest in read]
+    opened = [
+        (source, name, with_figures(found, name, digest))
+        for (source, name, found), digest in zip(joined([one for one, _ in read], digests), digests, strict=True)
+    ]
+    everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
+    rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
+    return [intake_of(source, name, found, rockets, check_motor) for source, name, found in opened]
+
+
+def read_recordings(
+    log: bytes, source: str, format: str | None = None, choices: Sequence[Choice] = ()
+) -> list[Reading]:
+    """The readings of a log that hold samples, flights and simulations, as they were recorded.
+
+    Raises UnknownFormat or DamagedLog, also where the log has no samples.
+    """
+    _, found = open_log(log, source, format, choices)
+    readings = [item for item in found if isinstance(item, Reading) and item.clocks]
+    if not readings:
+        raise DamagedLog("found no samples, expected a log of heights over time", source=source)
+    return readings
+
+
+def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str | None = None) -> list[Flight]:
+    """The planned flights of a table, one a row and in order; readouts in it are left out.
+
+    A plan without a `flight_id` is named after its row, `row-2`. Raises DamagedLog for the first bad
+    row, because a forecast that skips a plan would be taken for another's.
+    """
+    _, found = open_log(table, source, format)
+    plans = []
+    for item in found:
+        if isinstance(item, DamagedLog):
+            raise told(item, source)
+        if isinstance(item, Reading) and item.describes == "flight":
+            try:
+                plans.append(plan_of(item, check_motor))
+            except DamagedLog as error:
+                raise told(error, source, item.row) from error
+    return plans

@@ -1,0 +1,53 @@
+"""The apogee's own scatter is found from flights left out, and forecasts are as wide as it asks."""
+
+import numpy as np
+import pytest
+from scipy.stats import kstest, t
+
+from fieldkit.loop.spread import FACTORS, TAIL, apogee_spread, tails
+
+FLIGHTS = 400
+
+
+def errors(factor: float, flights: int = FLIGHTS, seed: int = 4) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Errors of forecasts whose scatter is `factor` times what is claimed, and the two variances claimed."""
+    rng = np.random.default_rng(seed)
+    known, own = np.full(flights, 0.01**2), rng.uniform(0.02, 0.05, flights) ** 2
+    scattered = factor * np.sqrt(own) * tails(flights, rng) * rng.normal(size=flights)
+    return np.sqrt(known) * rng.normal(size=flights) + scattered, known, own
+
+
+@pytest.mark.parametrize("factor", [0.7, 1.0, 1.8, 2.6])
+def test_scatter_that_is_larger_or_smaller_than_claimed_is_found(factor: float) -> None:
+    found = apogee_spread(*errors(factor), np.ones(FLIGHTS, bool))
+    assert np.sqrt(FACTORS**2 @ found.weight) == pytest.approx(factor, rel=0.2)
+
+
+def test_one_odd_flight_does_not_widen_what_is_said_of_the_others() -> None:
+    error, known, own = errors(1.0, 20)
+    seen = np.ones(20, bool)
+    calm = apogee_spread(error, known, own, seen)
+    error[3] = 1.0
+    odd = apogee_spread(error, known, own, seen)
+    assert np.sqrt(odd.mean_square_without[3]) == pytest.approx(np.sqrt(calm.mean_square_without[3]))
+    assert np.sqrt(FACTORS**2 @ odd.weight) < 1.3 * np.sqrt(FACTORS**2 @ calm.weight)
+
+
+def test_without_a_flight_is_the_spread_of_the_others_alone() -> None:
+    error, known, own = errors(1.8, 12)
+    seen = np.ones(12, bool)
+    others = np.arange(12) != 5
+    alone = apogee_spread(error[others], known[others], own[others], seen[others])
+    assert apogee_spread(error, known, own, seen).weight_without[:, 5] == pytest.approx(alone.weight)
+
+
+def test_flights_that_were_not_seen_say_nothing() -> None:
+    error, known, own = errors(2.6, 12)
+    prior = apogee_spread(error, known, own, np.zeros(12, bool))
+    assert np.log(FACTORS) @ prior.weight == pytest.approx(0.0, abs=0.05)
+
+
+def test_flights_to_come_have_the_tails_of_a_student_t_with_unit_variance() -> None:
+    rng = np.random.default_rng(8)
+    drawn = tails(4000, rng) * rng.normal(size=4000)
+    assert kstest(drawn, t(TAIL, scale=np.sqrt((TAIL - 2) / TAIL)).cdf).pvalue > 0.01
