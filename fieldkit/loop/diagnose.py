@@ -14,7 +14,7 @@ from fieldkit.loop.choice import BETTER, Ranked, choose, choose_in_folds, confid
 from fieldkit.loop.fit import Fit, fit
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
-from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_family
+from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_all
 from fieldkit.simulator.effect import Effect
 
 SEARCH_SLACK = 0.35
@@ -57,6 +57,8 @@ FIRSTS = 3
 """Effects beside which a second one is looked for."""
 LIKELY = -2.0
 """Log odds against the plain model that it must have for that. [nat]"""
+SECOND = 0.5
+"""Log evidence that a second one must add at first sight to be looked at more closely. [nat]"""
 BEHIND = 6.0
 """Log odds behind the strongest, from which on an effect is not tried with a second one. [nat]"""
 _NO_BETTER = "but flights that were not seen are forecast no better with it, so it is left out until more have flown"
@@ -130,7 +132,9 @@ def _pairs(ranking: Sequence[Ranked], data: Data, families: Families, tell: Prog
 
 def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> tuple[Ranked, ...]:
     """Every family tried beside an effect in the place in which that is most at home."""
-    with_first, found = _search(first.best.fit.model, data, first.best.fit, families, tell, turns=1)
+    fitted = first.best.fit
+    worth = fitted.log_evidence + SECOND
+    with_first, found = _search(fitted.model, data, fitted, families, tell, turns=1, worth=worth)
     return rank(found, with_first, data.values[:, 0], data.seen[:, 0], beside=first)
 
 
@@ -158,13 +162,16 @@ def _search(
     families: Families,
     tell: Progress,
     turns: int = TURNS,
+    worth: float = -np.inf,
 ) -> tuple[Trial, list[Trial]]:
     """Every candidate tried beside a model, and the model itself, whose best fit the trials help to find."""
+    count = sum(len(family) for family in families.values())
     for turn in range(turns):
-        trials: list[Trial] = []
-        for number, (name, family) in enumerate(families.items()):
-            tell(name or "patterns", (turn + number / len(families)) / turns)
-            trials += try_family(model, data, family, plain)
+
+        def done(share: float, turn: int = turn) -> None:
+            tell(f"{count} candidates", (turn + share) / turns)
+
+        trials = try_all(model, data, families, plain, worth, done)
         better = plain_again(model, data, plain, trials)
         settled = better.log_evidence < plain.log_evidence + 0.3
         plain = better

@@ -8,7 +8,7 @@ large scatter and reading errors are is not known beforehand: both are scaled by
 by the evidence for each.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from math import erf, log, sqrt
 
@@ -105,10 +105,14 @@ def term_sds(model: Model) -> Float[Array, "scale term"]:
 
 @dataclass(frozen=True, slots=True)
 class Lane:
-    """One of several fits made side by side: which terms of a common model it has, and where it begins."""
+    """One of several fits made side by side: which terms of a common model it has, and where it begins.
+
+    Of the lanes of one `kind`, those that fall far behind are not followed further.
+    """
 
     terms: tuple[int, ...]
     start: Float[Array, "term"]
+    kind: str = ""
 
 
 def fit(
@@ -136,27 +140,52 @@ def fit(
 
 
 def fit_lanes(
-    model: Model, data: Data, lanes: Sequence[Lane], lean: Float[Array, "flight readout"], rounds: int = ROUNDS
+    model: Model,
+    data: Data,
+    lanes: Sequence[Lane],
+    lean: Float[Array, "flight readout"],
+    rounds: int = ROUNDS,
+    worth: float = -np.inf,
+    tell: Callable[[float], None] | None = None,
 ) -> list[Fit]:
-    """Several fits of parts of a model side by side, terms that a lane lacks being zero in it."""
+    """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
+
+    A lane whose log evidence stays below `worth` is not followed further. `tell` hears the share done.
+    """
     parts = [model.only(lane.terms) for lane in lanes]
     at = [np.asarray(lane.start, float) for lane in lanes]
     results: list[Fit | None] = [None] * len(lanes)
     moving = list(range(len(lanes)))
     for turn in range(rounds):
         near = tangents(model, [(lanes[i].terms, at[i]) for i in moving], lean)
-        for i, tangent in zip(moving, near, strict=True):
+        for number, (i, tangent) in enumerate(zip(moving, near, strict=True)):
+            if tell:
+                tell((turn + (number + 1) / len(moving)) / rounds)
             results[i] = solve(parts[i], data, tangent)
-        best = max(result.log_evidence for result in results if result is not None)
-        moving = [i for i in moving if (turn == 0 or _near(results[i], best)) and _advance(at, i, results[i])]
+        best = _best(lanes, results)
+        moving = [
+            i
+            for i in moving
+            if (turn == 0 or _above(results[i], best[lanes[i].kind] - HOPELESS))
+            and _above(results[i], worth)
+            and _advance(at, i, results[i])
+        ]
         if not moving:
             break
     return [result for result in results if result is not None]
 
 
-def _near(result: Fit | None, best: float) -> bool:
-    """Whether a fit may still matter beside the best."""
-    return result is not None and result.log_evidence > best - HOPELESS
+def _best(lanes: Sequence[Lane], results: Sequence[Fit | None]) -> dict[str, float]:
+    """The greatest log evidence so far of every kind of lane."""
+    best: dict[str, float] = {}
+    for lane, result in zip(lanes, results, strict=True):
+        if result is not None:
+            best[lane.kind] = max(result.log_evidence, best.get(lane.kind, -np.inf))
+    return best
+
+
+def _above(result: Fit | None, log_evidence: float) -> bool:
+    return result is not None and result.log_evidence > log_evidence
 
 
 def _advance(at: list[Array], lane: int, result: Fit | None) -> bool:
@@ -252,28 +281,40 @@ class LeftOut:
 
 
 def leave_one_out(result: Fit) -> LeftOut:
-    """Predictions of every flight from all the others, exactly as far as the readouts are linear."""
+    """Predictions of every flight from all the others, exactly as far as the readouts are linear.
+
+    With a flight's slopes A, its noise N and the covariance P of the terms, G = A P A' is what all flights, itself
+    included, leave open of its readouts. From r, the miss of the mean, follow without another solution in the terms:
+    the error of the others' forecast, e = (1 - G / N)^-1 r, its inverse covariance (1 - G / N)' / N, and the mean and
+    covariance of anything else that the others say (Woodbury's identity).
+    """
     near, data, model = result.tangent, result.data, result.model
     usable = data.seen & np.isfinite(near.values)
     prior_mean = np.array([term.mean for term in model.terms])
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
-    weighed = result.sharpness @ slope
-    precision = result.precision[:, None] - np.swapaxes(slope, 1, 2) @ weighed
-    gain = result.gain[:, None] - np.einsum("fo,sfou->sfu", miss, weighed)
-    offset = np.linalg.solve(precision, gain[..., None])[..., 0]
-    apogee = near.slope[:, 0]
-    mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, prior_mean + offset - near.at)
-    spread = np.linalg.solve(precision, np.broadcast_to(apogee, offset.shape)[..., None])[..., 0]
-    known, scattered = np.einsum("ft,sft->sf", apogee, spread), _own_variance(result)
-    error = miss - np.einsum("fot,sft->sfo", slope, offset)
-    shared = np.linalg.solve(precision, np.broadcast_to(np.swapaxes(slope, 1, 2), (*offset.shape, slope.shape[1])))
-    covariance = result.noise + slope @ shared
-    surprise = np.linalg.solve(covariance, error[..., None])[..., 0]
+    covariance = np.asarray(np.linalg.inv(result.precision), float)
+    offset = result.mean - prior_mean
+    flights, readouts, terms = slope.shape
+    spread = (slope.reshape(-1, terms) @ covariance).reshape(-1, flights, readouts, terms)
+    still_open = spread @ np.swapaxes(slope, 1, 2)
+    kept = np.eye(readouts) - still_open @ result.sharpness
+    missed = miss - np.einsum("fot,st->sfo", slope, offset)
+    error = np.linalg.solve(kept, missed[..., None])[..., 0]
+    surprise = np.einsum("sfop,sfp->sfo", result.sharpness, missed)
     distance = (error * surprise).sum(axis=-1)
-    own = -0.5 * (distance + np.linalg.slogdet(covariance)[1])
-    residual = error / np.sqrt(np.diagonal(covariance, axis1=2, axis2=3))
+    others = np.linalg.solve(kept, result.noise)
+    own = -0.5 * (distance + np.linalg.slogdet(others)[1])
+    residual = error / np.sqrt(np.diagonal(others, axis1=2, axis2=3))
     log_weight = result.log_weight[:, None] - own
+
+    apogee = near.slope[:, 0]
+    ties = np.einsum("ft,sfot->sfo", apogee, spread)
+    pulled = np.einsum("sfo,sfo->sf", ties, np.einsum("sfop,sfp->sfo", result.sharpness, error))
+    mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - pulled
+    known = np.einsum("ft,stu,fu->sf", apogee, covariance, apogee, optimize=True)
+    known += np.einsum("sfo,sfop,sfp->sf", ties, result.sharpness, np.linalg.solve(kept, ties[..., None])[..., 0])
+    scattered = _own_variance(result)
     lies = _apogee_spread(data, mean, known, scattered, log_weight)
     variance = known + lies.mean_square_without * scattered
     return LeftOut(mean, variance, log_weight, distance, residual, lies)

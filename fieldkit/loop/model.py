@@ -239,13 +239,27 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
     if np.any(tilt := bend("tilt")):
         lean = TILT * np.sqrt(np.abs(tilt))
         setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, lean))
-    readings_bends = []
+    strengths = _strengths(model, values)
+    for effect, strength in strengths:
+        setup = effect.bend_setup(setup, strength, model.flights)
+    return setup, strengths
+
+
+def _strengths(model: Model, values: Array) -> list[tuple[Effect, Array]]:
+    """How strongly each effect acts on each flight, all its places together; those that act on none are left out."""
+    places: dict[int, list[int]] = {}
     for index, term in enumerate(model.terms):
         if isinstance(term.bends, Effect):
-            strength = term.bends.strength(values[:, index, None]) * term.weight
-            setup = term.bends.bend_setup(setup, strength, model.flights)
-            readings_bends.append((term.bends, strength))
-    return setup, readings_bends
+            places.setdefault(id(term.bends), []).append(index)
+    found = []
+    for indices in places.values():
+        effect = model.terms[indices[0]].bends
+        assert isinstance(effect, Effect)
+        weight = np.stack([model.terms[i].weight for i in indices])
+        strength = np.asarray(effect.strength(values[:, indices]) @ weight)
+        if strength.any():
+            found.append((effect, strength))
+    return found
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,15 +1,18 @@
 """Readouts near a point: their values and how they change with each unknown, all from one batch of flights."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, SCATTER, Model, compared, shown
-from fieldkit.shapes import Array, Float
+from fieldkit.loop.model import OBSERVED, SCATTER, Model, Term, compared, shown
+from fieldkit.shapes import Array, Flags, Float
+from fieldkit.simulator.effect import Effect
 
 STEP = 0.25
-"""Step of a difference in standard deviations of the prior. [1]"""
+"""Step of the difference for a strength, in standard deviations of its prior. [1]"""
+STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "delay": 0.08, "mass": 0.005, "opening": 0.1}
+"""Steps for what terms and scatter bend: an ordinary difference of one flight from another."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,42 +36,71 @@ def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight r
 def tangents(
     model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], lean: Float[Array, "flight readout"]
 ) -> list[Tangent]:
-    """Values and derivatives of several lanes, each at its own point, from one batch of flights."""
-    upright = [scatter for scatter in SCATTER if scatter.bends != "tilt"]
-    blocks = [_block(model, terms, at, len(upright)) for terms, at in lanes]
-    values = np.concatenate([block for block, _ in blocks])
-    bends: dict[str, Array] = {s.bends: np.zeros((len(values), len(model.flights))) for s in upright}
-    end = 0
-    for block, _ in blocks:
-        end += len(block)
-        for row, scatter in enumerate(upright, start=end - len(upright)):
-            bends[scatter.bends][row] = scatter.sd
-    readings = _stacked(shown(model, values, bends))
-    found, first = [], 0
-    for (terms, at), (block, steps) in zip(lanes, blocks, strict=True):
-        part = readings[first : first + len(block)]
-        first += len(block)
-        with np.errstate(invalid="ignore"):
-            slope = np.moveaxis((part[1 : 1 + len(terms)] - part[0]) / steps[:, None, None], 0, -1)
-            moved = np.concatenate([part[1 + len(terms) :] - part[0], lean[None]])
-        scatter_slope = np.moveaxis(moved, 0, -1)
-        found.append(Tangent(at, part[0], np.nan_to_num(slope), np.nan_to_num(scatter_slope)))
-    return found
+    """Values and derivatives of several lanes, each at its own point, from one batch of flights.
+
+    Terms that bend the same thing share a column, which their weights on each flight scale: drag of a rocket and drag
+    of one configuration of it differ in which flights they act on. What is read askew by ratio needs no flight.
+    """
+    blocks = [_block(model, terms, at) for terms, at in lanes]
+    count = sum(len(block.values) for block in blocks)
+    bends = {kind: np.zeros((count, len(model.flights))) for kind in STEPS}
+    firsts = np.cumsum([0, *(len(block.values) for block in blocks)])
+    for first in firsts[:-1]:
+        for row, (kind, step) in enumerate(STEPS.items(), start=first + 1):
+            bends[kind][row] = step
+    readings = _stacked(shown(model, np.concatenate([block.values for block in blocks]), bends))
+    parts = np.split(readings, firsts[1:-1])
+    return [_tangent(model, at, block, part, lean) for (_, at), block, part in zip(lanes, blocks, parts, strict=True)]
 
 
-def _block(model: Model, terms: tuple[int, ...], at: Array, scatters: int) -> tuple[Array, Array]:
-    """Rows to fly for a lane: its point, a step along each of its terms, the point again for each scatter."""
-    active = [model.terms[i] for i in terms]
-    steps = np.array(
-        [
-            STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
-            for term, x in zip(active, at, strict=True)
-        ]
-    )
-    rows = np.zeros((1 + len(terms) + scatters, len(model.terms)))
-    rows[:, list(terms)] = at
-    rows[1 + np.arange(len(terms)), list(terms)] += steps
-    return rows, steps
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Rows to fly for a lane: its point, a step in each of `STEPS`, a step in the strengths of each slot.
+
+    `slots` holds the row of every term that is the strength of an effect, and its step; flights know nothing of each
+    other, so that strengths which act on different flights share a row.
+    """
+
+    terms: tuple[int, ...]
+    values: Float[Array, "row every"]
+    slots: dict[int, tuple[int, float]]
+
+
+def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
+    slots: dict[int, tuple[int, float]] = {}
+    acting: list[Flags] = []
+    for i, x in zip(terms, at, strict=True):
+        term = model.terms[i]
+        if isinstance(term.bends, Effect):
+            acts = term.weight != 0
+            slot = next((k for k, taken in enumerate(acting) if not (taken & acts).any()), len(acting))
+            acting[slot:] = [acts if slot == len(acting) else acting[slot] | acts, *acting[slot + 1 :]]
+            step = STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
+            slots[i] = 1 + len(STEPS) + slot, step
+    values = np.zeros((1 + len(STEPS) + len(acting), len(model.terms)))
+    values[:, list(terms)] = at
+    for i, (row, step) in slots.items():
+        values[row, i] += step
+    return _Block(terms, values, slots)
+
+
+def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) -> Tangent:
+    with np.errstate(invalid="ignore"):
+        moved = np.nan_to_num(flown - flown[0])
+    per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
+    columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
+    scatter = [per_kind[kind.bends] * kind.sd if kind.bends in per_kind else lean for kind in SCATTER]
+    return Tangent(at, flown[0], np.stack(columns, axis=-1), np.nan_to_num(np.stack(scatter, axis=-1)))
+
+
+def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:
+    """What a unit of one term does to the readouts. [flight readout]"""
+    if slot is not None:
+        row, step = slot
+        return np.asarray(np.where(term.weight[:, None] != 0, moved[row] / step, 0.0))
+    if term.bends in OBSERVED:
+        return np.asarray(term.weight[:, None] * (np.array(OBSERVED) == term.bends))
+    return np.asarray(term.weight[:, None] * per_kind[str(term.bends)])
 
 
 def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:

@@ -1,6 +1,6 @@
 """Candidates put to the flights: fitted side by side, with what each says of every flight left out."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -60,29 +60,40 @@ def plain_trial(fitted: Fit) -> Trial:
     return Trial(Candidate(Place("none"), ()), fitted, leave_one_out(fitted))
 
 
-def try_family(model: Model, data: Data, family: Sequence[Candidate], near: Fit) -> list[Trial]:
-    """Fit the candidates of one effect side by side, each from all its starts, from where a smaller model ended.
+def try_all(
+    model: Model,
+    data: Data,
+    families: Mapping[str, Sequence[Candidate]],
+    near: Fit,
+    worth: float = -np.inf,
+    tell: Callable[[float], None] | None = None,
+) -> list[Trial]:
+    """Fit the candidates of every effect side by side, each from all its starts, from where a smaller model ended.
 
-    Those whose evidence leaves them no say beside the best are dropped.
+    Those whose evidence leaves them no say beside the best of their effect are dropped; `worth` as in `fit_lanes`.
     """
     wide, lanes, owners = model, [], []
     base = tuple(range(len(model.terms)))
-    for candidate in family:
-        own = tuple(range(len(wide.terms), len(wide.terms) + len(candidate.terms)))
-        wide = wide.with_terms(*candidate.terms)
-        rest = [term.mean for term in candidate.terms[1:]]
-        for start in candidate.starts:
-            lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest])))
-            owners.append(candidate)
-    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1])
+    for name, family in families.items():
+        for candidate in family:
+            own = tuple(range(len(wide.terms), len(wide.terms) + len(candidate.terms)))
+            wide = wide.with_terms(*candidate.terms)
+            rest = [term.mean for term in candidate.terms[1:]]
+            for start in candidate.starts:
+                lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest]), name))
+                owners.append(candidate)
+    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], worth=worth, tell=tell)
     best: dict[Place, Fit] = {}
     for candidate, result in zip(owners, fits, strict=True):
         known = best.get(candidate.place)
         if known is None or result.log_evidence > known.log_evidence:
             best[candidate.place] = result
-    say = {place: result.log_evidence for place, result in best.items()}
-    least = max(say.values()) - HOPELESS
-    kept = [candidate for candidate in family if say[candidate.place] >= least]
+    return [trial for family in families.values() for trial in _with_a_say(family, best)]
+
+
+def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[Trial]:
+    least = max(best[candidate.place].log_evidence for candidate in family) - HOPELESS
+    kept = [candidate for candidate in family if best[candidate.place].log_evidence >= least]
     return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in kept]
 
 
