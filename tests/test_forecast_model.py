@@ -48,6 +48,11 @@ def test_a_motor_on_which_the_simulator_is_wrong_is_forecast_from_its_own_flight
         assert np.median(next_on(motor, flown).apogee) == pytest.approx(mean_apogee(motor, flown), rel=0.05)
 
 
+def test_a_rocket_never_flown_is_forecast_from_its_priors() -> None:
+    low, middle, high = next_on("F24", []).apogee_quantiles()
+    assert 0 < 1.3 * low < middle < high / 1.3
+
+
 def test_where_motors_disagree_a_new_one_is_less_sure() -> None:
     def width(motor: str, flown: Flown) -> float:
         low, _, high = next_on(motor, flown).apogee_quantiles()

@@ -295,8 +295,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     covariance = np.asarray(np.linalg.inv(result.precision), float)
     offset = result.mean - prior_mean
-    flights, readouts, terms = slope.shape
-    spread = (slope.reshape(-1, terms) @ covariance).reshape(-1, flights, readouts, terms)
+    readouts = slope.shape[1]
+    spread = slope @ covariance[:, None]
     still_open = spread @ np.swapaxes(slope, 1, 2)
     kept = np.eye(readouts) - still_open @ result.sharpness
     missed = miss - np.einsum("fot,st->sfo", slope, offset)

@@ -90,7 +90,8 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) 
     per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
     scatter = [per_kind[kind.bends] * kind.sd if kind.bends in per_kind else lean for kind in SCATTER]
-    return Tangent(at, flown[0], np.stack(columns, axis=-1), np.nan_to_num(np.stack(scatter, axis=-1)))
+    slope = np.stack(columns, axis=-1) if columns else np.empty((*flown[0].shape, 0))
+    return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
 
 
 def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:
