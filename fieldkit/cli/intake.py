@@ -51,7 +51,7 @@ def import_(
     defaults = read_settings(split_settings(given or ()), check_motor)
     gathered = gather(files, check_motor, format=format, defaults=defaults, choices=choices)
     with open_ledger(context) as ledger:
-        receipt = take_in(ledger, gathered, dry_run=dry_run)
+        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run)
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
@@ -67,12 +67,14 @@ def import_(
                 "duplicates": receipt.duplicates,
                 "rejected": [asdict(row) for row in receipt.rejected],
                 "flights": list(receipt.ids),
+                "joined": list(receipt.joined),
             }
         )
     else:
         said = "would be imported" if dry_run else "imported"
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
-        say(f"{len(receipt.ids)} {said}, {counts}")
+        joined = f"{len(receipt.joined)} joined to their flight, " if receipt.joined else ""
+        say(f"{len(receipt.ids)} {said}, {joined}{counts}")
 
 
 @app.command()

@@ -22,6 +22,7 @@ GROUPS = (
     "add",
     "records",
     "compare",
+    "remeasure",
     "infer",
     "forecast",
     "loop",

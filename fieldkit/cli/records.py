@@ -8,6 +8,7 @@ from fieldkit.cli.screen import complain, in_both_units, print_card, print_json,
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
+    from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
     from fieldkit.replay import Recording
 
@@ -72,6 +73,8 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
     print_card(found, id)
     if recording:
         _print_events(recording)
+        if _measures_otherwise(found, recording):
+            complain(f"note: fieldkit measures this log otherwise now; `fieldkit remeasure {id}` takes that over")
 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
@@ -85,6 +88,15 @@ def _recording(ledger: "Ledger", id: str) -> "Recording | None":
     except FieldkitError as error:
         complain(f"note: {error}")
         return None
+
+
+def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
+    """Whether a figure that was measured in a log is another today, beyond the millimetres it is rounded to."""
+    from fieldkit.flight import BY_NAME
+
+    figures = {name: figure.value for name, figure in recording.recorded.figures.items() if name in BY_NAME}
+    measured = {n: v for n in figures if BY_NAME[n].sd_header in flight.extra and (v := flight.number(n)) is not None}
+    return any(abs(value - figures[name]) > 0.001 for name, value in measured.items())
 
 
 def _print_events(recording: "Recording") -> None:

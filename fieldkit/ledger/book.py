@@ -170,6 +170,19 @@ def replace(pen: Pen, held: Held, flight: Flight) -> bool:
     return True
 
 
+def renew(pen: Pen, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
+    """Put what a flight's files say now in its place, also in how it came in; False where nothing changed."""
+    for original in others:
+        keep_log(pen.connection, original)
+    before, after = row_of(held.flight), row_of(flight)
+    changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
+    if held.entered and entered and row_of(held.entered) != row_of(entered):
+        changes["entered"] = row_of(entered)
+    if changes:
+        pen.update(flights, {"entry": held.entry}, changes)
+    return bool(changes)
+
+
 def remove(pen: Pen, held: Held) -> None:
     """Take a flight out; its log's bytes stay."""
     pen.delete(tags, tags.c.entry == held.entry)

@@ -15,10 +15,10 @@ from sqlalchemy import Connection, Engine
 
 from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
-from fieldkit.flight import Flight
+from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import book, drafts, journal, models, opening
 from fieldkit.ledger.journal import Change, Pen
-from fieldkit.ledger.records import Added, Prediction, Version
+from fieldkit.ledger.records import Added, Prediction, Renewal, Version
 
 
 class Ledger:
@@ -65,22 +65,27 @@ class Ledger:
         source: str = "",
         command: str = "import",
         draft: str | None = None,
+        renewals: Sequence[Renewal] = (),
         dry_run: bool = False,
     ) -> Added:
         """Take flights in; `log` and `source` are those of each that does not arrive with its own.
 
         A flight that is there already, as it is now or as it once came in, is a duplicate and changes
         nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
-        other content, or cannot be kept, is a conflict. `draft` is one that these flights finish, dropped
+        other content, or cannot be kept, is a conflict. `renewals` are flights that further files came of.
+        `draft` is one that these flights finish, dropped
         with them. A dry run says what would happen.
         """
         original = None if log is None else Original.of(log)
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
         with self._changing(keep=not dry_run) as pen:
+            renewed = [one.id for one in renewals if _renew(pen, one)]
             added = book.add(pen, arrivals)
-            if added.new:
+            if added.new or renewed:
                 files = ", ".join(dict.fromkeys(Path(one.source).name for one in arrivals if one.source))
-                pen.sign(command, _listed(added.new) + (f" from {files}" if files else ""))
+                more = [f"further files of {_listed(renewed)}"] if renewed else []
+                what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
+                pen.sign(command, "; ".join(what + more))
             if draft:
                 drafts.drop(pen.connection, draft)
         return added
@@ -98,6 +103,11 @@ class Ledger:
         """
         with self._reading() as connection:
             return book.resolve(connection, id).flight
+
+    def entered(self, id: str) -> Flight | None:
+        """A flight as it came in, None where it was not edited since."""
+        with self._reading() as connection:
+            return book.resolve(connection, id).entered
 
     def ids(self, flights: Sequence[Flight]) -> list[str]:
         """The id that names each of these flights of the ledger."""
@@ -133,16 +143,24 @@ class Ledger:
     def edit(self, id: str, **changes: object) -> Flight:
         """Change fields of a flight and return it. Raises LedgerError when another bears the new name."""
         what = f"{id} ({', '.join(changes)})"
-        return self._alter(id, "edit", what, lambda flight: flight.with_changes(**changes))
+        return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 
     def edit_all(self, ids: Sequence[str], what: str, **changes: object) -> int:
         """Change fields of several flights as one command, named by `what`; how many it changed."""
         with self._changing() as pen:
             held = [book.resolve(pen.connection, id) for id in ids]
-            done = sum(book.replace(pen, one, one.flight.with_changes(**changes)) for one in held)
+            done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
             if done:
                 pen.sign("edit", f"{what} ({', '.join(changes)})")
         return done
+
+    def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
+        """Take over what the files of flights say now, as one command; how many flights it changed."""
+        with self._changing(keep=not dry_run) as pen:
+            done = [one.id for one in renewals if _renew(pen, one)]
+            if done:
+                pen.sign(command, _listed(done))
+        return len(done)
 
     def tag(self, id: str, *tags: str) -> Flight:
         """Put tags on a flight, each once."""
@@ -264,6 +282,17 @@ class Ledger:
     def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
         with opening.writing(self._engine, keep=keep) as connection:
             yield Pen(connection)
+
+
+def _renew(pen: Pen, one: Renewal) -> bool:
+    return book.renew(pen, book.resolve(pen.connection, one.id), one.flight, one.entered, one.others)
+
+
+def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:
+    """A flight with some fields changed; a figure that was typed has no uncertainty of a measurement."""
+    typed = {BY_NAME[name].sd_header for name in changes if name in BY_NAME and changes[name] != flight.number(name)}
+    edited = flight.with_changes(**changes)
+    return edited.with_changes(extra={name: text for name, text in edited.extra.items() if name not in typed})
 
 
 def _listed(ids: Sequence[str], most: int = 4) -> str:

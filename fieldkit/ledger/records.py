@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from fieldkit.arrival import Arrival
+from fieldkit.arrival import Arrival, Original
+from fieldkit.flight import Flight
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +24,16 @@ class Added:
     new: tuple[str, ...] = ()
     duplicates: int = 0
     conflicts: tuple[Conflict, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Renewal:
+    """A flight whose files are read anew: as it is then, how it came in if it was edited since, further files."""
+
+    id: str
+    flight: Flight
+    entered: Flight | None = None
+    others: tuple[Original, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

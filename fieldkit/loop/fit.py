@@ -120,10 +120,8 @@ def fit(
     data: Data,
     start: Float[Array, "term"] | None = None,
     rounds: int = ROUNDS,
-    lean: Float[Array, "flight readout"] | None = None,
 ) -> Fit:
-    """The posterior of a model given data, linearised where it ends up; `start` is where to begin, `lean` what
-    `lean_slope` says where that is known.
+    """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
 
     Without a start it is begun from several opening times of the parachute, for what that does has a kink
     where ejection meets apogee, and the best is kept.
@@ -134,8 +132,7 @@ def fit(
     if start is None and OPENING in model.names:
         place = model.names.index(OPENING)
         starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
-    lean = lean_slope(model, at) if lean is None else lean
-    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean, rounds)
+    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean_slope(model, at), rounds)
     return max(fits, key=lambda result: result.log_evidence)
 
 
@@ -330,14 +327,14 @@ def _apogee_spread(data: Data, mean: Array, known: Array, own: Array, log_weight
     return apogee_spread(error, (weight * known).sum(axis=0) + between, (weight * own).sum(axis=0), seen)
 
 
-def fit_robustly(model: Model, data: Data, lean: Float[Array, "flight readout"] | None = None) -> Fit:
+def fit_robustly(model: Model, data: Data) -> Fit:
     """As `fit`, with less trust in flights that the others contradict.
 
     Each flight is trusted as a Student t distribution with `TAIL` degrees of freedom would: by the expected
     weight (nu + k) / (nu + d^2) of a flight with k readouts at distance d (Lange, Little and Taylor, 1989).
     Fewer than `FEWEST` flights cannot outvote one, and all are trusted.
     """
-    result = fit(model, data, lean=lean)
+    result = fit(model, data)
     if np.count_nonzero(data.seen.any(axis=1)) < FEWEST:
         return result
     for _ in range(ROBUST_ROUNDS):

@@ -33,6 +33,8 @@ DOUBT_OF = {"top_speed": 0.03, "coast_to_apogee": 0.02}
 """Least standard deviation of what is alike in all readings of a device, where it is doubted, by ratio: speed is
 integrated from when the device noticed the launch, the coast ends when it notices apogee. [1]"""
 
+EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
+"""Figures of a flight that the altimeter does not show and a plan asks for."""
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
@@ -208,8 +210,7 @@ def shown(
         bias = _sum(model, values, name)
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
-    extras = ("rail_speed", "eject_speed", "drift")
-    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in extras} | {"true": flown.apogee}
+    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS} | {"true": flown.apogee}
 
 
 def _sum(model: Model, values: Array, bends: str) -> Array:

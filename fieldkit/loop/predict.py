@@ -20,7 +20,7 @@ from fieldkit.loop.fit import (
     scale_grid,
     term_sds,
 )
-from fieldkit.loop.model import SCATTER, Model, base_model, doubted, observe, shown
+from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, doubted, observe, shown
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
@@ -39,10 +39,11 @@ LEVELS = (0.05, 0.5, 0.95)
 class Prediction:
     """What the altimeter will show of a planned flight, as draws of the apogee and figures drawn with it. SI.
 
-    `coast` is from top speed to apogee, `eject` from apogee to the ejection charge (nan without a delay),
-    `cd` and `alpha` the drag coefficient and thrust factor flown with. `rests_on` counts the flights that
-    taught the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how
-    `earlier_forecasts` fared, 1 where there are too few of them.
+    `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from
+    apogee to the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of
+    the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
+    flown with. `rests_on` counts the flights that taught the model. `stretched_by` is by what the spread of
+    `apogee` was multiplied because of how `earlier_forecasts` fared, 1 where there are too few of them.
     """
 
     plan: Flight
@@ -54,6 +55,10 @@ class Prediction:
     top_speed: Float[Array, "draw"]
     rail_speed: Float[Array, "draw"]
     eject_speed: Float[Array, "draw"]
+    coast_time: Float[Array, "draw"]
+    rise_time: Float[Array, "draw"]
+    duration: Float[Array, "draw"]
+    drift: Float[Array, "draw"]
     cd: Float[Array, "draw"]
     alpha: Float[Array, "draw"]
     rests_on: int
@@ -111,6 +116,23 @@ def model_name(accepted: Sequence[Place]) -> str:
     return "+".join(["field", *(spoken(place.effect) for place in accepted)])
 
 
+@dataclass(frozen=True, slots=True)
+class Learnt:
+    """What a rocket's flights taught of planned ones: draws of every term, ready to be flown.
+
+    `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
+    flights that taught it, `name` names it; from `rng` comes the luck of single flights.
+    """
+
+    model: Model
+    at: Float[Array, "term"]
+    values: Float[Array, "draw term"]
+    scales: Float[Array, "draw 2"]
+    rests_on: int
+    name: str
+    rng: np.random.Generator
+
+
 def predict(
     flown: Sequence[tuple[Flight, Found]],
     planned: Sequence[tuple[Flight, Found]],
@@ -126,6 +148,19 @@ def predict(
     prior of its effect, accepted or not; with `declared` False it does not. Raises ImpossibleFlight for a flight
     without a dry mass.
     """
+    return fly_ahead(learn(flown, planned, accepted, declared=declared, draws=draws, seed=seed))
+
+
+def learn(
+    flown: Sequence[tuple[Flight, Found]],
+    planned: Sequence[tuple[Flight, Found]],
+    accepted: Sequence[Place] = (),
+    *,
+    declared: bool = True,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> Learnt:
+    """Fit the flights flown, for the planned ones; see `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
@@ -133,41 +168,58 @@ def predict(
     model = forecast_model(flights, found, acting)
     taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
-    lean = lean_slope(model, np.array([term.mean for term in model.terms]))
-    result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]), lean[past])
+    result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
     rng = np.random.default_rng(seed)
     values, scales = _drawn(model, taught, result, draws, rng)
-    ahead = slice(len(flown), None)
-    part = model.part(ahead)
-    scatter: dict[str, Array] = {
-        kind.bends: rng.normal(size=(draws, len(planned))) * kind.sd * scales[:, :1]
-        for kind in SCATTER
-        if kind.bends != "tilt"
-    }
-    readings = shown(part, values, scatter)
-    leant = lean[ahead, 0] * rng.normal(size=(draws, len(planned))) * scales[:, :1]
-    apogee = readings["apogee"] * np.exp(leant)
-    reading = own_reading_sd(apogee) * scales[:, 1:] * rng.normal(size=apogee.shape)
-    cd = np.exp(_bent(part, values, "drag") + scatter["drag"])
-    alpha = np.exp(_bent(part, values, "thrust") + scatter["thrust"])
+    at = np.array([term.mean for term in model.terms])
+    at[taught] = result.tangent.at
     rests_on = int(np.sum(result.data.seen.any(axis=1)))
+    return Learnt(model.part(slice(len(flown), None)), at, values, scales, rests_on, model_name(accepted), rng)
+
+
+def fly_ahead(
+    learnt: Learnt, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
+) -> list[Prediction]:
+    """Fly the planned flights on what was learnt, each a batch of draws.
+
+    With `paired` all flights share the luck of the day, so that they differ by what is planned alone. `delay_sd` is
+    how far delays stray from what is printed, as a ratio, in place of what the model takes.
+    """
+    part, values, scales, rng = learnt.model, learnt.values, learnt.scales, learnt.rng
+    shape = (len(values), len(part.flights))
+
+    def luck() -> Array:
+        drawn = rng.normal(size=(shape[0], 1) if paired else shape)
+        return np.broadcast_to(drawn, shape)
+
+    scatter: dict[str, Array] = {
+        kind.bends: luck() * kind.sd * scales[:, :1] for kind in SCATTER if kind.bends != "tilt"
+    }
+    if delay_sd is not None:
+        scatter["delay"] = luck() * delay_sd
+    readings = shown(part, values, scatter)
+    lean = np.exp(lean_slope(part, learnt.at)[:, 0] * luck() * scales[:, :1])
+    apogee = readings["apogee"] * lean
+    # of a hop of a metre the reading's error in ratio knows no bounds
+    reading = np.clip(own_reading_sd(apogee) * scales[:, 1:] * luck(), -1.0, 1.0)
+    figures = {
+        "apogee": np.nan_to_num(apogee * np.exp(reading)),
+        "true_apogee": np.nan_to_num(readings["true"] * lean),
+        "eject": readings["apogee_to_eject"],
+        "coast": readings["coast_to_apogee"],
+        "cd": np.exp(_bent(part, values, "drag") + scatter["drag"]),
+        "alpha": np.exp(_bent(part, values, "thrust") + scatter["thrust"]),
+        **{name: readings[name] for name in ("top_speed", "duration", *EXTRAS)},
+    }
     return [
         Prediction(
             plan=flight,
             found=motor,
-            apogee=np.nan_to_num(apogee[:, i] * np.exp(reading[:, i])),
-            true_apogee=readings["true"][:, i],
-            eject=readings["apogee_to_eject"][:, i],
-            coast=readings["coast_to_apogee"][:, i],
-            top_speed=readings["top_speed"][:, i],
-            rail_speed=readings["rail_speed"][:, i],
-            eject_speed=readings["eject_speed"][:, i],
-            cd=cd[:, i],
-            alpha=alpha[:, i],
-            rests_on=rests_on,
-            model=model_name(accepted),
+            rests_on=learnt.rests_on,
+            model=learnt.name,
+            **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
-        for i, (flight, motor) in enumerate(planned)
+        for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
     ]
 
 

@@ -62,6 +62,7 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
     return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
 
 
+RAIL = ("rail_length", "rail_angle")
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 BUILD = (
     Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
@@ -89,6 +90,7 @@ class ShelfScreen(PageScreen):
             ("units", "SI: metres and grams. US: feet and ounces. mixed: feet, and grams. N changes them anywhere."),
             ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
             ("target", "The apogee that motors are compared against on the page Next."),
+            ("rail", "Length and tilt of the rail you usually have, for plans that name none."),
         ),
         ("fieldkit motors F24", "fieldkit motors --import FILE.eng", "fieldkit edit FLIGHT dry_mass=330g"),
     )
@@ -208,10 +210,13 @@ class ShelfScreen(PageScreen):
 
         settings = self.desk.settings
         target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
+        ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]
+        rail = ", ".join(end for end in ends if end)
         rows = {
             "units": (settings.units, "SI, US, or mixed: feet and grams"),
             "theme": (settings.theme, "field, sun, night or terminal"),
             "target": (target, "what motors are compared against"),
+            "rail": (rail or "none", "yours, for plans that name none"),
             "ledger": (self.desk.name, "where flights are kept: --ledger, FIELDKIT_LEDGER"),
             "own motors": (str(motor_folder()), "your .eng and .rse files"),
             "settings": (str(settings_file()), "where these choices are kept"),
@@ -299,8 +304,22 @@ class ShelfScreen(PageScreen):
             self.field_app.choose(theme=THEMES[(THEMES.index(settings.theme) + 1) % len(THEMES)])
         elif name == "target":
             self.field_app.ask_target()
+        elif name == "rail":
+            self._ask_rail()
         else:
             self.complain(f"{name} is not changed here; ? says how")
+
+    def _ask_rail(self) -> None:
+        """Length and tilt of the rail that is used where a plan names none."""
+        settings = self.desk.settings
+        questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
+        texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}
+        units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
+        self.app.push_screen(Form("Your usual rail", questions, texts, units), self._railed)
+
+    def _railed(self, values: dict[str, object] | None) -> None:
+        if values is not None:
+            self.field_app.choose("the usual rail is kept", **values)
 
     def action_import_motors(self) -> None:
         """Add the motors of a file."""
