@@ -11,12 +11,20 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
-from fieldkit.loop.fit import Fit, fit_robustly, leave_one_out, own_reading_sd, scale_grid
-from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, observe, shown
+from fieldkit.loop.fit import (
+    Fit,
+    apogee_scale,
+    fit_robustly,
+    leave_one_out,
+    own_reading_sd,
+    scale_grid,
+    term_sds,
+)
+from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, doubted, observe, shown
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.simulator.effect import effects, spoken
 from fieldkit.simulator.field import recorded
 
@@ -101,6 +109,11 @@ def rocket_model(
     return model.with_terms(*(term for place in known for term in effect_terms(place, model)))
 
 
+def forecast_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
+    """The model of a rocket that its next flight is forecast with."""
+    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK))
+
+
 def model_name(accepted: Sequence[Place]) -> str:
     """`field`, or `field+wind`."""
     return "+".join(["field", *(spoken(place.effect) for place in accepted)])
@@ -157,7 +170,7 @@ def learn(
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    model = rocket_model(flights, found, acting, FORECAST_SLACK)
+    model = forecast_model(flights, found, acting)
     if drag is not None:
         model = model.with_prior("drag", np.log(drag), DESIGN_CD_SD)
     acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
@@ -245,24 +258,37 @@ def _drawn(
 
     Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn.
     """
-    learned, scales = sample(result, draws, rng)
+    learned, which = _sampled(result, draws, rng)
+    sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, taught] = learned
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
-        values[:, i] = np.clip(rng.normal(term.mean, term.sd, draws), term.low, term.high)
-    return values, scales
+        values[:, i] = np.clip(term.mean + sds[:, i] * rng.normal(size=draws), term.low, term.high)
+    return values, _scales(result, which, rng)
 
 
 def sample(
     result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
     """Draws of a model's terms within their bounds, and by what scatter and reading of a flight to come are scaled."""
-    scatter_scale, reading_scale, _ = scale_grid()
+    values, which = _sampled(result, draws, rng)
+    return values, _scales(result, which, rng)
+
+
+def _sampled(
+    result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
+    """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
     roots = np.linalg.cholesky(np.linalg.inv(result.precision))
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
-    scales = np.stack([scatter_scale[which], reading_scale[which]], axis=-1)
-    apart = leave_one_out(result).spread.draw(draws, rng) * tails(draws, rng)
-    return np.clip(values, lows, highs), scales * apart[:, None]
+    return np.clip(values, lows, highs), which
+
+
+def _scales(result: Fit, which: Int[Integers, "draw"], rng: np.random.Generator) -> Float[Array, "draw 2"]:
+    """By what scatter and the reading of an apogee are scaled for a flight to come, with its tails."""
+    scales = np.stack([scale_grid(result.model.doubtful)[0], apogee_scale(result.model)], axis=-1)
+    apart = leave_one_out(result).spread.draw(len(which), rng) * tails(len(which), rng)
+    return np.asarray(scales[which] * apart[:, None])
