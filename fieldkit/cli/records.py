@@ -4,11 +4,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-<<<<<<< HEAD
-from fieldkit.cli.predictions import foretold, say_foretold
-=======
 from fieldkit.cli.completing import flight_ids, rocket_names
->>>>>>> 8457639 (Complete rockets, flights and motors in the shell, and name the ensembles by their digests)
+from fieldkit.cli.predictions import foretold, say_foretold
 from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 

@@ -6,12 +6,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-<<<<<<< HEAD
-from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
-=======
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import print_json, print_table, progress, say
->>>>>>> 8457639 (Complete rockets, flights and motors in the shell, and name the ensembles by their digests)
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
@@ -27,15 +23,12 @@ EVALUATION = "forward in time: each flight from the earlier ones of its rocket"
 @app.command()
 def score(
     context: typer.Context,
-<<<<<<< HEAD
-    rocket: Annotated[str | None, typer.Option(help="By default every rocket.", show_default=False)] = None,
+    rocket: Annotated[
+        str | None, typer.Option(help="By default every rocket.", show_default=False, autocompletion=rocket_names)
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw the calibration too: .png, .svg or .pdf.", show_default=False),
-=======
-    rocket: Annotated[
-        str | None, typer.Option(help="By default every rocket.", show_default=False, autocompletion=rocket_names)
->>>>>>> 8457639 (Complete rockets, flights and motors in the shell, and name the ensembles by their digests)
     ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
