@@ -54,7 +54,7 @@ fieldkit model --rocket Astra
 fieldkit model --rocket Astra --use 0
 fieldkit score --rocket Astra
 # two recordings of one flight, the first being the measure
-fieldkit compare Comet/1 sample_logs/perfectflite__drogue_and_main.pf2
+fieldkit compare flight-dd2afbb08f sample_logs/perfectflite__drogue_and_main.pf2
 # the logs of flights, measured again
 fieldkit remeasure --dry-run
 # a field you fly from: plans take its elevation and its limits over
