@@ -112,7 +112,7 @@ def test_reading_a_log_twice_gives_the_same_flights(sample: Path) -> None:
 
 
 @every_sample
-@settings(max_examples=25, deadline=None)
+@settings(max_examples=12, deadline=None)
 @given(data=st.data())
 def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) -> None:
     log = sample.read_bytes()
@@ -127,7 +127,7 @@ def test_a_torn_log_is_damaged_not_a_crash(sample: Path, data: st.DataObject) ->
 
 
 @every_sample
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=20, deadline=None)
 @given(
     cuts=st.lists(st.tuples(st.floats(0, 1), st.integers(0, 40), st.binary(max_size=12)), min_size=1, max_size=6),
     forced=st.booleans(),
@@ -153,7 +153,7 @@ def test_a_mangled_log_raises_nothing_but_trouble_the_flyer_can_mend(
 
 @pytest.mark.parametrize("name", parsers())
 @given(log=st.binary(max_size=300) | st.text(max_size=300).map(str.encode))
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=25, deadline=None)
 def test_junk_is_refused_by_every_parser_in_one_line(name: str, log: bytes) -> None:
     for line in troubles(log, "junk", name):
         assert len(line.splitlines()) == 1

@@ -103,6 +103,7 @@ def test_an_early_ejection_has_the_fingerprint_of_one(diagnoses: dict) -> None:
     assert abs(marks["top_speed"]) < 1e-3
 
 
+@pytest.mark.slow
 def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(folder: Path, diagnoses: dict) -> None:
     diagnosis, label, _ = diagnoses["wind"]
     flights = _flights(folder / f"{label['set']}.csv")

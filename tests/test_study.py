@@ -40,6 +40,7 @@ def pair() -> TwoFlights:
     return two_flights(reference())
 
 
+@pytest.mark.slow
 def test_the_page_is_what_the_command_writes(tmp_path: Path) -> None:
     """In a process of its own, where shapes are not checked: it is the longest computation of all tests."""
     flyer = {name: text for name, text in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}

@@ -113,7 +113,7 @@ def _print(found: "Report") -> None:
         say_wrapped(line, "  ")
     say()
     for line in histogram(found.calibration):
-        say(line)
+        say_wrapped(line)
 
 
 def _bar(found: "Report") -> "Iterator[str]":
