@@ -5,7 +5,9 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fieldkit.loop.missing_force import Law, Rocket, Track, beside_model, law, library, missing_force, track_of
+from fieldkit.loop.force.climb import Rocket, Track, beside_model, track_of
+from fieldkit.loop.force.law import Law, law, missing_force
+from fieldkit.loop.force.terms import library
 from fieldkit.motors import catalogue
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.atmosphere import pad_air
@@ -29,7 +31,7 @@ def climb(rocket: Rocket, term: str, strength: float) -> Track:
         model = beside_model(track, rocket)
         push = model.thrust - model.drag
         if term:
-            column = next(one.column for one in library(model) if one.name == term)
+            column = next(one.column for one in library() if one.name == term)
             moved = Track(time, track.height, track.speed, push, track.push_sd, burning)
             push = push + strength * column(beside_model(moved, rocket))
         net = np.where(time < 0.15, np.maximum(push - 9.80665, 0.0), push - 9.80665)
