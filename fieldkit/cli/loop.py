@@ -30,7 +30,7 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
-    from fieldkit.loop.desk import close_loop, loop_document, which_rocket
+    from fieldkit.loop.desk import close_loop, kept_logs, loop_document, which_rocket
     from fieldkit.loop.findings import findings
     from fieldkit.loop.words import report
 
@@ -47,10 +47,11 @@ def loop(
                 known_motors(),
                 name,
                 accept=not look,
-                progress=lambda text, share: tell(text, 0.7 * share),
+                progress=lambda text, share: tell(text, 0.6 * share),
                 given=given,
             )
-            found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share))
+            logs = kept_logs(ledger, diagnosis, lambda text, share: tell(text, 0.6 + 0.1 * share))
+            found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share), logs)
     if page is not None:
         write_page(found, page)
         complain(f"report written to {page}")

@@ -8,13 +8,14 @@ from typing import Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.errors import LedgerError, NoFlights, UnknownMotor
 from fieldkit.flight import Flight, table_row
 from fieldkit.ledger import Ledger
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
 from fieldkit.loop.findings import Compared, Findings
+from fieldkit.loop.force.testimony import document as testimony_document
 from fieldkit.loop.forward import Forecast
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.model import observe
@@ -23,6 +24,8 @@ from fieldkit.loop.residual import fingerprint
 from fieldkit.loop.telling import Advice
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
+from fieldkit.recording import Recorded
+from fieldkit.replay import recording_of
 
 Which = Literal["before", "after"]
 INHERITED = ("dry_mass", "diameter", "rail_length")
@@ -203,6 +206,23 @@ def close_loop(
     return diagnosis
 
 
+def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Progress | None = None) -> dict[str, Recorded | str]:
+    """What the logs of the flights behind a diagnosis show, by flight id; for one that cannot be read, why."""
+    flights = [f for f, seen in zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True) if seen]
+    found: dict[str, Recorded | str] = {}
+    for number, (flight, id) in enumerate(zip(flights, ledger.ids(flights), strict=True)):
+        if tell:
+            tell(f"the log of {id}", number / len(flights))
+        try:
+            recording = recording_of(ledger, id)
+        except LedgerError as error:
+            found[flight.flight_id] = str(error)
+            continue
+        if recording is not None:
+            found[flight.flight_id] = recording.recorded
+    return found
+
+
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
     """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
     places = tuple(trial.candidate.place for trial in diagnosis.accepted)
@@ -306,6 +326,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
             {"effect": str(trial.candidate.place), "readouts": [_finite(asdict(mark)) for mark in row]}
             for trial, row in found.fingerprints
         ],
+        "missing_force": _finite(testimony_document(found.testimony)),
     }
 
 

@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
 from fieldkit.loop.fit import Fit, fit_robustly, leave_one_out, own_reading_sd, scale_grid
-from fieldkit.loop.model import SCATTER, Model, base_model, observe, shown
+from fieldkit.loop.model import SCATTER, Model, base_model, bent, observe, shown
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
@@ -137,8 +137,8 @@ def predict(
     lean = slope * rng.normal(size=(draws, len(planned))) * scales[:, :1]
     apogee = readings["apogee"] * np.exp(lean)
     reading = own_reading_sd(apogee) * scales[:, 1:] * rng.normal(size=apogee.shape)
-    cd = np.exp(_bent(part, values, "drag") + scatter["drag"])
-    alpha = np.exp(_bent(part, values, "thrust") + scatter["thrust"])
+    cd = np.exp(bent(part, values, "drag") + scatter["drag"])
+    alpha = np.exp(bent(part, values, "thrust") + scatter["thrust"])
     rests_on = int(np.sum(result.data.seen.any(axis=1)))
     return [
         Prediction(
@@ -168,16 +168,6 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
         for name, effect in effects().items()
         if effect.needs and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
-
-
-def _bent(model: Model, values: Array, what: str) -> Array:
-    return np.asarray(
-        sum(
-            values[:, i, None] * term.weight
-            for i, term in enumerate(model.terms)
-            if isinstance(term.bends, str) and term.bends == what
-        )
-    )
 
 
 def _drawn(

@@ -5,13 +5,16 @@ to that moment.
 """
 
 from dataclasses import dataclass
-from typing import Protocol, runtime_checkable
 
 import numpy as np
 
 from fieldkit.motors.motor import Motor
+from fieldkit.recording import Forces
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.atmosphere import GRAVITY, Air
+
+STEP = 0.001
+"""Of the thrust curve as it is compared. [s]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,7 +22,7 @@ class Track:
     """A measured climb, straight up, on one clock in SI units.
 
     `push` is thrust less drag over mass, as an axial accelerometer feels it, with its standard deviation; heights are
-    above the pad. `burning` is true up to burnout.
+    above the pad. `burning` is true up to burnout. `window` is how long each push was averaged [s].
     """
 
     time_from_liftoff: Float[Array, "time"]
@@ -28,29 +31,20 @@ class Track:
     push: Float[Array, "time"]
     push_sd: Float[Array, "time"]
     burning: Flags
+    window: float = 0.0
+
+    def part(self, rows: Flags) -> "Track":
+        """Some of its samples."""
+        return Track(*(getattr(self, name)[rows] for name in SAMPLED), self.window)
 
 
-@runtime_checkable
-class Measured(Protocol):
-    """What is taken of forces measured in a log, whoever measured them; as in `Track`."""
-
-    @property
-    def time_from_liftoff(self) -> Float[Array, "time"]: ...
-    @property
-    def height(self) -> Float[Array, "time"]: ...
-    @property
-    def speed(self) -> Float[Array, "time"]: ...
-    @property
-    def push(self) -> Float[Array, "time"]: ...
-    @property
-    def push_sd(self) -> Float[Array, "time"]: ...
-    @property
-    def burning(self) -> Flags: ...
+SAMPLED = tuple(name for name in Track.__dataclass_fields__ if name != "window")
+"""What a climb has one of at every sample."""
 
 
-def track_of(measured: Measured) -> Track:
+def track_of(measured: Forces) -> Track:
     """The climb of which forces were measured."""
-    return Track(*(getattr(measured, name) for name in Track.__dataclass_fields__))
+    return Track(*(getattr(measured, name) for name in SAMPLED), measured.window or 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -67,7 +61,10 @@ class Rocket:
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Missing:
-    """The missing force per mass along the climb [m/s^2], and the model's own thrust and drag per mass there."""
+    """The missing force per mass along the climb [m/s^2], and the model's own thrust and drag per mass there.
+
+    `burning` is true until the motor's curve ends, which is after top speed where thrust dies away slowly.
+    """
 
     track: Track
     rocket: Rocket
@@ -76,27 +73,34 @@ class Missing:
     steepness: Float[Array, "time"]
     """Rate of change of thrust per mass. [m/s^3]"""
     drag: Float[Array, "time"]
+    burning: Flags
 
 
 def beside_model(track: Track, rocket: Rocket) -> Missing:
     """Every sample beside the model's thrust and drag there."""
-    thrust, steepness, mass = _thrust(track.time_from_liftoff, rocket)
+    thrust, steepness, mass, burning = _thrust(track.time_from_liftoff, rocket, track.window)
     density = rocket.air.density * rocket.air.thinning(track.height)
     drag = 0.5 * density * rocket.drag_area * track.speed * np.abs(track.speed) / mass
-    return Missing(track, rocket, track.push - thrust + drag, thrust, steepness, drag)
+    return Missing(track, rocket, track.push - thrust + drag, thrust, steepness, drag, burning)
 
 
 def _thrust(
-    time: Float[Array, "time"], rocket: Rocket
-) -> tuple[Float[Array, "time"], Float[Array, "time"], Float[Array, "time"]]:
-    """Thrust per mass [m/s^2], its rate of change [m/s^3] and mass [kg] at times from lift-off."""
+    time: Float[Array, "time"], rocket: Rocket, window: float
+) -> tuple[Float[Array, "time"], Float[Array, "time"], Float[Array, "time"], Flags]:
+    """Thrust per mass [m/s^2], its rate of change [m/s^3], mass [kg] and whether it burns, at times from lift-off.
+
+    Thrust is averaged over a window [s], as what is compared with it was.
+    """
     motor, factor = rocket.motor, rocket.thrust_factor
     full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass
-    knots = np.linspace(0.0, motor.thrust_end, 2000)
-    curve = factor * np.interp(knots, motor.time, motor.thrust)
+    knots = np.arange(-window, motor.thrust_end + window + STEP, STEP)
+    curve = factor * np.interp(knots, motor.time, motor.thrust, left=0.0, right=0.0)
     lift_off = knots[int(np.argmax(curve > full * GRAVITY))]
-    spent = np.concatenate([[0.0], np.cumsum((curve[1:] + curve[:-1]) / 2)])
+    spent = np.concatenate([[0.0], np.cumsum((curve[1:] + curve[:-1]) / 2 * STEP)])
     mass = full - motor.propellant_mass * np.interp(time + lift_off, knots, spent / spent[-1])
+    if window:
+        ends = [np.interp(knots + half, knots, spent) for half in (-window / 2, window / 2)]
+        curve = (ends[1] - ends[0]) / window
     slope = np.gradient(curve, knots)
-    push, steep = (np.interp(time + lift_off, knots, values, right=0.0) for values in (curve, slope))
-    return push / mass, steep / mass, mass
+    push, steep = (np.interp(time + lift_off, knots, values, left=0.0, right=0.0) for values in (curve, slope))
+    return push / mass, steep / mass, mass, time + lift_off < motor.thrust_end

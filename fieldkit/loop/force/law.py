@@ -1,6 +1,6 @@
 """What the missing force of one climb is made of, in as few physical terms as will do."""
 
-from collections.abc import Sequence
+from collections.abc import Collection
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -55,8 +55,7 @@ def missing_force(track: Track, rocket: Rocket, guard: float = 0.0) -> Missing:
     time = track.time_from_liftoff
     burnout = float(time[track.burning].max(initial=-np.inf))
     flown = (track.speed > SLOWEST) & (np.abs(time - burnout) >= guard)
-    track = Track(*(getattr(track, name)[flown] for name in Track.__dataclass_fields__))
-    return beside_model(_on_time(track, rocket), rocket)
+    return beside_model(_on_time(track.part(flown), rocket), rocket)
 
 
 def _on_time(track: Track, rocket: Rocket) -> Track:
@@ -74,10 +73,10 @@ def _on_time(track: Track, rocket: Rocket) -> Track:
     return replace(track, time_from_liftoff=track.time_from_liftoff + min(SHIFTS, key=left))
 
 
-def law(missing: Missing, terms: Sequence[Term] | None = None) -> Law:
-    """The fewest terms that the missing force is made of."""
-    known = {term.name: term for term in (library() if terms is None else terms)}
-    whole = regression(missing, list(known.values()))
+def law(missing: Missing, free: Collection[str] = ()) -> Law:
+    """The fewest terms that the missing force is made of; `free` as in `regression`."""
+    known = {term.name: term for term in library()}
+    whole = regression(missing, list(known.values()), free)
 
     def gain(chosen: list[str], name: str) -> float:
         return whole.cost(chosen) - whole.cost([*chosen, name]) - price(len(chosen), len(whole.columns))

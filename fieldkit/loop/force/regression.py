@@ -19,6 +19,8 @@ STRICT = 1.0
 """Weight of the number of candidates in the extended criterion. [1]"""
 MOST = 4
 """Terms at most."""
+SEEN = 1e-3
+"""Share of a term that must be left beside what is free, for the climb to show it. [1]"""
 NEARLY = 4.0
 """Of the criterion, within which another term is named beside the chosen one. [1]"""
 
@@ -36,7 +38,8 @@ class Chosen:
 class Regression:
     """The missing force of a climb and the terms that it could show, in standard deviations of a sample.
 
-    What a shift of the clock would do is taken out of all of them where the motor burns. `worth` is the number of
+    What is free in every flight is taken out of all of them: a shift of the clock where the motor burns, and what
+    else was asked for. `worth` is the number of
     independent samples that the record is worth, `spent` the unknowns already taken out.
     """
 
@@ -65,14 +68,21 @@ class Regression:
         return inverse @ (basis.T @ self.wanted), np.sqrt(np.diag(inverse) * scatter)
 
 
-def regression(missing: Missing, terms: Sequence[Term]) -> Regression:
-    """The regression of a missing force on those terms that act somewhere along its climb."""
+def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = ()) -> Regression:
+    """The regression of a missing force on those terms that act somewhere along its climb.
+
+    Terms named in `free` are taken out beforehand rather than put to the test.
+    """
     sd, burning = missing.track.push_sd, missing.track.burning.sum() > 3
-    clock = [missing.steepness / sd] if burning else []
-    wanted = _left(missing.force / sd, clock)
     whole = {term.name: term.column(missing) / sd for term in terms}
-    columns = {name: _left(column, clock) for name, column in whole.items() if np.linalg.norm(column) > 1e-9}
-    return Regression(wanted, columns, _worth(wanted, list(columns.values())), len(clock))
+    given = [missing.steepness / sd] * bool(burning) + [whole.pop(name) for name in free]
+    wanted = _left(missing.force / sd, given)
+    acting = {name: column for name, column in whole.items() if np.linalg.norm(column) > 1e-9}
+    columns = {name: _left(column, given) for name, column in acting.items()}
+    columns = {
+        name: left for name, left in columns.items() if np.linalg.norm(left) > SEEN * np.linalg.norm(acting[name])
+    }
+    return Regression(wanted, columns, _worth(wanted, list(columns.values())), len(given))
 
 
 def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[Chosen, ...]:

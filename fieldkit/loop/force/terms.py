@@ -54,6 +54,6 @@ def _forces() -> Iterator[Term]:
                 force(State(track.height, track.speed, at.drag, burning, at.rocket.air), one)
                 for burning in (True, False)
             ]
-            return np.where(track.burning, *phases)
+            return np.where(at.burning, *phases)
 
         yield Term(effect.title, name, effect.unit, column)

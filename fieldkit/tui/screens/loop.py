@@ -175,7 +175,7 @@ class LoopScreen(PageScreen):
         self.ask(partial(self._look, rocket), self._looked, "look")
 
     def _look(self, rocket: str) -> "Findings":
-        from fieldkit.loop.desk import close_loop
+        from fieldkit.loop.desk import close_loop, kept_logs
         from fieldkit.loop.findings import findings
 
         def tell(start: float, part: float) -> Callable[[str, float], None]:
@@ -184,8 +184,9 @@ class LoopScreen(PageScreen):
 
             return told
 
-        diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.7))
-        return findings(rocket, diagnosis, tell(0.7, 0.3))
+        diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.6))
+        logs = kept_logs(self.desk.ledger, diagnosis, tell(0.6, 0.1))
+        return findings(rocket, diagnosis, tell(0.7, 0.3), logs)
 
     @on(Told)
     def _told(self, message: Told) -> None:
@@ -204,6 +205,8 @@ class LoopScreen(PageScreen):
         self._front()
 
     def _show_verdict(self, found: "Findings") -> None:
+        from fieldkit.loop.force.words import climbs_in_words
+
         diagnosis = found.diagnosis
         parts: list[str | tuple[str, str]] = [
             (f"Verdict: {diagnosis.effect}", "b $primary"),
@@ -225,6 +228,7 @@ class LoopScreen(PageScreen):
         if diagnosis.also:
             parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
             parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
+        parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
         parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
         for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
             parts += [f"{line}\n" for line in self._errors(title, compared)]
