@@ -51,7 +51,8 @@ def test_one_flight_decides_nothing_however_strong_its_force() -> None:
     odd = flown("base drag", 0.8, 9)
     assert odd.cost([]) - odd.cost(["base drag"]) > 100
     assert common_law([odd], library()) == ()
-    assert common_law([odd, *(flown("", 0.0, seed) for seed in range(FLIGHTS - 1))], library()) == ()
+    together = common_law([odd, *(flown("", 0.0, seed) for seed in range(FLIGHTS - 1))], library())
+    assert "base drag" not in [found.term.name for found in together]
 
 
 def test_flights_that_disagree_in_sign_have_no_law() -> None:
