@@ -65,7 +65,7 @@ def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float
     speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
     coasting = ~burning & (speed > _SLOWEST)
     dynamic = 0.5 * standard_density(climb.height[flown] + pad_elevation) * speed**2
-    with np.errstate(divide="ignore", invalid="ignore"):
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
         area = np.where(coasting, -felt / dynamic, np.nan)
         area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
     return Forces(
