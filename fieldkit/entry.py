@@ -57,8 +57,8 @@ QUESTIONS = (
     _asked("dry_mass", offered=True),
     _asked("diameter", offered=True),
     Question("site", "Site", "Name of the field.", offered=True),
-    _asked("wind"),
-    _asked("temperature"),
+    _asked("wind", offered=True),
+    _asked("temperature", offered=True),
     Question("notes", "Notes", "Anything else."),
 )
 """What is asked of a flight, the readouts in the order in which the altimeter shows them."""

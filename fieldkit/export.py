@@ -5,14 +5,20 @@ import io
 from collections.abc import Sequence
 
 from fieldkit.flight import COLUMNS, Flight, table_headers, table_row
+from fieldkit.safe_text import as_cell
+
+NUMBERS = {column.header for column in COLUMNS}
+"""Headers below which there are numbers alone, which may be negative."""
 
 
 def csv_table(flights: Sequence[Flight]) -> str:
-    """A flight table that imports again as the same flights."""
+    """A flight table that imports again as the same flights, and in which a spreadsheet finds nothing to compute."""
     out = io.StringIO()
-    writer = csv.DictWriter(out, table_headers(flights), restval="", lineterminator="\n")
-    writer.writeheader()
-    writer.writerows(table_row(flight) for flight in flights)
+    headers = table_headers(flights)
+    writer = csv.writer(out, lineterminator="\n")
+    writer.writerow(map(as_cell, headers))
+    for row in map(table_row, flights):
+        writer.writerow(row.get(name, "") if name in NUMBERS else as_cell(row.get(name, "")) for name in headers)
     return out.getvalue()
 
 

@@ -37,6 +37,16 @@ class Column:
         """The column's name at the edge, unit and all: `apogee_m`."""
         return f"{self.name}_{self.suffix}"
 
+    @property
+    def sd_header(self) -> str:
+        """The extra column that holds the standard deviation of a measured readout: `apogee_sd_m`."""
+        return f"{self.name}_sd_{self.suffix}"
+
+    @property
+    def stated_header(self) -> str:
+        """The extra column that holds what the device itself stated: `stated_apogee_m`."""
+        return f"stated_{self.header}"
+
     def parse(self, text: str, unit: str | None = None) -> float:
         """The SI value of a text; a number without a unit is in `unit`, or this column's own."""
         return units.parse(text, self.quantity, unit or self.unit)
@@ -197,6 +207,8 @@ class Flight:
         return replace(self, **changes)  # type: ignore[arg-type]
 
 
+MOTOR_TEMPERATURE = "motor_temperature_c"
+"""Extra column of a planned flight: how warm the motor is, for a safety check alone."""
 FIELDS = tuple(f.name for f in fields(Flight))
 TEXT_COLUMNS = ("flight_id", "date_time", "rocket", "config", "motor", "site", "tags", "notes", "log")
 """The columns of a flight table that are not numbers."""

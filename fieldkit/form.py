@@ -6,8 +6,11 @@ from fieldkit.entry import NOTHING, QUESTIONS, Question, answer_text, read_answe
 from fieldkit.errors import BadValue
 from fieldkit.flight import Column, Flight
 from fieldkit.ledger import Added, Ledger
+from fieldkit.ledger.sites import site_of
 from fieldkit.motors import is_cluster
 
+WEATHER = ("wind", "temperature")
+"""Questions whose answers belong to the day."""
 DRAFT = "add"
 UNITS = "units"
 """Names under which the ledger keeps what was typed so far, and the units that were typed last."""
@@ -34,12 +37,21 @@ def offer(ledger: Ledger, flight: Flight, question: Question) -> str:
         return "cluster" if is_cluster(flight.motor) else ""
     if not question.offered:
         return ""
+    if question.name in WEATHER:
+        return _weather(ledger, question.name)
     rocket = None if question.name == "rocket" else flight.rocket
     config = flight.config if question.name == "dry_mass" else None
     last = ledger.latest(rocket, config)
     if last is None and question.name == "site":
         last = ledger.latest()
     return answer_text(last, question.name) if last else ""
+
+
+def _weather(ledger: Ledger, name: str) -> str:
+    """What the last flight of this very day had: weather belongs to a flight, and the next one's is likely the same."""
+    last = ledger.latest()
+    same_day = last is not None and last.date_time is not None and last.date_time.date() == datetime.now().date()
+    return answer_text(last, name) if last is not None and same_day else ""
 
 
 def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
@@ -52,7 +64,7 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
 
 
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
-    """Give a typed flight a number and a time where it has none, and put it in the ledger.
+    """Give a typed flight a number, a time and its site's elevation where it has none, and put it in the ledger.
 
     Raises BadValue for a flight without a rocket or without anything that was observed of it.
     """
@@ -60,6 +72,8 @@ def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Fli
         raise BadValue("the answers ended before the rocket was named, nothing was added")
     if not (flight.readouts() or flight.tags):
         raise BadValue("found no readout and no tag, expected at least one; nothing was added")
+    if flight.site and flight.site_elevation is None:
+        flight = flight.with_changes(site_elevation=site_of(ledger, flight.site).elevation)
     flight = flight.with_changes(
         flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
         date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),

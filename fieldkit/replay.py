@@ -7,9 +7,10 @@ from types import MappingProxyType
 
 from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
 from fieldkit.flight import Flight
-from fieldkit.intake import read_file
+from fieldkit.intake import read_file, recordings_of
 from fieldkit.ledger import Ledger
-from fieldkit.parsing import Reading, derived_id, parsers, read, read_recordings
+from fieldkit.parsing import Reading, derived_id, read, read_recordings
+from fieldkit.parsing.parts import same_moment
 from fieldkit.reading import Choice
 from fieldkit.recording import Figure, Recorded, measure, measured_sd
 
@@ -35,20 +36,21 @@ def recording_of(ledger: Ledger, id: str, choices: Sequence[Choice] = ()) -> Rec
     `choices` say which columns of a table of samples are what, best first.
     Raises LedgerError for an id that means no flight, and where a log of several flights does not say which it is.
     """
-    flight, log = ledger.flight(id), ledger.log(id)
-    if log is None:
-        return None
-    known = flight.extra.get("log_format")
+    flight = ledger.flight(id)
     try:
-        readings = read_recordings(log, id, known if known in parsers() else None, choices)
+        readings = recordings_of(ledger, id, choices)
     except (DamagedLog, UnknownFormat):
         return None
     readings = [one for one in readings if one.describes == "flight"] or readings
+    if not readings:
+        return None
     return _recording(id, _part(flight, readings, id))
 
 
 def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
-    """Which of a log's readings a flight is."""
+    """Which of a log's readings a flight is: by its lift-off, its number among them, or its name."""
+    if len(same := [one for one in readings if same_moment(one.stated.get("date_time"), flight.date_time)]) == 1:
+        return same[0]
     part = flight.extra.get("log_part", "1" if len(readings) == 1 else "")
     if part.isdecimal() and 1 <= int(part) <= len(readings):
         return readings[int(part) - 1]

@@ -1,9 +1,11 @@
-"""Text from a log or a table, made harmless for a terminal.
+"""Text from a log or a table, made harmless for a terminal and for a spreadsheet.
 
-The ledger keeps a text as it came; a screen or a message shows it through `printable`. Square
-brackets stay: what draws with rich wraps a text in `rich.text.Text` or `rich.markup.escape`.
+The ledger keeps a text as it came; a screen or a message shows it through `printable`, a table that is exported
+holds it as `as_cell`. Square brackets stay: what draws with rich wraps a text in `rich.text.Text` or
+`rich.markup.escape`.
 """
 
+import re
 import unicodedata
 
 _BLANK = {ord(c): " " for c in "\t\n\v\f\r\x1c\x1d\x1e\x1f\x85\u2028\u2029"}
@@ -28,3 +30,20 @@ def printable(text: str) -> str:
     writing direction or hides itself as its number, `<U+202E>`. Other text is unchanged.
     """
     return "".join(map(_picture, text.translate(_BLANK)))
+
+
+_FORMULA = re.compile("'*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
+"""How a cell begins that a spreadsheet may compute, the full-width signs among them.
+
+Source: OWASP, CSV Injection, https://owasp.org/www-community/attacks/CSV_Injection.
+"""
+
+
+def as_cell(text: str) -> str:
+    """A text for a cell of a table, with an apostrophe before what a spreadsheet would take for a formula."""
+    return f"'{text}" if _FORMULA.match(text) else text
+
+
+def from_cell(cell: str) -> str:
+    """The text that `as_cell` made a cell of."""
+    return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell

@@ -16,11 +16,16 @@ THEMES = ("field", "sun", "night", "terminal")
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """What was chosen. `target` is the apogee that motors are compared against, None for none. [m]"""
+    """What was chosen. `target` is the apogee that motors are compared against, None for none. [m]
+
+    `rail_length` [m] and `rail_angle` [rad] are of the usual rail, for plans that name none.
+    """
 
     units: str = UNITS[0]
     theme: str = THEMES[0]
     target: float | None = None
+    rail_length: float | None = None
+    rail_angle: float | None = None
 
 
 def read_settings(file: Path | None = None) -> Settings:
@@ -30,12 +35,18 @@ def read_settings(file: Path | None = None) -> Settings:
     except (OSError, ValueError):
         return Settings()
     kept = kept if isinstance(kept, dict) else {}
-    target = kept.get("target")
     return Settings(
         units=kept["units"] if kept.get("units") in UNITS else UNITS[0],
         theme=kept["theme"] if kept.get("theme") in THEMES else THEMES[0],
-        target=float(target) if isinstance(target, int | float) and 0 < target < 1e6 else None,
+        target=_number(kept.get("target"), 1e6),
+        rail_length=_number(kept.get("rail_length"), 100.0),
+        rail_angle=_number(kept.get("rail_angle"), 1.5),
     )
+
+
+def _number(kept: object, most: float) -> float | None:
+    """A number above nothing and below a bound, else None."""
+    return float(kept) if isinstance(kept, int | float) and 0 < kept < most else None
 
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:

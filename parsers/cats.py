@@ -51,15 +51,17 @@ def kind_of(names: Sequence[str]) -> str:
 
 
 def recognises(head: bytes) -> bool:
-    found = find_header(head, lambda names: bool(kind_of(names)), (",",))
+    found = find_header(head, lambda names: bool(kind_of(names)))
     return found is not None and found.row <= 2
 
 
 def read(log: bytes) -> list[Found]:
-    head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts", (",",))
+    head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts")
     axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
     wanted = head.channels(CHANNELS) + axes
-    parts, found = read_columns(log, wanted, after=head.row, widths={len(head.names)}).flights()
+    parts, found = read_columns(
+        log, wanted, after=head.row, separator=head.separator, widths={len(head.names)}
+    ).flights()
     clocks = [tuple(one for sensor in _sensors(part) for one in _series(sensor, found)) for part in parts]
     if not any(clocks):
         raise DamagedLog("found no channel whose unit is certain, expected pressure in Pa or acceleration")

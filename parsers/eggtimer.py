@@ -108,12 +108,9 @@ def _flights(log: bytes, part: _Part) -> list[Found]:
     channels = [Channel("time", 0, needed=True, header="T"), Channel("altitude", 1, needed=True, header="Alt"), *flags]
     if speed is not None:
         channels.append(Channel("speed", speed))
-    decimal = "," if head.separator != "," and b"," in log[part.start : part.start + 2000] else "."
     widths = {len(head.names), len(head.names) + 1}
     after = head.row - above
-    parts, remarks = read_columns(
-        body, channels, after=after, separator=head.separator, decimal=decimal, widths=widths
-    ).flights()
+    parts, remarks = read_columns(body, channels, after=after, separator=head.separator, widths=widths).flights()
     found: list[Found] = []
     for one in parts:
         reading = _reading(one, part)

@@ -76,14 +76,15 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
     mark = head.separator.encode()
     for row, line in enumerate(lines(log), start=1):
         cells = line.rstrip(b"\r").split(mark)
-        clock = cells[2].split(b":") if len(cells) > 2 and row > head.row else []
+        clock = cells[2].replace(b",", b".").split(b":") if len(cells) > 2 and row > head.row else []
         if len(clock) == 3:
             try:
                 hours, minutes, seconds = map(float, clock)
             except ValueError:
                 pass
             else:
-                cells[2] = b"%.3f" % (hours * 3600 + minutes * 60 + seconds)
+                seconds += hours * 3600 + minutes * 60
+                cells[2] = (b"%.3f" % seconds).replace(b".", b"," if b"," in cells[2] else b".")
         yield mark.join(cells)
 
 

@@ -17,7 +17,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
 from fieldkit.logs.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.safe_text import printable
+from fieldkit.safe_text import from_cell, printable
 
 SEPARATORS = (",", ";", "\t")
 OURS = ("flight_id", "rocket", "config", "motor", "date_time")
@@ -52,7 +52,7 @@ def read(log: bytes) -> list[Found]:
     text = decode_whole(log)
     separator = _separator(text)
     header_row, spelled = first_row(text, separator)
-    headings = _headings(spelled, header_row)
+    headings = _headings([from_cell(name) for name in spelled], header_row)
     table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
@@ -193,11 +193,13 @@ def _reading(
 def _known_header(cell: str, heading: Heading) -> str:
     if not heading.spelled:
         raise BadValue(f"found {shown(cell)} under an empty header, expected the header to be named")
-    return cell
+    return from_cell(cell)
 
 
 def _value(cell: str, heading: Heading, mark: str) -> object:
     """The value of a cell: SI, a date, tags or text. Raises BadValue. [SI]"""
+    if heading.field not in BY_NAME:
+        cell = from_cell(cell)
     if heading.field == "notes":
         return cell
     if heading.field == "date_time":

@@ -10,7 +10,7 @@ from fieldkit.logs.simulations import read_simulation
 from fieldkit.logs.text import decode, first_row
 from fieldkit.parsing import HEAD, Found, Parser
 
-_HEADER = re.compile(r"\s*Time \(sec\)\s*,\s*Stage\s*,\s*Stage Time \(sec\)\s*,", re.IGNORECASE)
+_HEADER = re.compile(r"\s*Time \(sec\)\s*([,;\t])\s*Stage\s*\1\s*Stage Time \(sec\)\s*\1", re.IGNORECASE)
 
 
 def recognises(head: bytes) -> bool:
@@ -19,10 +19,11 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     text = decode(log[:HEAD])
-    if not _HEADER.match(text):
+    found = _HEADER.match(text)
+    if not found:
         raise DamagedLog("found no header of RASAero II, expected Time (sec),Stage,Stage Time (sec),...", row=1)
-    row, names = first_row(text, ",")
-    return read_simulation(log, names, "RASAero II", after=row)[1]
+    row, names = first_row(text, found[1])
+    return read_simulation(log, names, "RASAero II", after=row, separator=found[1])[1]
 
 
 PARSER = Parser("RASAero II simulation (CSV)", recognises, read)

@@ -6,6 +6,7 @@ that the speed makes of them must be the one that the height shows.
 """
 
 from fieldkit.errors import DamagedLog
+from fieldkit.logs.header import SEPARATORS
 from fieldkit.logs.headings import heading, stated_unit, unit_named
 from fieldkit.logs.simulations import base_words, channel_of, read_simulation
 from fieldkit.logs.text import decode, first_row
@@ -15,14 +16,22 @@ _OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
 
 
 def recognises(head: bytes) -> bool:
-    return _is_rocksims(first_row(decode(head), ",")[1])
+    return _header(head) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    row, names = first_row(decode(log[:HEAD]), ",")
-    if not _is_rocksims(names):
-        raise DamagedLog("found no header of RockSim, expected one such as Time,Thrust N,Altitude Feet", row=row or 1)
-    return read_simulation(log, names, "RockSim", after=row, seconds=True)[1]
+    found = _header(log[:HEAD])
+    if found is None:
+        raise DamagedLog("found no header of RockSim, expected one such as Time,Thrust N,Altitude Feet", row=1)
+    row, names, separator = found
+    return read_simulation(log, names, "RockSim", after=row, separator=separator, seconds=True)[1]
+
+
+def _header(head: bytes) -> tuple[int, list[str], str] | None:
+    """The row of names, the names and what parts them, or None where none is RockSim's."""
+    text = decode(head)
+    rows = ((*first_row(text, separator), separator) for separator in SEPARATORS)
+    return next((one for one in rows if _is_rocksims(one[1])), None)
 
 
 def _is_rocksims(names: list[str]) -> bool:

@@ -15,8 +15,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import Header, find_header, header_or_damage
-from fieldkit.logs.text import decode
+from fieldkit.logs.header import find_header, header_or_damage
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.standard_air import pressure_height
@@ -53,7 +52,6 @@ def read(log: bytes) -> list[Found]:
         [replace(c, unit=UNITS["pressure"]["mbar"]) if c.name == "pressure" else c for c in channels],
         after=head.row,
         separator=head.separator,
-        decimal=_decimal(log, head),
         words={name: NAMES.index(name) for name in WORDS},
     ).flights()
     readings = [_reading(part, found) for part in parts]
@@ -91,12 +89,6 @@ def _temperature(table: Table) -> Float[Array, "row"] | None:
     known, which = table.words["temperature"]
     degrees = np.array([float(word) if re.fullmatch(r"\s*-?\d{1,3}([.]\d*)?\s*", word) else np.nan for word in known])
     return None if np.isnan(degrees[which]).all() else degrees[which]
-
-
-def _decimal(log: bytes, head: Header) -> str:
-    """The decimal mark: a comma where something else parts the cells and commas are in the first rows."""
-    rows = decode(log[:4096]).splitlines()[head.row : head.row + 10]
-    return "," if head.separator != "," and any("," in row for row in rows) else "."
 
 
 def _without_garbage(table: Table) -> tuple[Table, list[Found]]:

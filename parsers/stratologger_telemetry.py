@@ -7,21 +7,26 @@ from launch on, all are. The first kind shows by a step down to about nothing af
 Source: docs/telem.md (UND-ARC/StratoLogger).
 """
 
-import re
 from datetime import datetime
 
 import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
+from fieldkit.logs.columns import Channel, read_columns
 from fieldkit.logs.text import decode, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.units import FOOT
+from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.units import FOOT, UNITS
 
 TITLE = "StratoLogger live telemetry, captured by fieldkit"
-ON_PAD = 30
-"""Heights of a rocket that is still on its pad, by its own barometer. [ft]"""
-ROW = re.compile(r"(\d{1,7}\.\d{3}),(-?\d{1,6})?")
+ON_PAD = 30 * FOOT
+"""Heights of a rocket that is still on its pad, by its own barometer. [m]"""
+MOST_HEADER = 100
+"""The row of columns is looked for among so many lines. [1]"""
+CHANNELS = (
+    Channel("time", 0, needed=True, header="seconds"),
+    Channel("altitude", 1, UNITS["length"]["ft"], header="feet"),
+)
 
 
 def recognises(head: bytes) -> bool:
@@ -29,36 +34,30 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    lines = decode(log).splitlines()
-    if "seconds,feet" not in lines:
+    head = decode(log[:HEAD]).splitlines()[:MOST_HEADER]
+    if "seconds,feet" not in head:
         raise DamagedLog("found no row seconds,feet, expected it before the samples", row=1)
-    header = lines.index("seconds,feet")
-    notes: list[Found] = []
-    samples: list[tuple[float, int]] = []
-    lost: list[int] = []
-    for row, line in enumerate(lines[header + 1 :], start=header + 2):
-        match = ROW.fullmatch(line)
-        if not match:
-            notes.append(DamagedLog(f"found {shown(line)}, expected seconds,feet", row=row))
-        elif match[2] is None:
-            lost.append(row)
-        else:
-            samples.append((float(match[1]), int(match[2])))
-    if lost:
-        notes.append(Note(f"is the first of {len(lost)} lines that were no number and are left out", lost[0]))
+    header = head.index("seconds,feet")
+    table = read_columns(log, CHANNELS, after=header + 1, widths={2})
+    notes = list(table.found)
+    heard = ~np.isnan(table.values["altitude"])
+    if not heard.all():
+        lost = table.rows[~heard]
+        notes.append(Note(f"is the first of {len(lost)} lines that were no number and are left out", int(lost[0])))
     stated: dict[str, object] = {}
-    began = next((line.removeprefix("began,") for line in lines[:header] if line.startswith("began,")), "")
+    began = next((line.removeprefix("began,") for line in head[:header] if line.startswith("began,")), "")
     try:
         stated["date_time"] = datetime.fromisoformat(began).replace(tzinfo=None) if began else None
     except ValueError:
         notes.append(DamagedLog(f"found {shown(began)}, expected a date and time", row=2))
-    if len(samples) > 1 and abs(samples[0][1]) > ON_PAD >= abs(samples[1][1]):
-        stated["site_elevation"] = samples.pop(0)[1] * FOOT
-    if not samples:
+    time, height = table.values["time"][heard], table.values["altitude"][heard]
+    if len(height) > 1 and abs(height[0]) > ON_PAD >= abs(height[1]):
+        stated["site_elevation"] = float(height[0])
+        time, height = time[1:], height[1:]
+    if not len(height):
         raise DamagedLog("found no sample, expected rows of seconds,feet", row=header + 1)
-    time, feet = np.array(samples, dtype=np.float64).T
     order = np.argsort(time, kind="stable")
-    series = Series(time=time[order] - time.min(), altitude=feet[order] * FOOT)
+    series = Series(time=time[order] - time.min(), altitude=height[order])
     return [Reading(stated, series=series, device="PerfectFlite StratoLogger"), *notes]
 
 

@@ -11,7 +11,14 @@ from jaxtyping import install_import_hook
 
 from tests import checker
 
-CHECKED = ("fieldkit.simulator", "fieldkit.motors", "fieldkit.inference", "fieldkit.loop", "fieldkit.plan")
+CHECKED = (
+    "fieldkit.simulator",
+    "fieldkit.motors",
+    "fieldkit.inference",
+    "fieldkit.loop",
+    "fieldkit.plan",
+    "fieldkit.report",
+)
 
 if os.environ["FIELDKIT_CHECK_SHAPES"]:
     install_import_hook(CHECKED, f"{checker.__name__}.{checker.check.__name__}")

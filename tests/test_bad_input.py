@@ -9,6 +9,7 @@ from concurrent.futures import ProcessPoolExecutor
 from multiprocessing import get_context
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -93,21 +94,35 @@ BIG = """
 import resource, sys, time
 from pathlib import Path
 from fieldkit.errors import FieldkitError
-from fieldkit.parsing import read
-log = Path(sys.argv[1]).read_bytes()
+from fieldkit.intake import gather
 begun = time.monotonic()
 try:
-    intake = read(log, "big.log", lambda name: None, sys.argv[2])
-    said = f"{len(intake.flights)} flights, {len(intake.rejected)} rejected, {len(intake.notes)} notes"
+    got = gather([Path(sys.argv[1])], lambda name: None, format=sys.argv[2])
+    said = f"{len(got.arrivals)} flights, {len(got.rejected)} rejected, {len(got.notes)} notes"
 except FieldkitError as error:
     said = str(error)[:100]
 used = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024
 print(f"{used:.0f} MB, {time.monotonic() - begun:.1f} s, {said}")
 """
+"""Reads a file as `fieldkit import` does, before a ledger is opened."""
 
 
 CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
 """Starts a process that does not inherit the peak of the one that tests."""
+
+
+def run_clean(home: Path, code: str, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """A program run in a process of its own, which must end well."""
+    ran = subprocess.run(
+        [sys.executable, "-c", CLEAN, sys.executable, "-c", code, *arguments],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=600,
+        env={"PYTHONPATH": str(ROOT), "PATH": "", "HOME": str(home)},
+    )
+    assert ran.returncode == 0, ran.stderr[-2000:]
+    return ran
 
 
 def write_repeated(file: Path, log: bytes, size: int) -> None:
@@ -120,6 +135,62 @@ def write_repeated(file: Path, log: bytes, size: int) -> None:
         while stream.tell() < size:
             stream.write(rows)
         stream.truncate(size)
+
+
+def write_going_on(file: Path, log: bytes, size: int) -> None:
+    """A log of a size whose rows come over and over while its clocks, the columns that grow all along, go on."""
+    separator, rows, clocks = clocks_of(log)
+    head = log[: log.index(separator.join(rows[0]))]
+    span = [float(rows[-1][c]) - float(rows[0][c]) + float(rows[1][c]) - float(rows[0][c]) for c in clocks]
+    with file.open("wb") as stream:
+        stream.write(head)
+        for turn in range(size):
+            for cells in rows:
+                for clock, more in zip(clocks, span, strict=True):
+                    cells[clock] = b"%.4f" % (float(cells[clock]) + more * (turn > 0))
+                stream.write(separator.join(cells) + b"\n")
+            if stream.tell() > size:
+                break
+        stream.truncate(size)
+
+
+def clocks_of(log: bytes) -> tuple[bytes, list[list[bytes]], list[int]]:
+    """What parts the cells of a table, the longest run of its rows in which a column grows, and all that grow in it."""
+    lines = log.replace(b"\r", b"").split(b"\n")[1:-1]
+    for separator in (b",", b"\t", b";"):
+        widths = Counter(line.count(separator) for line in lines)
+        width = max(widths, key=widths.__getitem__, default=0)
+        rows = [line.split(separator) for line in lines if line.count(separator) == width]
+        columns = [np.array([number(cells[place]) for cells in rows]) for place in range(width + 1)]
+        start, stop = max((longest_growth(one) for one in columns), key=lambda run: run[1] - run[0], default=(0, 0))
+        if width and stop - start > 50:
+            grows = [i for i, one in enumerate(columns) if (np.diff(one[start:stop]) > 0).all()]
+            return separator, rows[start:stop], grows
+    return b"", [], []
+
+
+def longest_growth(values: np.ndarray) -> tuple[int, int]:
+    """Where the longest run of numbers begins and ends in which each is more than the one before."""
+    ends = np.flatnonzero(~(np.diff(values) > 0))
+    bounds = np.concatenate([[-1], ends, [len(values) - 1]])
+    run = int(np.argmax(np.diff(bounds)))
+    return int(bounds[run]) + 1, int(bounds[run + 1]) + 1
+
+
+def number(cell: bytes) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return float("nan")
+
+
+def biggest(name: str) -> bytes:
+    """The largest sample log of a parser."""
+    return max((s for s in SAMPLES if owner(s) == name), key=lambda s: s.stat().st_size).read_bytes()
+
+
+WHOLE = [*parsers(), *(f"{name} that goes on" for name in parsers() if clocks_of(biggest(name))[2])]
+"""Every parser, and again those of logs with a clock in their rows, for one that goes on."""
 
 
 def write_waiting(file: Path, size: int, flown: bool = False) -> None:
@@ -141,27 +212,20 @@ def flown_height(time: float) -> float:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*parsers(), "mapped_table that goes on"])
+@pytest.mark.parametrize("name", [*WHOLE, "mapped_table that waits"])
 def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     size = 100 * 1024 * 1024
     file = tmp_path / "big.log"
     if name in parsers():
-        sample = max((s for s in SAMPLES if owner(s) == name), key=lambda s: s.stat().st_size)
-        write_repeated(file, sample.read_bytes(), size)
+        write_repeated(file, biggest(name), size)
+    elif name.endswith("goes on"):
+        write_going_on(file, biggest(name.split()[0]), size)
     else:
         write_waiting(file, size)
-    ran = subprocess.run(
-        [sys.executable, "-c", CLEAN, sys.executable, "-c", BIG, str(file), name.split()[0]],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        env={"PYTHONPATH": str(ROOT), "PATH": "", "HOME": str(tmp_path)},
-    )
+    ran = run_clean(tmp_path, BIG, str(file), name.split()[0])
     file.unlink()
-    assert ran.returncode == 0, ran.stderr[-2000:]
     with capsys.disabled():
         sys.stdout.write(f"\n{name}: {ran.stdout.strip()}\n")
     assert float(ran.stdout.split()[0]) < LARGEST
@@ -183,17 +247,8 @@ def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_m
 ) -> None:
     file = tmp_path / "big.csv"
     write_waiting(file, 100 * 1024 * 1024, flown=True)
-    command = [sys.executable, "-c", IMPORT, "--ledger", str(tmp_path / "ledger.db"), "import", str(file)]
-    ran = subprocess.run(
-        [sys.executable, "-c", CLEAN, *command],
-        cwd=ROOT,
-        capture_output=True,
-        text=True,
-        timeout=600,
-        env={"PYTHONPATH": str(ROOT), "PATH": "", "HOME": str(tmp_path)},
-    )
+    ran = run_clean(tmp_path, IMPORT, "--ledger", str(tmp_path / "ledger.db"), "import", str(file))
     file.unlink()
-    assert ran.returncode == 0, ran.stderr[-2000:]
     assert "1 imported" in ran.stdout
     assert "no figure" not in ran.stderr
     used = ran.stderr.split("\n")[-2]

@@ -106,7 +106,7 @@ def test_wrong_usage_ends_with_two(run: Run) -> None:
 
 def test_import_counts_what_is_new_and_what_is_there(run: Run, table: Path) -> None:
     first = run("import", table, "--json").document
-    assert first == {"imported": 3, "duplicates": 0, "rejected": [], "flights": ["1", "2", "3"]}
+    assert first == {"imported": 3, "duplicates": 0, "rejected": [], "joined": [], "flights": ["1", "2", "3"]}
     assert run("import", table, "--json").document["duplicates"] == 3
     assert run("import", table).out == "0 imported, 3 there already, 0 rejected\n"
 

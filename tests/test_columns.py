@@ -47,7 +47,7 @@ def test_an_absent_number_is_nan_and_no_damage(gap: str) -> None:
 
 @pytest.mark.parametrize("cell", ["1_0", "٣", "0x10", "1,5", "--1", "1e999", "12 3", "5ft"])
 def test_what_is_no_plain_number_is_never_taken_for_one(cell: str) -> None:
-    table = read_columns(f"0;1\n1;{cell}\n2;3\n".encode(), CHANNELS, after=0, separator=";")
+    table = read_columns(f"0;1.5\n1;{cell}\n2;3\n".encode(), CHANNELS, after=0, separator=";")
     assert table.values["time"].tolist() == [0, 2]
     assert len(table.found) == 1
 

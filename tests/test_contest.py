@@ -1,6 +1,7 @@
 """Contest seasons: the rule is in the file, and the points are those of the rule."""
 
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -9,7 +10,13 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.loop.paper.reference import TABLE
-from fieldkit.plan.contest import chance_to_qualify, descent_speeds, score, season, seasons
+from fieldkit.motors import Found, catalogue
+from fieldkit.plan.air import air_of
+from fieldkit.plan.contest import allowed, outlook, score, season, seasons
+from fieldkit.plan.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
+from fieldkit.plan.desk import Rocket
+from fieldkit.simulator.field import field_setup
+from fieldkit.simulator.flight import fly
 from fieldkit.units import FOOT
 
 
@@ -31,14 +38,109 @@ def test_feet_and_seconds_outside_cost_points() -> None:
     assert [points for _, points in score(rule, flights)] == pytest.approx([10.0, 13.0, 0.0], abs=1e-9)
 
 
-def test_descent_is_read_or_follows_from_the_duration() -> None:
-    flights = [Flight(descent_speed=6.0), Flight(apogee=240.0, duration=50.0), Flight(tags=("damaged",), duration=9.0)]
-    assert descent_speeds(flights) == pytest.approx([6.0, 6.0])
+def test_the_target_and_window_of_the_day_count(tmp_path: Path) -> None:
+    rule = season(2027).announced(785 * FOOT, (36.0, 39.0))
+    assert float(rule.points(np.array(785 * FOOT), np.array(40.0))) == pytest.approx(4.0)
+    (tmp_path / "2027.toml").write_text("season = 2027\n")
+    with pytest.raises(BadValue, match=r"2027\.toml.*window_s"):
+        season(2027, tmp_path)
 
 
 def test_the_two_best_of_three_are_summed() -> None:
-    assert chance_to_qualify(season(2027), np.full(10, 8.0), 16.0) == 1.0
-    assert chance_to_qualify(season(2027), np.full(10, 8.0), 15.9) == 0.0
+    assert season(2027).sums(np.array([[8.0, 20.0, 3.0], [1.0, 1.0, 1.0]])) == pytest.approx([11.0, 2.0])
+
+
+def test_a_season_bounds_mass_impulse_and_length() -> None:
+    found = catalogue().resolve("G80T")
+    lines = {line.name: line for line in allowed(season(2027), Flight(dry_mass=0.6), found, 0.7)}
+    verdicts = [lines[f"contest {what}"].verdict for what in ("mass", "impulse", "length")]
+    assert verdicts == ["unsafe", "unsafe", "ok"]
+    assert "not checked" in lines["contest mass"].source
+    assert allowed(season(2020), Flight(dry_mass=0.6), found) == []
+
+
+# Descent
+
+
+def falls(count: int, rng: np.random.Generator, spread: float) -> tuple[list[tuple[Flight, Found]], float]:
+    """Flights of a rocket that falls at its own pace, give or take, at many masses and in two airs; and the pace."""
+    found, pace = catalogue().resolve("F24-4W"), float(np.exp(rng.normal(np.log(9.0), 0.3)))
+    flights = []
+    for row in range(count):
+        flight = Flight(dry_mass=float(rng.uniform(0.3, 0.6)), temperature=WARMTH[row % 2])
+        speed = pace * np.sqrt(landing_mass(flight, found) / DENSITY[row % 2]) * np.exp(spread * rng.normal())
+        flights.append((flight.with_changes(descent_speed=float(speed)), found))
+    return flights, pace
+
+
+WARMTH = (275.0, 310.0)
+DENSITY = [air_of(Flight(temperature=warmth)).density for warmth in WARMTH]
+
+
+def test_speed_goes_with_the_root_of_mass_over_area_and_density() -> None:
+    def speed(mass: float, density: float, area: float) -> float:
+        return float(np.median(Fall(2.0, 1e-9, 10**9).speeds(np.random.default_rng(0), (2000, 1), mass, density, area)))
+
+    one = speed(0.4, 1.2, 1.0)
+    assert speed(1.6, 1.2, 1.0) == pytest.approx(2 * one, rel=1e-6)
+    assert speed(0.4, 0.3, 1.0) == pytest.approx(2 * one, rel=1e-6)
+    assert speed(0.4, 1.2, 0.25) == pytest.approx(2 * one, rel=0.02)  # a change of area is itself uncertain
+
+
+def test_the_pace_of_many_flights_is_found_whatever_their_mass_and_air() -> None:
+    flights, pace = falls(200, np.random.default_rng(0), 0.05)
+    fall = fall_of(flights)
+    assert fall.flights == 200
+    assert np.exp(fall.log_mean) == pytest.approx(pace, rel=0.01)
+    assert fall.spread == pytest.approx(0.05, rel=0.15)
+
+
+@pytest.mark.parametrize("count", [1, 6])
+def test_descent_speeds_are_covered_nine_times_in_ten(count: int) -> None:
+    rng, inside, rockets = np.random.default_rng(count), 0, 300
+    for _ in range(rockets):
+        spread = ORDINARY * np.sqrt(WORTH / rng.chisquare(WORTH))  # some rockets fall more alike than others
+        flights, _ = falls(count + 1, rng, float(spread))
+        (flight, found), fall = flights[-1], fall_of(flights[:-1])
+        density = DENSITY[count % 2]
+        low, high = np.quantile(fall.speeds(rng, (300, 1), landing_mass(flight, found), density), (0.05, 0.95))
+        inside += low <= (flight.descent_speed or 0.0) <= high
+    assert inside / rockets == pytest.approx(0.9, abs=0.05)  # three standard errors
+
+
+def test_a_duration_tells_the_descent_as_well_as_a_descent_speed() -> None:
+    found, plan = catalogue().resolve("F24-4W"), Flight(dry_mass=0.4, diameter=0.066, descent_speed=6.0)
+    flown = fly(field_setup([plan.with_changes(delay=6.0)], [found], np.array([0.6 * np.pi / 4 * 0.066**2])))
+    names = ("apogee", "duration", "burn_time", "coast_to_apogee", "apogee_to_eject")
+    shown = plan.with_changes(**{name: float(flown.readouts()[name][0]) for name in names}, descent_speed=None)
+    told, read = fall_of([(shown, found)]), fall_of([(plan, found)])
+    assert told.log_mean == pytest.approx(read.log_mean, abs=0.03)
+    without = shown.with_changes(burn_time=None, coast_to_apogee=None)
+    assert fall_of([(without, found)]).log_mean == pytest.approx(read.log_mean, abs=0.06)
+
+
+def test_a_flight_with_a_tag_and_one_without_a_figure_teach_no_descent() -> None:
+    found = catalogue().resolve("F24-4W")
+    flights = [Flight(dry_mass=0.4, descent_speed=20.0, tags=("damaged",)), Flight(dry_mass=0.4, apogee=200.0)]
+    assert fall_of([(flight, found) for flight in flights]).flights == 0
+
+
+def test_points_of_a_plan_fall_to_the_best_parachute_and_the_chance_is_that_of_sums() -> None:
+    found = catalogue().resolve("F24-4W")
+    plan = Flight(rocket="Comet", dry_mass=0.33, diameter=0.066, delay=6.0)
+    history = tuple(
+        (plan.with_changes(flight_id=str(n), motor="F24-6W", apogee=height, duration=height / 4.2 + 7.5), found)
+        for n, height in enumerate((241.0, 246.0, 238.0, 249.0))
+    )
+    rule, rocket = season(2027), Rocket(history, (), 1.0, None, 0)
+    as_flown = outlook(rule, rocket, plan, found, draws=200)
+    assert as_flown.timed == 4
+    assert as_flown.area < 0.8  # it came down after 65 s, the window closes at 40 s
+    smaller = outlook(rule, rocket, plan, found, as_flown.area, draws=200)
+    assert smaller.points.mean() == pytest.approx(as_flown.points_there, rel=0.02)
+    assert smaller.points.mean() < as_flown.points.mean() - 50
+    sums = rule.sums(smaller.points)
+    assert smaller.chance(rule, float(np.median(sums))) == pytest.approx(0.5, abs=0.01)
 
 
 def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,6 +2,7 @@
 
 import json
 import math
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import fields
@@ -15,7 +16,7 @@ from hypothesis import strategies as st
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.parsing import Intake, Parser, Reading, claims, parsers, read, recognise
-from fieldkit.recording import Recorded, sd_header
+from fieldkit.recording import Recorded
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -24,7 +25,7 @@ every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.
 
 def rounded(flight: Flight, column: Column, value: float) -> float:
     """A readout as a display shows it, or as well as it was measured."""
-    number, sd = float(column.render(value)), flight.extra.get(sd_header(column))
+    number, sd = float(column.render(value)), flight.extra.get(column.sd_header)
     return round(number, -math.floor(math.log10(float(sd)))) if sd else float(f"{number:.5g}")
 
 
@@ -157,3 +158,23 @@ def test_junk_is_refused_by_every_parser_in_one_line(name: str, log: bytes) -> N
     for line in troubles(log, "junk", name):
         assert len(line.splitlines()) == 1
         assert line.startswith("junk")
+
+
+RESAVED = ("aim_xtra", "altimetercloud", "blueraven_app", "cats", "eggtimer", "featherweight_gps", "mapped_table",
+    "openrocket", "rasaero", "rocksim", "rrc3")  # fmt: skip
+"""Parsers of tables that a flyer opens in a spreadsheet, which may save them with semicolons and decimal commas."""
+
+
+@pytest.mark.parametrize(
+    "sample", [s for s in SAMPLES if owner(s) in RESAVED and b";" not in s.read_bytes()[:2000]], ids=lambda s: s.name
+)
+def test_a_table_saved_with_decimal_commas_reads_the_same(sample: Path) -> None:
+    log, parser = sample.read_bytes(), parsers()[owner(sample)]
+    if b"," not in log.splitlines()[-2]:
+        return  # parted by blanks or tabs: nothing to part otherwise
+    saved = re.sub(rb"(?<=\d)\.(?=\d)", b"\0", log).replace(b",", b";").replace(b"\0", b",")
+    assert claims(saved) == [owner(sample)]
+    ours, theirs = ([c for r in parser.read(one) if isinstance(r, Reading) for c in r.clocks] for one in (log, saved))
+    for one, other in zip(ours, theirs, strict=True):
+        for channel in one.__slots__:
+            np.testing.assert_array_equal(getattr(one, channel), getattr(other, channel), channel)

@@ -1,18 +1,21 @@
 """Files into the ledger: what was imported once changes nothing, however it would be read today."""
 
+import json
 from pathlib import Path
 
 import pytest
 
 import fieldkit.recording
+from fieldkit.cli.main import main
 from fieldkit.flight import Flight
-from fieldkit.intake import Receipt, bring_in
-from fieldkit.ledger import Ledger
+from fieldkit.intake import Receipt, bring_in, remeasured
+from fieldkit.ledger import Ledger, Renewal
 from fieldkit.recording import Recorded
 from tests.samples import SAMPLES, any_motor
 
 PNUT = next(sample for sample in SAMPLES if sample.name.startswith("perfectflite__"))
-RAVEN = {name: next(s for s in SAMPLES if s.name.startswith(f"blueraven_{name}")) for name in ("app__low", "app__high")}
+KINDS = ("app__low", "app__high", "summary")
+RAVEN = {name: next(s for s in SAMPLES if s.name.startswith(f"blueraven_{name}")) for name in KINDS}
 TABLE = "flight_id,rocket,motor,apogee_m,log\n1,Astra,F24-4W,,{log}\n"
 
 
@@ -71,19 +74,141 @@ def test_a_row_whose_log_is_measured_better_today_is_there_already(
 
 
 def test_every_file_of_a_logger_that_writes_several_is_kept(ledger: Ledger) -> None:
-    low, high = RAVEN.values()
+    low, high, _ = RAVEN.values()
     (id,) = taken(ledger, low, high).ids
     assert ledger.log(id) == low.read_bytes()
     assert ledger.other_logs(id) == [high.read_bytes()]
     assert taken(ledger, low, high).duplicates == taken(ledger, low).duplicates == 1
 
 
-def test_a_file_alone_says_that_others_may_belong_to_it_and_how_they_come_in(ledger: Ledger) -> None:
-    low, high = RAVEN.values()
-    first = taken(ledger, low)
-    assert any("imported with it" in note for note in first.notes)
-    (line,) = taken(ledger, low, high).rejected
-    assert "without the other files" in line.error
-    ledger.remove(*first.ids)
-    assert len(taken(ledger, low, high).ids) == 1
-    assert isinstance(ledger.flights()[0], Flight)
+def test_a_file_alone_says_that_others_may_belong_to_it(ledger: Ledger) -> None:
+    receipt = taken(ledger, RAVEN["app__low"])
+    assert any("imported with it or after it" in note for note in receipt.notes)
+
+
+@pytest.mark.parametrize("order", [("app__low", "app__high", "summary"), ("summary", "app__high", "app__low")])
+def test_files_that_come_one_after_another_are_one_flight(ledger: Ledger, tmp_path: Path, order: tuple[str]) -> None:
+    files = [RAVEN[name] for name in order]
+    (id,) = taken(ledger, files[0]).ids
+    for file in files[1:]:
+        receipt = taken(ledger, file)
+        assert (receipt.ids, receipt.joined, receipt.duplicates, receipt.rejected) == ((), (id,), 0, ())
+    (flight,) = ledger.flights()
+    assert (ledger.log(id), ledger.other_logs(id)) == (files[0].read_bytes(), [one.read_bytes() for one in files[1:]])
+    with Ledger.open(tmp_path / "together.db") as other:
+        taken(other, *files)
+        (together,) = other.flights()
+    assert flight.readouts() == together.readouts()
+    where = {"other_logs", "log_format"}
+    assert flight.extra.items() - together.extra.items() <= {(name, flight.extra.get(name)) for name in where}
+    assert flight.extra["log_kinds"] == "high low summary"
+    assert [taken(ledger, file).duplicates for file in files] == [1, 1, 1]
+    assert taken(ledger, *files).duplicates == 1
+    ledger.undo()
+    assert ledger.flights()[0].extra["log_kinds"] == " ".join(sorted(kind_of(name) for name in order[:2]))
+
+
+def kind_of(name: str) -> str:
+    return name.removeprefix("app__")
+
+
+def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> None:
+    (id,) = taken(ledger, RAVEN["app__low"]).ids
+    ledger.edit(id, apogee=123.0, notes="windy", rocket="Astra")
+    assert taken(ledger, RAVEN["app__high"], motor="F24-4W").joined == (id,)
+    flight = ledger.flight(id)
+    assert (flight.apogee, flight.notes, flight.rocket, flight.motor) == (123.0, "windy", "Astra", "F24-4W")
+    assert "apogee_sd_m" not in flight.extra
+    assert flight.peak_accel is not None
+
+
+def test_a_file_of_another_lift_off_is_another_flight(ledger: Ledger, tmp_path: Path) -> None:
+    taken(ledger, RAVEN["app__low"])
+    later = tmp_path / "later.csv"
+    later.write_bytes(RAVEN["app__high"].read_bytes().replace(b",11:04:", b",12:04:"))
+    receipt = taken(ledger, later)
+    assert (len(receipt.ids), receipt.joined) == (1, ())
+    assert not any("may be of the flight" in note for note in receipt.notes)
+
+
+def test_a_file_without_a_time_of_day_says_what_it_may_be_of(ledger: Ledger, tmp_path: Path) -> None:
+    (id,) = taken(ledger, RAVEN["app__low"]).ids
+    spoilt = tmp_path / "spoilt.csv"
+    spoilt.write_bytes(RAVEN["app__high"].read_bytes().replace(b",11:04:", b",04:"))
+    receipt = taken(ledger, spoilt)
+    assert (len(receipt.ids), receipt.joined) == (1, ())
+    assert any(f"may be of the flight {id}" in note for note in receipt.notes)
+
+
+def test_files_are_measured_again_and_what_was_typed_stays(
+    ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest
+) -> None:
+    (tmp_path / PNUT.name).write_bytes(PNUT.read_bytes())
+    table = tmp_path / "season.csv"
+    table.write_text(f"flight_id,rocket,apogee_m,burn_time_s,log\n1,Astra,,0.77,{PNUT.name}\n")
+    taken(ledger, table)
+    (id,) = taken(ledger, PNUT).ids
+    before = {name: ledger.flight(name) for name in ("1", id)}
+    ledger.edit(id, apogee=77.0)
+    for name in before:
+        again = remeasured(ledger, name)
+        assert again is not None
+        assert (again.changes, again.others) == ({}, ())
+    request.getfixturevalue("better_measuring")
+    again = remeasured(ledger, "1")
+    assert again is not None
+    assert again.changes == {"apogee": (before["1"].apogee, pytest.approx((before["1"].apogee or 0) + 1))}
+    assert again.kept == ("burn_time",)
+    assert again.others == ("a_new_column",)
+    edited = remeasured(ledger, id)
+    assert edited is not None
+    assert (edited.changes, edited.kept) == ({}, ("apogee",))
+
+
+def test_a_readout_edited_after_it_was_measured_again_stays(ledger: Ledger, request: pytest.FixtureRequest) -> None:
+    (id,) = taken(ledger, PNUT).ids
+    ledger.edit(id, notes="windy")
+    request.getfixturevalue("better_measuring")
+    once = remeasured(ledger, id)
+    assert once is not None
+    assert ledger.renew([Renewal(id, once.renewed, once.renewed_entered)]) == 1
+    twice = remeasured(ledger, id)
+    assert twice is not None
+    assert (twice.changes, twice.others, twice.kept) == ({}, (), ())
+    ledger.edit(id, apogee=77.0)
+    edited = remeasured(ledger, id)
+    assert edited is not None
+    assert (edited.changes, edited.kept) == ({}, ("apogee",))
+    assert ledger.flight(id).notes == "windy"
+    assert taken(ledger, PNUT).duplicates == 1
+
+
+def test_remeasure_says_what_changes_changes_it_and_is_undone(
+    ledger: Ledger, tmp_path: Path, request: pytest.FixtureRequest, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (id,) = taken(ledger, PNUT).ids
+    ledger.add([Flight("typed", "Astra", apogee=200.0)])
+    before = ledger.flight(id)
+    request.getfixturevalue("better_measuring")
+
+    def run(*arguments: str) -> str:
+        capsys.readouterr()
+        assert main(["--ledger", str(tmp_path / "ledger.db"), *arguments]) == 0
+        return capsys.readouterr().out
+
+    ledger.renew([Renewal(id, before.with_changes(apogee=(before.apogee or 0) - 2))])
+    capsys.readouterr()
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "show", id]) == 0
+    assert f"`fieldkit remeasure {id}`" in capsys.readouterr().err
+    ledger.undo()
+    assert "1 would change, 0 as before, 1 without samples" in run("remeasure", "--dry-run")
+    assert ledger.flight(id) == before
+    (told,) = json.loads(run("remeasure", id, "--json"))["flights"]
+    apogee = told["changes"]["apogee_m"]
+    assert apogee["now"]["value"] - apogee["there"]["value"] == pytest.approx(1.0)
+    assert apogee["now"]["sd"] == float(before.extra["apogee_sd_m"])
+    assert ledger.flight(id).apogee == pytest.approx((before.apogee or 0) + 1)
+    assert "0 changed, 1 as before" in run("remeasure", id)
+    run("undo")
+    assert ledger.flight(id) == before
+    assert "±" in run("remeasure")

@@ -15,7 +15,7 @@ from sqlalchemy import create_engine, event
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, opening
+from fieldkit.ledger import Ledger, Start, opening
 from fieldkit.ledger.tables import metadata
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -200,7 +200,7 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
 def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:
     Ledger.open(tmp_path / "ledger.db").close()
     code = (
-        "import sys; from fieldkit.ledger import Ledger\n"
+        "import sys; from fieldkit.ledger import Ledger, Start\n"
         f"with Ledger.open({str(tmp_path / 'ledger.db')!r}) as ledger: ledger.flights()\n"
         "print([name for name in ('alembic', 'sqlalchemy.orm', 'torch', 'scipy') if name in sys.modules])"
     )
@@ -231,6 +231,8 @@ def test_every_old_schema_is_upgraded_and_keeps_its_flights(step: str, tmp_path:
         assert ledger.log("1") == b"a log"
         assert ledger.active_version("Astra").payload == {"effect": "wind"}
         assert ledger.predictions()[0].digest == "d1"
+        assert [one.dry_mass for one in ledger.starts("Skylark")] == ([0.4] if step >= "m002" else [])
+        assert ledger.keep_start(Start("Lark", "", 0.3))
         while ledger.history()[0].undone is False:
             ledger.undo()
         assert ledger.flights() == []

@@ -3,14 +3,14 @@
 from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
-from fieldkit.loop.fit import Fit, _log_inside, fit, leave_one_out, scale_grid, solve
+from fieldkit.loop.fit import Fit, _log_inside, fit, leave_one_out, scale_grid, solve, term_sds
 from fieldkit.loop.model import (
     LOGARITHMIC,
     OBSERVED,
@@ -202,10 +202,12 @@ def test_forecasts_of_flights_left_out_are_calibrated() -> None:
 # Evidence
 
 
-def toy(rng: np.random.Generator) -> tuple[Model, Data, Tangent]:
+def toy(rng: np.random.Generator, *, doubtful: bool = False) -> tuple[Model, Data, Tangent]:
     """A linear model of three terms and five flights, one readout not seen."""
+    rough: tuple[Literal["", "scatter", "reading"], ...] = ("", "scatter", "reading") if doubtful else ("", "", "")
     terms = tuple(
-        Term(str(i), "drag", mean, sd, np.ones(5)) for i, (mean, sd) in enumerate([(0, 1), (2, 0.3), (-1, 2)])
+        Term(str(i), "drag", mean, sd, np.ones(5), rough=rough[i])
+        for i, (mean, sd) in enumerate([(0, 1), (2, 0.3), (-1, 2)])
     )
     shape = (5, len(OBSERVED))
     seen = np.ones(shape, bool)
@@ -214,12 +216,13 @@ def toy(rng: np.random.Generator) -> tuple[Model, Data, Tangent]:
     near = Tangent(
         rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
     )
-    return Model((), (), np.zeros(0), terms), data, near
+    return Model((), (), np.zeros(0), terms, doubtful), data, near
 
 
 def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:
     """Expectation, covariance and slope of everything seen, written out in full for one pair of scales."""
-    scatter, reading = (values[scale] for values in scale_grid()[:2])
+    scatter, reading = (values[scale] for values in scale_grid(model.doubtful)[:2])
+    every = np.array([1.0 if model.doubtful else reading, *[reading] * (len(OBSERVED) - 1)])
     seen = data.seen.ravel()
     slope = near.slope.reshape(len(seen), -1)
     prior = np.array([term.mean for term in model.terms])
@@ -228,22 +231,23 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
         spread = near.scatter_slope[flight]
-        noise[block, block] = scatter**2 * spread @ spread.T + np.diag((reading * data.sd[flight]) ** 2)
+        noise[block, block] = scatter**2 * spread @ spread.T + np.diag((every * data.sd[flight]) ** 2)
     mean = near.values.ravel() + slope @ (prior - near.at)
-    covariance = slope @ np.diag([term.sd**2 for term in model.terms]) @ slope.T + noise
+    covariance = slope @ np.diag(term_sds(model)[scale] ** 2) @ slope.T + noise
     return mean[seen], covariance[np.ix_(seen, seen)], slope[seen]
 
 
+@pytest.mark.parametrize("doubtful", [False, True])
 @pytest.mark.parametrize("scale", [0, 7, 17])
-def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(scale: int) -> None:
-    model, data, near = toy(np.random.default_rng(5))
+def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(scale: int, doubtful: bool) -> None:
+    model, data, near = toy(np.random.default_rng(5), doubtful=doubtful)
     result = solve(model, data, near)
     mean, covariance, slope = dense(model, data, near, scale)
     seen = data.values.ravel()[data.seen.ravel()]
     exact = multivariate_normal(mean, covariance).logpdf(seen) + 0.5 * len(seen) * np.log(2 * np.pi)
     unseen = 0.5 * 2 * np.log(1e3)
-    assert result.log_weight[scale] - scale_grid()[2][scale] + unseen == pytest.approx(exact, abs=1e-7)
-    prior = np.diag([term.sd**2 for term in model.terms])
+    assert result.log_weight[scale] - scale_grid(doubtful)[2][scale] + unseen == pytest.approx(exact, abs=1e-7)
+    prior = np.diag(term_sds(model)[scale] ** 2)
     gain = prior @ slope.T @ np.linalg.inv(covariance)
     expected = np.array([term.mean for term in model.terms]) + gain @ (seen - mean)
     np.testing.assert_allclose(result.mean[scale], expected, atol=1e-9)

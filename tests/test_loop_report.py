@@ -25,12 +25,16 @@ from fieldkit.loop.leftover import leftover
 from fieldkit.loop.marks import marks
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import predict, rocket_model
-from fieldkit.loop.report.page import check_page, page, write_page
 from fieldkit.loop.score import Forecasts
 from fieldkit.loop.telling import BALLAST, Explanation, divergence, options, telling
 from fieldkit.loop.widen import widened, widening
 from fieldkit.loop.words import report
 from fieldkit.motors import catalogue
+from fieldkit.report.book import Book
+from fieldkit.report.loop.page import check_page, page, write_page
+from fieldkit.report.paper import pages
+from fieldkit.report.style import styled
+from fieldkit.report.write import write_report
 
 HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
 """A flight id, rocket, motor spelling or site as a file may have it."""
@@ -293,6 +297,17 @@ def test_the_report_fits_a_terminal(found: Findings) -> None:
     table = [line for line in lines if "left out, " in line or "forward in time, " in line]
     assert len(table) == 4
     assert max(map(len, table)) <= 80
+
+
+def test_the_loop_goes_into_a_rocket_s_report(found: Findings, tmp_path: Path) -> None:
+    made = Book("Astra", "", (), (found,), summary=True)
+    with styled():
+        assert len(list(pages(made))) == 2
+    assert any("weathercock" in line or "wind" in line for line in made.findings)
+    (written,) = write_report(made, tmp_path / "astra.html")
+    one = Page(written.read_text(encoding="utf-8"))
+    assert "script" not in one.tags
+    assert len(one.sources) == 4
 
 
 def test_a_page_is_written_by_the_name_of_its_file(found: Findings, tmp_path: Path) -> None:

@@ -61,6 +61,23 @@ def test_the_air_near_the_speed_of_sound_fakes_no_figure() -> None:
     assert abs(off(recorded, truth, "burn_time")) < 0.4
 
 
+@pytest.mark.parametrize("early", [1.5, 2.0])
+def test_a_charge_before_the_top_makes_no_apogee_of_its_gas(early: float) -> None:
+    """The bay is blown up, then stands still, then is drawn out: a fall by 90 m, a plateau, and 50 m too high."""
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(rate=20, noise=0.2), np.random.default_rng(5))
+    assert series.altitude is not None
+    since = series.time - Logger().start - truth.apogee_time + early
+    plateau = series.altitude[np.searchsorted(since, 0)]
+    blown = [plateau - 90 * (1 - since / 0.3), plateau, series.altitude + 50 * np.sin(np.pi * (since - 1.4) / 0.9)]
+    height = np.select([(since > 0) & (since < 0.3), (since > 0) & (since < 1.4), (since > 0) & (since < 2.3)], blown,
+        series.altitude)  # fmt: skip
+    recorded = measure((Series(time=series.time, altitude=height),))
+    right = truth.readouts()
+    assert recorded.figures["apogee"].value == pytest.approx(right["apogee"], rel=0.003)
+    assert recorded.events["apogee"].time == pytest.approx(Logger().start + truth.apogee_time, abs=0.25)
+
+
 @pytest.mark.parametrize("rocket", [TINY, SMALL, LARGE], ids=["tiny", "small", "large"])
 def test_heights_alone_give_speed_and_burn_time(rocket: Rocket) -> None:
     recorded, truth = measured(rocket, Logger(resolution=0.3048))

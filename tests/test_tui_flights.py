@@ -8,7 +8,7 @@ from textual.pilot import Pilot
 from fieldkit.flight import TAGS, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.tui.table import Table
-from tests.pressing import frozen, opened, press, season, shown, typed, words
+from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
 
 @pytest.fixture
@@ -165,3 +165,9 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
         assert "no flights yet; a adds one" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
         assert "no flights yet: import or add some" in words(pilot)
+        await press(
+            pilot, "escape", "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s"
+        )
+        await press(pilot, "slash", *typed("c6"))
+        assert "Comet · 80 g without motor" in words(pilot)
+        assert "no flight of it: priors alone" in told(pilot, "#more")

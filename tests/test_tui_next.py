@@ -4,16 +4,16 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
-from textual.widgets import Static
+from textual.widgets import Input, Static
 
 from fieldkit import capture
 from fieldkit.ledger import Ledger
 from fieldkit.settings import read_settings
-from fieldkit.tui.bars import KeyBar
+from fieldkit.tui.bars import KeyBar, shortened
 from fieldkit.tui.dialogs import HelpScreen
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.table import Table
-from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, shown, told, typed, words
+from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
 
 
 @pytest.fixture
@@ -155,6 +155,30 @@ async def test_a_motor_that_does_not_exist_leaves_an_empty_list(file: Path) -> N
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("zz99"), "enter", "enter", "y")
         assert "fit" in shown(pilot)
+
+
+# Notices
+
+
+def test_a_notice_names_files_by_their_names_and_ports_in_full() -> None:
+    assert shortened("/home/anna/my logs/mine.eng: found no motor") == "mine.eng: found no motor"
+    assert (
+        shortened("cannot read '/home/anna/ledger.db', expected a ledger")
+        == "cannot read 'ledger.db', expected a ledger"
+    )
+    for text in ("/dev/ttyUSB0: cannot be opened", "found 14 m/s, expected km/h", "and/or"):
+        assert shortened(text) == text
+
+
+async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
+    async with opened(file, (160, 40)) as pilot:
+        await press(pilot, "6", "i", *typed(f"{file.parent}/none.eng"), "enter")
+        assert "✗ error none.eng" in words(pilot)
+        assert str(file.parent) not in words(pilot)
+        await press(pilot, "W")
+        assert str(file.parent / "none.eng") in words(pilot)
+        await press(pilot, "escape")
+        assert "✗ error" not in words(pilot)
 
 
 # Loop
@@ -324,6 +348,15 @@ async def test_no_page_loses_a_column_or_a_key_in_small_and_large_terminals(file
                     assert not table.region.width or used <= table.region.width + 1, (page.title, size)
                 assert "Quit" in shown(pilot) or page.title == "Add"
                 assert "7" in shown(pilot).splitlines()[0]
+
+
+async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "slash", "f", "2", "4")
+        assert "4 of 12" in shown(pilot)
+        await press(pilot, "escape")
+        await hurry(pilot, "2", "9", "2", "3")
+        assert pilot.app.screen.query_one("#in-apogee", Input).value == "923"
 
 
 async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:

@@ -14,7 +14,7 @@ from textual.pilot import Pilot
 
 from fieldkit import settings
 from fieldkit.tui.themes import SUN, THEMES
-from tests.pressing import calm, frozen, looked_at, opened, press, season, still, typed
+from tests.pressing import calm, frozen, looked_at, opened, press, season, typed
 
 SIZES = ((80, 24), (160, 50))
 SCENES: dict[str, tuple[str, ...]] = {
@@ -30,8 +30,6 @@ SCENES: dict[str, tuple[str, ...]] = {
     "help": ("question_mark",),
     "notices": ("4", "_", "g", *typed("far"), "enter"),
 }
-RACY = ("next", "notices")
-"""Scenes in which it depends on the machine's pace whether the cursor moves before or after the motors are sorted."""
 LEAST = {"sun": 7.0, "night": 6.0, "field": 4.5}
 """Contrast of every letter against what is behind it, as WCAG 2.2 counts it."""
 
@@ -50,14 +48,13 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 @pytest.mark.parametrize("size", SIZES, ids=lambda size: "x".join(map(str, size)))
-@pytest.mark.parametrize("scene", [pytest.param(s, marks=pytest.mark.slow if s in RACY else ()) for s in SCENES])
+@pytest.mark.parametrize("scene", SCENES)
 async def test_a_page_looks_as_it_did_and_can_be_read(
     scene: str, size: tuple[int, int], file: Path, snapshot: SnapshotAssertion
 ) -> None:
     with patch("fieldkit.tui.screens.loop.LoopScreen._look", lambda self, rocket: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
-            await still(pilot)
             for theme in THEMES:
                 pilot.app.theme = theme
                 await calm(pilot)

@@ -1,17 +1,40 @@
 """The app in a browser: on this computer freely, elsewhere with a token, and never for another page."""
 
 import asyncio
+import base64
+import io
 import json
+import os
+import shutil
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from pathlib import Path
+from typing import Any
 
 import pytest
+from PIL import Image
 
 pytest.importorskip("textual_serve", reason="needs the extra `serve`")
 
-from aiohttp import ClientSession, WSMsgType, WSServerHandshakeError, web
+from aiohttp import (
+    ClientConnectionError,
+    ClientSession,
+    ClientWebSocketResponse,
+    WSMsgType,
+    WSServerHandshakeError,
+    web,
+)
 
-from fieldkit.tui.serve import GuardedServer, address, is_loopback
-from tests.pressing import season
+from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, is_loopback
+from tests.pressing import ROOT, season
+
+PATIENCE = 300.0
+"""How long a server, a browser and the app may take on a machine that does ten other things. [s]"""
+BINARY = 2
+"""Opcode of a frame that is no text: what the app draws."""
+CHROMIUM = next(filter(None, map(shutil.which, ("chromium", "chromium-browser", "google-chrome"))), None)
 
 
 async def running(server: GuardedServer) -> web.AppRunner:
@@ -48,23 +71,133 @@ async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
         await runner.cleanup()
 
 
-@pytest.mark.slow  # its child's pipes are left open, which is charged to whatever test runs when they are swept up
-@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
-async def test_the_app_is_shown_through_the_socket(unused_tcp_port: int, tmp_path: Path) -> None:
+@pytest.fixture
+def served(unused_tcp_port: int, tmp_path: Path) -> Iterator[str]:
+    """Where `fieldkit serve` shows a season."""
     season(tmp_path / "ledger.db")
-    server = GuardedServer("127.0.0.1", unused_tcp_port, "", str(tmp_path / "ledger.db"))
-    runner = await running(server)
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
+    home = {name: str(tmp_path) for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME")}
+    with child([*command, "serve", "--port", str(unused_tcp_port)], {"PYTHONPATH": str(ROOT)} | home):
+        yield f"http://127.0.0.1:{unused_tcp_port}/"
+
+
+@contextmanager
+def child(command: list[str], environment: dict[str, str]) -> Iterator[None]:
+    """A program that is ended at the end."""
+    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    with subprocess.Popen(command, env=os.environ | environment, **quiet) as process:  # type: ignore[call-overload]
+        try:
+            yield
+        finally:
+            process.terminate()
+
+
+async def listening(http: ClientSession, url: str) -> str:
+    """What a server says, once it does."""
+    while True:
+        try:
+            async with http.get(url) as answer:
+                return await answer.text()
+        except ClientConnectionError:
+            await asyncio.sleep(0.1)
+
+
+class Browser:
+    """A page of Chromium, driven by its DevTools protocol. `came` is what its sockets brought."""
+
+    def __init__(self, socket: ClientWebSocketResponse) -> None:
+        self.socket, self.came, self._calls = socket, b"", 0
+
+    async def call(self, method: str, **parameters: Any) -> dict[str, Any]:
+        """The result of a command; what comes in the meantime is kept."""
+        self._calls += 1
+        await self.socket.send_json({"id": self._calls, "method": method, "params": parameters})
+        while (message := await self._heard()).get("id") != self._calls:
+            pass
+        assert "error" not in message, message
+        return dict(message["result"])
+
+    async def _heard(self) -> dict[str, Any]:
+        message: dict[str, Any] = await self.socket.receive_json()
+        frame = message.get("params", {}).get("response", {})
+        if message.get("method") == "Network.webSocketFrameReceived" and frame["opcode"] == BINARY:
+            self.came += base64.b64decode(frame["payloadData"])
+        return message
+
+    async def until(self, *texts: bytes) -> None:
+        """Wait until all of these texts have come."""
+        while not all(text in self.came for text in texts):
+            await self._heard()
+
+    async def phone(self) -> None:
+        """Be as wide as a phone, and say that it is one."""
+        agent = "Mozilla/5.0 (Linux; Android 15) AppleWebKit/537.36 Chrome/140.0.0.0 Mobile Safari/537.36"
+        await self.call("Network.enable")
+        await self.call("Network.setUserAgentOverride", userAgent=agent)
+        await self.call("Emulation.setDeviceMetricsOverride", width=390, height=844, deviceScaleFactor=1, mobile=True)
+
+    async def tap(self, x: int, y: int) -> None:
+        """Touch a place."""
+        for kind in ("mousePressed", "mouseReleased"):
+            await self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1)
+
+    async def press(self, key: str) -> None:
+        """Press a key that types itself."""
+        await self.call("Input.dispatchKeyEvent", type="keyDown", key=key, text=key)
+        await self.call("Input.dispatchKeyEvent", type="keyUp", key=key)
+
+    async def picture(self) -> bytes:
+        """The page as PNG."""
+        return base64.b64decode((await self.call("Page.captureScreenshot"))["data"])
+
+
+@asynccontextmanager
+async def browsing(http: ClientSession, folder: Path) -> AsyncIterator[Browser]:
+    """A headless Chromium with one empty page."""
+    port = folder / "DevToolsActivePort"
+    flags = ["--headless", "--no-sandbox", "--disable-gpu", "--remote-debugging-port=0", f"--user-data-dir={folder}"]
+    with child([str(CHROMIUM), *flags, "about:blank"], {}):
+        while not port.exists() or not port.read_text().strip():
+            await asyncio.sleep(0.1)
+        pages = json.loads(await listening(http, f"http://127.0.0.1:{port.read_text().splitlines()[0]}/json/list"))
+        url = next(page["webSocketDebuggerUrl"] for page in pages if page["type"] == "page")
+        async with http.ws_connect(url, max_msg_size=0) as socket:
+            yield Browser(socket)
+
+
+@pytest.mark.skipif(CHROMIUM is None, reason="no Chromium is installed")
+async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: str, tmp_path: Path) -> None:
+    async with asyncio.timeout(PATIENCE), ClientSession() as http:
+        page = await listening(http, served)
+        assert VIEWPORT in page
+        async with browsing(http, tmp_path / "chromium") as browser:
+            await browser.phone()
+            await browser.call("Page.navigate", url=served)
+            await browser.until(b"Flights", b"Astra", b"12 of 12")
+            first = await browser.picture()
+            assert b"Save this flight" not in browser.came
+            await browser.tap(200, 700)  # an empty place: keys go to the terminal that was touched
+            await browser.press("2")
+            await browser.until(b"Save this flight")
+            await asyncio.sleep(0.5)  # until it is painted
+            second = await browser.picture()
+            where = await browser.call("Runtime.evaluate", expression="location.href + ' ' + innerWidth")
+    assert where["result"]["value"] == f"{served}?fontsize=10 390"
+    for name, picture in (("first", first), ("second", second)):
+        (tmp_path / f"{name}.png").write_bytes(picture)
+        colours = Image.open(io.BytesIO(picture)).convert("RGB").getcolors(1 << 24)
+        assert len(colours) > 20, "the page is blank"
+    assert first != second
+
+
+async def test_the_app_comes_through_the_socket(served: str) -> None:
     shown = b""
-    try:
-        async with ClientSession() as browser:
-            assert "fieldkit" in await (await browser.get(f"http://127.0.0.1:{unused_tcp_port}/")).text()
-            url = f"http://127.0.0.1:{unused_tcp_port}/ws?width=80&height=24"
-            async with browser.ws_connect(url, origin=server.public_url) as socket, asyncio.timeout(60):
-                async for message in socket:
-                    shown += message.data if message.type is WSMsgType.BINARY else b""
-                    if b"Astra" in shown and b"Flights" in shown:
-                        await socket.send_str(json.dumps(["stdin", "q"]))
-                        break
-    finally:
-        await runner.cleanup()
+    async with asyncio.timeout(PATIENCE), ClientSession() as http:
+        assert "fieldkit" in await listening(http, served)
+        async with http.ws_connect(f"{served}ws?width=80&height=24", origin=served.rstrip("/")) as socket:
+            async for message in socket:
+                shown += message.data if message.type is WSMsgType.BINARY else b""
+                if b"Astra" in shown and b"Flights" in shown:
+                    await socket.send_str(json.dumps(["stdin", "q"]))
+                    break
     assert b"Astra" in shown

@@ -30,7 +30,7 @@ def main() -> int:
     except ImportError:
         print("atheris is not installed (pip install atheris); tests/test_bad_input.py tries bad logs without it")
         return 0
-    with atheris.instrument_imports(include=["fieldkit.parsers", "fieldkit.columns", "fieldkit.layout"]):
+    with atheris.instrument_imports(include=["fieldkit.parsers", "fieldkit.logs"]):
         from fieldkit.parsing import parsers
 
         names = [options.format] if options.format else list(parsers())

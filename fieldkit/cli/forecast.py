@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
+from fieldkit.cli.options import PLAN_TEXTS, takes_plan
+from fieldkit.cli.planning import about_plan, begun_plan, print_safety, safety_of
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
     from fieldkit.loop.predict import Prediction
+    from fieldkit.plan.safety import Line
 
 app = typer.Typer()
 
@@ -35,7 +37,7 @@ def predict(
     **given: str | None,
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
-    from fieldkit.loop.desk import forecast_document, predict_plans
+    from fieldkit.loop.desk import forecast_document, predict_plans, start_of
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
@@ -43,15 +45,22 @@ def predict(
             raise typer.BadParameter("give --flights or --motor, not both")
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
         predictions = predict_plans(ledger, check.catalogue, plans, model.value)
+        lines = safety_of(ledger, check.catalogue, predictions, given)
+        start = start_of(ledger, plans[0]) if flights is None else None
     if json:
-        print_json({"predictions": [forecast_document(one) for one in predictions]})
+        documents = [forecast_document(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
+        print_json({"predictions": documents})
     elif flights is None:
         _print_one(predictions[0])
+        if start and start.cd:
+            say(f"  design    its Cd starts from the {start.cd:.2f} of {start.source}")
+        print_safety(predictions[0].plan, lines[0])
     else:
         _print_table(predictions)
+        _print_safety_of_all(predictions, lines)
 
 
-takes_columns(predict, ("motor", "config", "rocket", "site", "date_time"), (*SETUP, *CONDITIONS), "The plan")
+takes_plan(predict, (*PLAN_TEXTS, "date_time"))
 app.command()(predict)
 
 
@@ -63,17 +72,12 @@ def _table(file: Path, check: MotorCheck) -> "list[Flight]":
 
 
 def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> "Flight":
-    """The flight that the options describe; rocket and configuration are the last flown where not said."""
-    from fieldkit.entry import read_changes
+    """The flight that the options describe; what they leave open is as last flown. Raises BadValue."""
     from fieldkit.errors import BadValue
-    from fieldkit.flight import Flight
 
-    changes = {name: text for name, text in given.items() if text is not None}
-    if not changes.get("motor"):
+    if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
-    last = ledger.latest(changes.get("rocket"))
-    plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
-    plan = plan.with_changes(**read_changes(plan, changes))
+    plan = begun_plan(ledger, given)
     if complaint := check(plan.motor):
         raise BadValue(f"--motor: {complaint}")
     return plan
@@ -107,3 +111,17 @@ def _print_table(predictions: "list[Prediction]") -> None:
             )
         )
     print_table(headers, rows, numbers=["apogee", "5 %", "95 %", "eject"])
+
+
+def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Line]]") -> None:
+    """The air and every safety line of each planned flight, and who decides."""
+    from fieldkit.cli.screen import say_wrapped
+    from fieldkit.plan.air import air_of
+    from fieldkit.plan.safety import DECIDES
+
+    for one, own in zip(predictions, lines, strict=True):
+        name = one.plan.flight_id or one.plan.motor
+        say_wrapped(f"{name}: air {air_of(one.plan).words()}", "  ")
+        for line in own:
+            say_wrapped(f"{name}: {line.words()}", "  ")
+    say_wrapped(DECIDES)

@@ -1,93 +1,62 @@
 """What `fieldkit motors --fit` prints: every motor that fits a rocket, and how it would fly."""
 
-from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, say
-from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.planning import Given, Plan, length, planning, print_conditions
+from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
-    from fieldkit.flight import Flight
-    from fieldkit.ledger import Ledger
-    from fieldkit.plan.guide import Choice
+    from fieldkit.plan.guide import Choice, Wanted
 
 SHOWN = 12
-"""How many motors have their checks told."""
-
-
-def planned(ledger: "Ledger", rocket: str | None, given: Mapping[str, str | None]) -> "Flight":
-    """The plan of a rocket of the ledger, its configuration as last flown where not said."""
-    from fieldkit.entry import read_changes
-    from fieldkit.flight import Flight
-    from fieldkit.loop.desk import which_rocket
-
-    name = which_rocket(ledger, rocket)
-    last = ledger.latest(name)
-    plan = Flight(rocket=name, config=last.config if last else "")
-    changes = {key: text for key, text in given.items() if text is not None}
-    return plan.with_changes(**read_changes(plan, changes))
-
-
-def length(text: str | None, default: str) -> float | None:
-    """A length typed with or without its unit, in m. Raises BadValue."""
-    from fieldkit.units import parse
-
-    return None if text is None else parse(text, "length", default)
+"""How many motors have their checks told, where not all are asked for."""
 
 
 def print_guide(
     context: typer.Context,
-    rocket: str,
-    given: Mapping[str, str | None],
-    lengths: Mapping[str, str | None],
-    classes: str,
-    impulse: float | None,
+    given: Given,
+    fit: Given,
     *,
     adapter: bool,
     retired: bool,
+    shortlisted: bool,
+    every: bool,
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
+    from fieldkit.plan.guide import by_closeness, fitting, guide
+
+    target = length(fit["target"])
+    with planning(context, given) as plan:
+        wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted)
+        found = guide(plan.rocket, plan.flight, fitting(plan.motors, wanted), plan.limits, plan.site)
+    choices = by_closeness(found, target)
+    if json:
+        _print_json(plan, wanted, target, choices)
+    else:
+        _print(plan, wanted, choices, len(choices) if every else SHOWN)
+
+
+def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
     import math
 
-    from fieldkit.loop.desk import flown
-    from fieldkit.places import data_folder
-    from fieldkit.plan.desk import learn_rocket
-    from fieldkit.plan.guide import Wanted, fitting, guide, mount_of
-    from fieldkit.plan.limits import limits
-    from fieldkit.plan.safety import DECIDES
+    from fieldkit.errors import UnknownMotor
+    from fieldkit.plan.guide import Wanted, mount_of, shortlist
 
-    motors = known_motors()
-    with open_ledger(context) as ledger:
-        plan = planned(ledger, rocket, given)
-        wanted = Wanted(
-            mount=length(lengths["mount"], "mm") or mount_of([m for _, m in flown(ledger, motors, plan.rocket)]),
-            length=length(lengths["max_length"], "mm") or math.inf,
-            impulse=impulse or math.inf,
-            classes=_classes(classes),
-            retired=retired,
-            adapter=adapter,
-        )
-        fits = fitting(motors, wanted)
-        learnt = learn_rocket(ledger, motors, plan)
-    target = length(lengths["target"], "m")
-    choices = guide(learnt, fits, limits(data_folder() / "limits.toml"), target, length(lengths["waiver"], "m"))
-    if json:
-        document = {"rocket": plan.rocket, "mount_mm": wanted.mount * 1e3, "target_m": target}
-        document |= {"flights": learnt.rests_on, "model": learnt.name, "decides": DECIDES}
-        print_json({**document, "motors": [choice.json() for choice in choices]})
-        return
-    say(f"{plan.rocket} {plan.config}, {(learnt.plan.dry_mass or 0) * 1e3:.0f} g without the motor".replace(" ,", ","))
-    say(f"{len(choices)} motors of {wanted.mount * 1e3:g} mm; rests on {learnt.rests_on} clean flights")
-    say()
-    _table(choices)
-    for choice in choices[:SHOWN]:
-        for line in choice.failed:
-            say(f"  {choice.motor.designation}: {line.verdict}: {line.name}: {line.text}")
-    say()
-    say(f"eject: after apogee, with each delay on sale. {DECIDES}")
+    mount = length(fit["mount"], "mm") or mount_of(plan.rocket, plan.flight.config)
+    if mount is None:
+        raise UnknownMotor("found no flights to know the motor mount from, expected --mount such as 29mm")
+    return Wanted(
+        mount=mount,
+        length=length(fit["max_length"], "mm") or math.inf,
+        impulse=float(fit["max_impulse"] or "inf"),
+        classes=_classes(fit["class"] or ""),
+        retired=retired,
+        adapter=adapter,
+        names=shortlist(plan.ledger, plan.flight.rocket) if shortlisted else None,
+    )
 
 
 def _classes(text: str) -> tuple[str, str] | None:
@@ -99,22 +68,62 @@ def _classes(text: str) -> tuple[str, str] | None:
     return first, last or first
 
 
+def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "list[Choice]") -> None:
+    from fieldkit.plan.air import air_of, conditions
+    from fieldkit.plan.safety import DECIDES
+
+    said = choices[0].prediction
+    document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
+    document |= {"flights": said.rests_on, "model": said.model, "decides": DECIDES}
+    document |= {"conditions": conditions(said.plan), "air": air_of(said.plan).json()}
+    print_json({**document, "motors": [choice.json() for choice in choices]})
+
+
+def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]", shown: int) -> None:
+    from fieldkit.plan.safety import DECIDES
+
+    said, flight = choices[0].prediction, plan.flight
+    name = " ".join(part for part in (flight.rocket, flight.config) if part)
+    say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
+    say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
+    print_conditions(said.plan)
+    say()
+    _table(choices)
+    for choice in choices[:shown]:
+        for line in choice.lines:
+            if line.verdict != "ok":
+                say_wrapped(f"  {choice.motor.designation}: {line.words()}", "    ")
+    if len(choices) > shown:
+        say_wrapped(f"  and {len(choices) - shown} more whose checks --all tells")
+    say()
+    say_wrapped(f"eject: after apogee, with each delay on sale; a check that is not told is well. {DECIDES}")
+
+
 def _table(choices: "list[Choice]") -> None:
-    headers = ("motor", "shown m", "5 %", "95 %", "true", "rail", "T/W", "avg", "top", "eject")
-    rows = [
-        (
-            f"{choice.motor.designation}{'' if choice.flown else ' *'}",
-            f"{choice.apogee[1]:.0f}",
-            f"{choice.apogee[0]:.0f}",
-            f"{choice.apogee[2]:.0f}",
-            f"{choice.true_apogee[1]:.0f}",
-            f"{choice.rail_speed:.0f}",
-            f"{choice.first_thrust:.1f}",
-            f"{choice.average_thrust:.1f}",
-            f"{choice.top_speed:.0f}",
-            " ".join(f"{delay:g}:{after:+.1f}" for delay, after in choice.ejections.items()) or "no delay",
+    from fieldkit.plan.quantiles import three
+
+    headers = ("motor", "shown", "90 %", "true", "rail", "T/W", "avg", "top", "✗", "eject")
+    rows = []
+    for choice in choices:
+        said = choice.prediction
+        low, middle, high = three(said.apogee)
+        failed = len(choice.failed)
+        rows.append(
+            (
+                f"{choice.motor.designation}{'' if choice.flown else ' *'}",
+                f"{middle:.0f}",
+                f"{low:.0f}-{high:.0f}",
+                f"{three(said.true_apogee)[1]:.0f}",
+                f"{three(said.rail_speed)[1]:.0f}",
+                f"{choice.first_thrust:.1f}",
+                f"{choice.average_thrust:.1f}",
+                f"{three(said.top_speed)[1]:.0f}",
+                str(failed or ""),
+                " ".join(f"{delay:g}:{after:+.1f}" for delay, after in choice.ejections) or "no delay",
+            )
         )
-        for choice in choices
-    ]
     print_table(headers, rows, numbers=headers[1:9])
-    say("*: not flown by this rocket. rail, top: m/s. T/W: thrust to weight, first half second and average.")
+    say_wrapped(
+        "*: not flown by this rocket. shown: apogee on the altimeter, true: in truth, m. rail, top: m/s. "
+        "T/W: thrust to weight, first half second and average. ✗: checks that fail."
+    )

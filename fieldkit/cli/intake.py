@@ -1,16 +1,23 @@
 """`fieldkit import` and `fieldkit export`: files in, files out."""
 
+from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from io import TextIOWrapper
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.screen import complain, print_json, say, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+
 app = typer.Typer()
+
+FORETOLD = 6
+"""How many flights that come in are laid beside their predictions, a line each."""
 
 
 class Form(StrEnum):
@@ -51,7 +58,8 @@ def import_(
     defaults = read_settings(split_settings(given or ()), check_motor)
     gathered = gather(files, check_motor, format=format, defaults=defaults, choices=choices)
     with open_ledger(context) as ledger:
-        receipt = take_in(ledger, gathered, dry_run=dry_run)
+        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run)
+        foretold = [] if json or dry_run or not receipt.ids else list(_foretold(ledger, receipt.ids))
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
@@ -67,12 +75,32 @@ def import_(
                 "duplicates": receipt.duplicates,
                 "rejected": [asdict(row) for row in receipt.rejected],
                 "flights": list(receipt.ids),
+                "joined": list(receipt.joined),
             }
         )
     else:
         said = "would be imported" if dry_run else "imported"
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
-        say(f"{len(receipt.ids)} {said}, {counts}")
+        joined = f"{len(receipt.joined)} joined to their flight, " if receipt.joined else ""
+        say(f"{len(receipt.ids)} {said}, {joined}{counts}")
+        for line in foretold[:FORETOLD]:
+            say_wrapped(line, "  ")
+        if len(foretold) > FORETOLD:
+            say(f"and {len(foretold) - FORETOLD} more that were foretold; see `fieldkit predictions`")
+
+
+def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
+    """What was foretold of flights that came in, a line for each of which something was."""
+    if not ledger.predictions():
+        return
+    from fieldkit.cli.session import known_motors
+    from fieldkit.loop.kept import by_flight, in_words, kept
+
+    said = by_flight(kept(ledger, known_motors()))
+    flights = ledger.flights(ids=ids)
+    for id, flight in zip(ledger.ids(flights), flights, strict=True):
+        if one := said.get((flight.rocket, flight.flight_id)):
+            yield f"{id}: {'; '.join(in_words(one))}"
 
 
 @app.command()

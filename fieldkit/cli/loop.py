@@ -30,12 +30,13 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
-    from fieldkit.loop.desk import close_loop, kept_logs, loop_document, which_rocket
+    from fieldkit.loop.desk import close_loop, loop_document, which_rocket
     from fieldkit.loop.findings import findings
+    from fieldkit.loop.force.logs import kept_logs
     from fieldkit.loop.words import report
 
     if page is not None:
-        from fieldkit.loop.report.page import check_page, write_page
+        from fieldkit.report.loop.page import check_page, write_page
 
         check_page(page)
     with open_ledger(context) as ledger:

@@ -6,8 +6,9 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.options import takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say
-from fieldkit.cli.session import known_motors
+from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
@@ -19,13 +20,15 @@ MOST = 40
 """How many motors a table lists."""
 
 
-@app.command()
 def motors(
     context: typer.Context,
     search: Annotated[list[str] | None, typer.Argument(help="F24, aerotech 24mm, a case or a propellant.")] = None,
     about: Annotated[bool, typer.Option("--about", help="Say where the motors are from.")] = False,
     import_: Annotated[
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
+    ] = None,
+    shortlist_for: Annotated[
+        str | None, typer.Option(metavar="ROCKET", help="Put what is found on this rocket's shortlist.")
     ] = None,
     fit: Annotated[
         str | None, typer.Option(metavar="ROCKET", help="Fly each motor that fits this rocket.", rich_help_panel=GUIDE)
@@ -38,21 +41,26 @@ def motors(
     ] = False,
     max_length: Annotated[str | None, typer.Option(help="Longest motor: 124mm.", rich_help_panel=GUIDE)] = None,
     max_impulse: Annotated[float | None, typer.Option(help="In N s.", rich_help_panel=GUIDE)] = None,
-    dry_mass: Annotated[str | None, typer.Option(help="In g, or with its unit.", rich_help_panel=GUIDE)] = None,
-    wind: Annotated[str | None, typer.Option(help="In m/s, or with its unit.", rich_help_panel=GUIDE)] = None,
-    waiver: Annotated[str | None, typer.Option(help="Ceiling above the pad: 500m.", rich_help_panel=GUIDE)] = None,
     retired: Annotated[
         bool, typer.Option("--retired", help="Also motors no longer made.", rich_help_panel=GUIDE)
     ] = False,
+    shortlist: Annotated[
+        bool, typer.Option("--shortlist", help="Only motors on the shortlist.", rich_help_panel=GUIDE)
+    ] = False,
+    every: Annotated[
+        bool, typer.Option("--all", help="Tell the checks of every motor.", rich_help_panel=GUIDE)
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
 ) -> None:
     """Search the motors, add your own, or with --fit fly each that fits a rocket."""
     if fit is not None:
         from fieldkit.cli.guide import print_guide
 
-        given = {"dry_mass": dry_mass, "wind": wind}
-        lengths = {"target": target, "mount": mount, "max_length": max_length, "waiver": waiver}
-        print_guide(context, fit, given, lengths, class_, max_impulse, adapter=adapter, retired=retired, json=json)
+        impulse = None if max_impulse is None else str(max_impulse)
+        wanted = {"target": target, "mount": mount, "max_length": max_length, "max_impulse": impulse, "class": class_}
+        options = {"adapter": adapter, "retired": retired, "shortlisted": shortlist, "every": every, "json": json}
+        print_guide(context, {**given, "rocket": fit}, wanted, **options)
         return
     from fieldkit.errors import UnknownMotor
     from fieldkit.motors import describe
@@ -64,12 +72,32 @@ def motors(
         return
     else:
         found = known_motors().search(" ".join(search or ()))
+    if shortlist_for is not None and found:
+        _put_by(context, shortlist_for, found)
     if json:
         print_json({"motors": [describe(motor) for motor in found]})
     elif not found:
         raise UnknownMotor(f"found no motor for {' '.join(search or ())!r}, expected a name such as F24-4W")
     else:
         _list(found)
+
+
+takes_plan(motors, ("config", "site"))
+app.command()(motors)
+
+
+def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
+    """Add motors to a rocket's shortlist. More than a table holds are refused, as a slip."""
+    from fieldkit.loop.desk import which_rocket
+    from fieldkit.plan.guide import keep_shortlist, label, shortlist
+
+    if len(found) > MOST:
+        raise typer.BadParameter(f"found {len(found)} motors to put by, expected at most {MOST}; a longer name narrows")
+    with open_ledger(context) as ledger:
+        name = which_rocket(ledger, rocket)
+        labels = shortlist(ledger, name) | {label(motor) for motor in found}
+        keep_shortlist(ledger, name, labels)
+    complain(f"{len(labels)} motors on the shortlist of {name}")
 
 
 def _added(file: Path) -> "list[Motor]":

@@ -29,6 +29,26 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
 
 
+PLAN_TEXTS = ("motor", "config", "rocket", "site")
+"""Texts of a plan that are options of the commands that plan."""
+FIELD = (
+    ("motor_temperature", "In c, or with its unit."),
+    ("waiver", "Ceiling above the pad: 500m. That saved with the site, where not said."),
+    ("field_size", "The field's shorter side: 300m. That saved with the site, where not said."),
+)
+"""Options of a plan that no column of a flight stands for; safety lines are told by them."""
+
+
+def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) -> None:
+    """Give a command the options of a planned flight, which arrive among its `**given`; see `takes_columns`."""
+    takes_columns(command, texts, (*SETUP, *CONDITIONS), "The plan")
+    signature: inspect.Signature = command.__signature__  # type: ignore[attr-defined]
+    parameters = [*signature.parameters.values()]
+    parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, "The plan") for name, text in FIELD]
+    command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # read by typer
+    command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
+
+
 def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Parameter:
     option: Any = typer.Option(*flags, help=text, rich_help_panel=panel, show_default=False)
     return inspect.Parameter(

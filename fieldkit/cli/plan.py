@@ -1,176 +1,243 @@
-"""`fieldkit delay`, `fieldkit ballast`: what is decided between flights."""
+"""`fieldkit delay`, `ballast`, `contest`, `sites`: what is decided between flights."""
 
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.options import takes_plan
+from fieldkit.cli.planning import about_plan, length, planning, print_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
-from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.session import open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.plan.contest import Outlook, Season
 
 app = typer.Typer()
 
 
-@app.command()
 def delay(
     context: typer.Context,
-    motor: Annotated[str, typer.Option(help="F24-4W, or F24.")],
-    rocket: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
-    config: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
-    dry_mass: Annotated[str | None, typer.Option(help="In g, or with its unit.")] = None,
     limit: Annotated[str | None, typer.Option(help="Too fast at ejection: 15m/s.")] = None,
-    step: Annotated[float | None, typer.Option(help="Seconds your drilling tool takes off at a time.", min=0.1)] = None,
+    cuts: Annotated[str | None, typer.Option(help="Seconds your tool can take off the longest delay: 2,4,6,8.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
 ) -> None:
     """Choose the ejection delay to buy or drill, from how long the rocket coasts."""
-    from fieldkit.cli.guide import planned
     from fieldkit.places import data_folder
+    from fieldkit.plan.delay import cuts as cuts_of
     from fieldkit.plan.delay import delays
-    from fieldkit.plan.desk import learn_rocket
-    from fieldkit.plan.limits import limits
-    from fieldkit.plan.safety import DECIDES
+    from fieldkit.plan.words import delays_in_words
     from fieldkit.units import parse
 
-    motors = known_motors()
-    found = motors.resolve(motor)
-    with open_ledger(context) as ledger:
-        plan = planned(ledger, rocket, {"config": config, "dry_mass": dry_mass})
-        learnt = learn_rocket(ledger, motors, plan, draws=1000)
-    fast = limits(data_folder() / "limits.toml")["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
-    judged = delays(learnt, found, fast, step)
+    with planning(context, given) as plan:
+        found = plan.motor()
+        fast = plan.limits["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
+        takes_off = cuts_of(found.motor, data_folder() / "drills.toml") if cuts is None else _seconds(cuts)
+        judged = delays(plan.rocket, plan.flight, found, fast, takes_off)
+        said, lines = judged.forecast, plan.safety(judged.forecast)
     if json:
-        p05, p50, p95 = judged.coast
-        document = {"rocket": plan.rocket, "motor": found.motor.designation, "limit_mps": fast, "decides": DECIDES}
-        document |= {"coast_s": {"p05": p05, "p50": p50, "p95": p95}, "flights": learnt.rests_on}
-        print_json({**document, "delays": [one.json() for one in judged.delays], "words": list(judged.words)})
+        document = {"rocket": said.plan.rocket, "motor": found.motor.designation, "limit_mps": fast}
+        document |= {"coast_s": dict(zip(("p05", "p50", "p95"), judged.coast, strict=True)), "flights": said.rests_on}
+        document |= {"delays": [one.json() for one in judged.delays], "words": list(judged.words)}
+        print_json(document | about_plan(said, lines))
         return
     for note in found.notes:
         complain(f"note: {note}")
-    p05, p50, p95 = judged.coast
-    say(f"{plan.rocket} on {found.motor.maker} {found.motor.designation}: coasts {p50:.1f} s from burnout to apogee")
-    say(f"90 % between {p05:.1f} and {p95:.1f} s; rests on {learnt.rests_on} clean flights")
-    headers = ("delay s", "after apogee s", "5 %", "95 %", "speed m/s", f"over {fast:.0f} m/s", "")
-    rows = [
-        (
-            f"{one.delay:g}",
-            *(f"{one.after_apogee[i]:+.1f}" for i in (1, 0, 2)),
-            f"{one.speed[1]:.0f}",
-            f"{one.too_fast:.0%}",
-            "" if one.on_sale else "drilled",
-        )
-        for one in judged.delays
-    ]
-    if rows:
-        print_table(headers, rows, numbers=headers[:6])
-    for words in judged.words:
-        say_wrapped(words)
-    say_wrapped(f"Delays vary by 20 % or 1.5 s (NFPA 1125), which is in these figures. {DECIDES}")
+    print_plan(delays_in_words(judged, fast), said.plan, lines)
 
 
-@app.command()
+def _seconds(text: str) -> tuple[float, ...]:
+    """`2,4,6,8` or a step such as `1`, which is taken off up to ten times."""
+    try:
+        off = tuple(float(part) for part in text.split(","))
+    except ValueError:
+        off = ()
+    if not off or min(off) <= 0:
+        raise typer.BadParameter(f"found --cuts {text!r}, expected seconds such as 2,4,6,8, or a step such as 0.5")
+    return off if len(off) > 1 else tuple(off[0] * times for times in range(1, round(10 / off[0]) + 1))
+
+
+takes_plan(delay)
+app.command()(delay)
+
+
 def ballast(
     context: typer.Context,
-    target: Annotated[str, typer.Option(help="Apogee wanted, as the altimeter shows it: 800ft.")],
-    motor: Annotated[str | None, typer.Option(help="That of the last flight, where not said.")] = None,
+    target: Annotated[str | None, typer.Option(help="Apogee wanted, as the altimeter shows it: 800ft.")] = None,
     within: Annotated[str, typer.Option(help="The band about the target that counts as met.")] = "10ft",
-    rocket: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
-    config: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
-    dry_mass: Annotated[str | None, typer.Option(help="As it is now; in g, or with its unit.")] = None,
+    season: Annotated[int | None, typer.Option(help="Expect the fewest points by its rule: 2027.")] = None,
     lightest: Annotated[str | None, typer.Option(help="The least dry mass possible: 280g.")] = None,
     heaviest: Annotated[str | None, typer.Option(help="The most: 420g.")] = None,
-    temperature: Annotated[str | None, typer.Option(help="In c, or with its unit.")] = None,
-    pressure: Annotated[str | None, typer.Option(help="Reduced to sea level; in hpa, or with its unit.")] = None,
-    site_elevation: Annotated[str | None, typer.Option(help="In m, or with its unit.")] = None,
-    wind: Annotated[str | None, typer.Option(help="In m/s, or with its unit.")] = None,
-    points: Annotated[bool, typer.Option("--points", help="Minimise the mean miss, not the chance to miss.")] = False,
+    miss: Annotated[bool, typer.Option("--miss", help="Minimise the mean miss, not the chance to miss.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
 ) -> None:
     """Find the dry mass that best meets a target, and the grams to add or take off."""
-    from fieldkit.cli.guide import planned
+    from fieldkit.plan.ballast import Goal
     from fieldkit.plan.ballast import ballast as solve
-    from fieldkit.plan.desk import learn_rocket
-    from fieldkit.units import FOOT, parse
+    from fieldkit.plan.contest import allowed
+    from fieldkit.plan.words import ballast_in_words
 
-    given = {"config": config, "dry_mass": dry_mass, "temperature": temperature, "pressure": pressure, "wind": wind}
-    motors = known_motors()
-    with open_ledger(context) as ledger:
-        plan = planned(ledger, rocket, {**given, "site_elevation": site_elevation})
-        last = ledger.latest(plan.rocket)
-        found = motors.resolve(motor or (last.motor if last else ""))
-        learnt = learn_rocket(ledger, motors, plan, draws=500)
-    wanted, band = parse(target, "length", "m"), parse(within, "length", "m")
-    low, high = (None if edge is None else parse(edge, "mass", "g") for edge in (lightest, heaviest))
-    best = solve(learnt, found, wanted, band, "error" if points else "chance", (low, high))
+    rule = None if season is None else _rule(season).announced(length(target), None)
+    wanted, band = rule.target if rule else length(target), length(within)
+    if wanted is None or band is None:
+        raise typer.BadParameter("found no --target, expected one such as 800ft, or a --season that has one")
+    low, high = (None if edge is None else _mass(edge) for edge in (lightest, heaviest))
+    goal = Goal(wanted, band, "points" if rule else "error" if miss else "chance", rule)
+    with planning(context, given) as plan:
+        best = solve(plan.rocket, plan.flight, plan.motor(), goal, (low, high))
+        said = best.forecast
+        lines = plan.safety(said) + (allowed(rule, said.plan, said.found) if rule else [])
     if json:
-        print_json({"rocket": plan.rocket, "motor": found.motor.designation, "target_m": wanted, **best.json()})
+        document = {"rocket": said.plan.rocket, "motor": said.found.motor.designation, "target_m": wanted}
+        document |= {"flights": said.rests_on, "model": said.model}
+        print_json(document | best.json() | about_plan(said, lines))
         return
-    p05, p50, p95 = best.apogee
-    say(f"{plan.rocket} on {found.motor.maker} {found.motor.designation}, target {wanted / FOOT:.0f} ft")
-    say(f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'take off'} {abs(best.add) * 1e3:.0f} g")
-    say(f"  apogee    {p50:.0f} m, 90 % between {p05:.0f} and {p95:.0f} m, as the altimeter will show it")
-    say(f"  within {band / FOOT:.0f} ft  chance {best.chance:.0%} ({best.today[0]:.0%} without change)")
-    say(f"  mean miss {best.error / FOOT:.0f} ft ({best.today[1] / FOOT:.0f} ft without change)")
-    say(f"  a gram more is {best.slope / FOOT / 1e3:+.1f} ft")
-    say(f"  rests on  {learnt.rests_on} clean flights, model {learnt.name}")
-    if not best.met:
-        least, most = (f"{height:.0f} m ({height / FOOT:.0f} ft)" for height in best.reach)
-        say_wrapped(f"  Out of reach: with these masses the altimeter will show from {least} to {most} in the middle.")
+    print_plan(ballast_in_words(best, goal), said.plan, lines)
 
 
-@app.command()
+def _mass(text: str) -> float:
+    from fieldkit.units import parse
+
+    return parse(text, "mass", "g")
+
+
+takes_plan(ballast)
+app.command()(ballast)
+
+
+def _rule(year: int) -> "Season":
+    from fieldkit.places import data_folder
+    from fieldkit.plan.contest import season
+
+    return season(year, data_folder() / "seasons")
+
+
 def contest(
     context: typer.Context,
     season: Annotated[int, typer.Option(help="2020 to 2027.")],
-    motor: Annotated[str | None, typer.Option(help="Plan with this motor, and say what points to expect.")] = None,
-    rocket: Annotated[str | None, typer.Option(help="The one flown last, where not said.")] = None,
-    dry_mass: Annotated[str | None, typer.Option(help="Of the plan; in g, or with its unit.")] = None,
+    target: Annotated[str | None, typer.Option(help="As announced that day: 785ft.")] = None,
+    window: Annotated[str | None, typer.Option(help="Seconds as announced that day: 37-40.")] = None,
+    parachute: Annotated[
+        str | None, typer.Option(help="Area over that of the parachute flown: 85% or 0.85; plan with --motor.")
+    ] = None,
+    reef: Annotated[str | None, typer.Option(help="Share of the area that reefing takes out: 10%.")] = None,
+    rocket_length: Annotated[str | None, typer.Option(help="Of the rocket: 700mm.")] = None,
     cut: Annotated[float | None, typer.Option(help="Points that qualify; asks for --motor.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
 ) -> None:
-    """Score flights by the rule of a season, and say what points a plan can expect."""
-    import numpy as np
+    """Score flights by the rule of a season and, with --motor, say what points a plan can expect."""
+    from fieldkit.errors import NoFlights
+    from fieldkit.plan.contest import allowed, outlook, score
+    from fieldkit.plan.words import outlook_in_words
 
-    from fieldkit.cli.guide import planned
-    from fieldkit.plan.contest import chance_to_qualify, expected_points, score
-    from fieldkit.plan.contest import season as season_of
-    from fieldkit.plan.desk import learn_rocket
-
-    if cut is not None and motor is None:
+    if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is that of a plan")
-    rule = season_of(season)
-    motors = known_motors()
+    rule = _rule(season).announced(length(target), _window(window))
+    area = _share(parachute, 1.0) * (1 - _share(reef, 0.0))
     document: dict[str, object] = {"season": rule.year, "checked": rule.checked, "remarks": rule.remarks}
-    with open_ledger(context) as ledger:
-        plan = planned(ledger, rocket, {"dry_mass": dry_mass})
-        flights = ledger.flights(plan.rocket)
-        scored = score(rule, flights)
-        document["flights"] = [
-            {"flight_id": flight.flight_id, "points": points, "timed": flight.duration is not None}
-            for flight, points in scored
-        ]
-        if motor is not None:
-            found = motors.resolve(motor)
-            learnt = learn_rocket(ledger, motors, plan, draws=1000)
-            points, timed = expected_points(rule, learnt, learnt.plan, found, flights)
-            p05, p50, p95 = (float(value) for value in np.quantile(points, (0.05, 0.5, 0.95)))
-            expected: dict[str, object] = {"mean": float(points.mean()), "p05": p05, "p50": p50, "p95": p95}
-            document["plan"] = {"motor": found.motor.designation, "points": expected, "timed": timed}
-            if cut is not None:
-                document["qualifies"] = {"cut": cut, "chance": chance_to_qualify(rule, points, cut)}
+    ahead = lines = None
+    with planning(context, given) as plan:
+        try:
+            scored = score(rule, plan.ledger.flights(plan.flight.rocket))
+        except NoFlights:
+            scored = []
+        if plan.flight.motor:
+            ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
+            said = ahead.forecast
+            lines = plan.safety(said) + allowed(rule, said.plan, said.found, length(rocket_length, "mm"))
+    document["flights"] = [
+        {"flight_id": flight.flight_id, "points": points, "timed": flight.duration is not None}
+        for flight, points in scored
+    ]
+    if ahead is not None and lines is not None:
+        document["plan"] = _plan_document(ahead, rule, area) | about_plan(ahead.forecast, lines)
+        if cut is not None:
+            document["qualifies"] = {"cut": cut, "chance": ahead.chance(rule, cut)}
     if json:
         print_json(document)
         return
-    if not rule.checked:
-        say(f"The rule of {season} ({rule.remarks}) was not checked against the official text.")
+    if rule.caveat and ahead is None:
+        say_wrapped(rule.caveat)
     for flight, own in scored:
         say(f"  {flight.flight_id:>8}  {own:6.1f} points{'' if flight.duration is not None else ', height alone'}")
-    if motor is not None:
-        say(
-            f"With {motor}: {points.mean():.0f} points expected, 90 % between {p05:.0f} and {p95:.0f}, median {p50:.0f}"
-        )
-        if not timed:
-            say("  height alone: no flight told how fast this rocket comes down")
-    if cut is not None:
-        say(
-            f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: "
-            f"{chance_to_qualify(rule, points, cut):.0%}"
-        )
+    if ahead is not None and lines is not None:
+        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines)
+
+
+def _window(text: str | None) -> tuple[float, float] | None:
+    if text is None:
+        return None
+    try:
+        low, high = (float(part.strip(" s")) for part in text.split("-"))
+    except ValueError:
+        raise typer.BadParameter(f"found --window {text!r}, expected seconds such as 37-40") from None
+    return low, high
+
+
+def _share(text: str | None, default: float) -> float:
+    """A share typed as `85%` or `0.85`. Raises BadValue, BadParameter."""
+    from fieldkit.units import parse
+
+    if text is None:
+        return default
+    share = parse(text, "fraction", "fraction")
+    if not 0 <= share < 10 or (share == 0 and default):
+        raise typer.BadParameter(f"found {text!r}, expected a share such as 85%")
+    return share
+
+
+def _plan_document(ahead: "Outlook", rule: "Season", area: float) -> dict[str, object]:
+    from fieldkit.plan.quantiles import named, three
+
+    said = ahead.forecast
+    return {
+        "motor": said.found.motor.designation,
+        "apogee_m": named(three(said.apogee)),
+        "true_apogee_m": named(three(said.true_apogee)),
+        "duration_s": named(three(ahead.duration.ravel())),
+        "points": {"mean": float(ahead.points.mean()), **named(three(ahead.points.ravel()))},
+        "score": {"mean": float(rule.sums(ahead.points).mean()), **named(three(rule.sums(ahead.points)))},
+        "timed": ahead.timed > 0,
+        "timed_flights": ahead.timed,
+        "parachute": {"area": area, "best_area": ahead.area, "points_there": ahead.points_there},
+        "flights": said.rests_on,
+        "model": said.model,
+    }
+
+
+takes_plan(contest)
+app.command()(contest)
+
+
+@app.command()
+def sites(
+    context: typer.Context,
+    name: Annotated[str | None, typer.Argument(help="The site to save what follows of.")] = None,
+    elevation: Annotated[str | None, typer.Option(help="Of the pad above sea level: 212m.")] = None,
+    size: Annotated[str | None, typer.Option(help="The field's shorter side: 400m.")] = None,
+    ceiling: Annotated[str | None, typer.Option(help="Above the pad, by waiver or rule: 3000ft.")] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List launch sites, or save the elevation, size and ceiling of one."""
+    from fieldkit.ledger.sites import keep_site
+    from fieldkit.ledger.sites import sites as sites_of
+
+    given = {"elevation": length(elevation), "size": length(size), "ceiling": length(ceiling)}
+    if name is None and any(value is not None for value in given.values()):
+        raise typer.BadParameter("found what to save and no site, expected its name first")
+    with open_ledger(context) as ledger:
+        if name is not None and any(value is not None for value in given.values()):
+            keep_site(ledger, name, **given)
+        known = [site for site in sites_of(ledger) if name in (None, site.name)]
+    if json:
+        keys = ("elevation", "size", "ceiling")
+        print_json({"sites": [{"site": one.name} | {f"{key}_m": getattr(one, key) for key in keys} for one in known]})
+        return
+    rows = [
+        (one.name, *("" if value is None else f"{value:.0f}" for value in (one.elevation, one.size, one.ceiling)))
+        for one in known
+    ]
+    headers = ("site", "elevation m", "size m", "ceiling m")
+    print_table(headers, rows, numbers=headers[1:])

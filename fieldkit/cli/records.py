@@ -4,10 +4,12 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.predictions import foretold, say_foretold
 from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
+    from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
     from fieldkit.replay import Recording
 
@@ -31,7 +33,7 @@ def flights(
     from fieldkit.export import document
 
     with open_ledger(context) as ledger:
-        chosen = [one for one in ledger.flights(rocket) if tag is None or tag in one.tags]
+        chosen = ledger.flights(rocket, tag=tag)
         ids = ledger.ids(chosen)
         name = ledger.name
     if json:
@@ -64,14 +66,22 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
         recording = _recording(ledger, flight) if found.log or "log_format" in found.extra else None
+        said = foretold(ledger, found)
     if json:
         from fieldkit.cli.compare import document as measured
 
-        print_json(document(found) | ({"recording": measured(recording)} if recording else {}))
+        print_json(
+            document(found)
+            | ({"recording": measured(recording)} if recording else {})
+            | ({"prediction": said.json()} if said else {})
+        )
         return
     print_card(found, id)
+    say_foretold(said)
     if recording:
         _print_events(recording)
+        if _measures_otherwise(found, recording):
+            complain(f"note: fieldkit measures this log otherwise now; `fieldkit remeasure {id}` takes that over")
 
 
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
@@ -85,6 +95,15 @@ def _recording(ledger: "Ledger", id: str) -> "Recording | None":
     except FieldkitError as error:
         complain(f"note: {error}")
         return None
+
+
+def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
+    """Whether a figure that was measured in a log is another today, beyond the millimetres it is rounded to."""
+    from fieldkit.flight import BY_NAME
+
+    figures = {name: figure.value for name, figure in recording.recorded.figures.items() if name in BY_NAME}
+    measured = {n: v for n in figures if BY_NAME[n].sd_header in flight.extra and (v := flight.number(n)) is not None}
+    return any(abs(value - figures[name]) > 0.001 for name, value in measured.items())
 
 
 def _print_events(recording: "Recording") -> None:

@@ -1,52 +1,85 @@
 """`fieldkit score`: how good the forecasts are, on flights that came after what they rest on."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from fieldkit.cli.screen import print_json, print_table, progress, say
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.loop.forward import Forecast
+    from fieldkit.loop.proper import Calibration
+    from fieldkit.loop.rivals import Report
 
 app = typer.Typer()
+
+EVALUATION = "forward in time: each flight from the earlier ones of its rocket"
 
 
 @app.command()
 def score(
     context: typer.Context,
     rocket: Annotated[str | None, typer.Option(help="By default every rocket.", show_default=False)] = None,
+    out: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Draw the calibration too: .png, .svg or .pdf.", show_default=False),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Forecast each flight from the ones before it, and compare with three simpler ways."""
-    from dataclasses import asdict
-
+    """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
     from fieldkit.errors import NoFlights
-    from fieldkit.loop.desk import flown, keep_forecasts, which_rocket
-    from fieldkit.loop.forward import corrected_by_earlier, forward, tally
+    from fieldkit.loop.desk import finite, flown, keep_forecasts, which_rocket
+    from fieldkit.loop.forward import corrected_by_earlier, forward
+    from fieldkit.loop.kept import kept
+    from fieldkit.loop.rivals import judged_report
+    from fieldkit.loop.track_record import record
 
+    if out is not None:
+        from fieldkit.report.score import check_picture
+
+        check_picture(out)
     with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
         motors = known_motors()
         rockets = [which_rocket(ledger, rocket)] if rocket else ledger.names("rocket")
+        made = [one for name in rockets for one in kept(ledger, motors, name)]
+        before = record(ledger, motors, made)
         rows = [row for name in rockets for row in forward(name, flown(ledger, motors, name), tell=tell)]
         rows = corrected_by_earlier(rows)
         keep_forecasts(ledger, rows)
     if not rows:
         raise NoFlights("found no rocket with two clean flights that have an apogee, expected at least one")
-    ways, inside = tally(rows)
+    replayed, said = judged_report(rows), judged_report(before) if before else None
+    if out is not None:
+        from fieldkit.report.score import write_picture
+
+        write_picture({"kept predictions": said, "replayed forward in time": replayed}, out)
+        complain(f"calibration drawn to {out}")
     if json:
-        print_json(
-            {
-                "flights": [_document(row) for row in rows],
-                "errors": [asdict(way) for way in ways],
-                "coverage90": inside,
-                "corrected": _corrected(rows),
-                "evaluation": "forward in time: each flight from the earlier ones of its rocket",
-            }
-        )
+        stale = sum(one.stale for one in made if one.flown is not None)
+        print_json(finite({**_document(replayed), "kept": None if said is None else _kept_document(said, stale)}))
         return
+    if said is not None:
+        say_wrapped(f"Predictions kept, made before the flight: {len(said.rows)} flown and clean")
+        _print(said)
+        say()
+    say_wrapped(f"Replayed forward in time: {len(rows)} flights, each forecast from the earlier ones of its rocket")
+    _print(replayed)
+    if corrected := _corrected(replayed.rows):
+        say_wrapped(
+            f"the intervals of the last {corrected['flights']} are corrected by how the ones before fared: "
+            f"{corrected['coverage90']:.0%} inside, {corrected['own_coverage90']:.0%} without"
+        )
+
+
+def _print(found: "Report") -> None:
+    """Errors by each way, the difference to each rival, the verdict on the bar, and calibration."""
+    from fieldkit.loop.forward import tally
+    from fieldkit.loop.rivals import RIVALS
+
+    ways, inside = tally(found.rows)
     cells = [
         (
             way.name,
@@ -60,22 +93,96 @@ def score(
     ]
     numbers = ("flights", "median", "mean", "MAE m", "bias m")
     print_table(("forecast by", *numbers), cells, numbers=numbers)
-    say(f"{len(rows)} flights, each forecast from the earlier ones of its rocket; {inside:.0%} in the 90 % interval")
-    if corrected := _corrected(rows):
-        say(
-            f"the intervals of the last {corrected['flights']} are corrected by how the ones before fared: "
-            f"{corrected['coverage90']:.0%} inside, {corrected['own_coverage90']:.0%} without"
+    say(f"{inside:.0%} in the 90 % interval; CRPS {found.crps:.1f} m")
+    say()
+    heads = ("rival", "our mean error is less by", "our CRPS is less by m", "")
+    rivals = [
+        (
+            RIVALS[one.rival],
+            "{:+.1%} ({:+.1%} to {:+.1%})".format(one.less, *one.interval),
+            "{:+.1f} ({:+.1f} to {:+.1f})".format(one.crps_less, *one.crps_interval),
+            one.verdict,
+        )
+        for one in found.against
+    ]
+    print_table(heads, rivals, numbers=heads[1:3])
+    for line in _bar(found):
+        say_wrapped(line, "  ")
+    say()
+    for line in histogram(found.calibration):
+        say(line)
+
+
+def _bar(found: "Report") -> "Iterator[str]":
+    """Whether the scalar correction is beaten, and the rockets where it is not."""
+    from fieldkit.loop.rivals import BAR
+
+    for one in found.against:
+        if one.rival == BAR:
+            words = {
+                "better": "The scalar correction is beaten",
+                "worse": "The scalar correction is BETTER than fieldkit",
+                "unclear": "Whether the scalar correction is beaten, these flights cannot tell",
+            }
+            yield f"{words[one.verdict]}: mean error {one.error:.1%} against {one.theirs:.1%} on {one.flights} flights."
+    for rocket, one in found.behind:
+        yield (
+            f"Not beaten on {rocket or 'no rocket'}: {one.error:.1%} against {one.theirs:.1%} on {one.flights} flights"
+            f"{', which may be chance' if one.verdict != 'worse' else ''}."
         )
 
 
-def _document(row: "Forecast") -> dict[str, Any]:
+def histogram(found: "Calibration") -> "Iterator[str]":
+    """PITs as bars that should be as long as each other, and the share of flights in each interval."""
+    low, high = found.expected
+    count = sum(found.counts)
+    yield f"where flights lay in their forecasts (even is right; chance leaves {low:.0f} to {high:.0f} in each)"
+    longest = max(*found.counts, 1)
+    for place, number in enumerate(found.counts):
+        bar = "█" * round(30 * number / longest)
+        note = "" if low <= number <= high else "  too few" if number < low else "  too many"
+        yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
+    for one in found.intervals:
+        least, most = one.expected
+        verdict = "as it should" if one.honest else "too narrow" if one.held < one.level else "too wide"
+        yield f"  {one.level:.0%} interval: {one.held:.0%} of {count}, by chance {least:.0%} to {most:.0%}: {verdict}"
+
+
+def _document(found: "Report") -> dict[str, Any]:
+    """The replay as JSON has it."""
     from dataclasses import asdict
 
-    numbers = {key: None if value != value else value for key, value in asdict(row).items()}
-    return {**numbers, "when": row.when.isoformat() if row.when else None}
+    from fieldkit.loop.forward import tally
+
+    ways, inside = tally(found.rows)
+    return {
+        "flights": [_flight(row) for row in found.rows],
+        "errors": [asdict(way) for way in ways],
+        "coverage90": inside,
+        "corrected": _corrected(found.rows),
+        "evaluation": EVALUATION,
+        **found.json(),
+    }
 
 
-def _corrected(rows: "Sequence[Forecast]") -> dict[str, Any] | None:
+def _kept_document(found: "Report", stale: int) -> dict[str, Any]:
+    """Kept predictions in the same words."""
+    document = _document(found)
+    del document["corrected"]
+    return document | {"evaluation": "as predicted before the flight", "stale": stale}
+
+
+def _flight(row: "Forecast") -> dict[str, Any]:
+    from dataclasses import fields
+
+    from fieldkit.loop.proper import crps, pit
+
+    named = {one.name: getattr(row, one.name) for one in fields(row) if one.name not in ("draws", "spreads")}
+    scores = {} if row.draws is None else {"pit": pit(row.draws, row.flown), "crps": crps(row.draws, row.flown)}
+    return {**named, "when": row.when.isoformat() if row.when else None, **scores}
+
+
+def _corrected(rows: "tuple[Forecast, ...]") -> dict[str, Any] | None:
     """Coverage of the intervals that earlier flights corrected, and of the model's own for the same flights."""
     later = [row for row in rows if row.corrected]
     if not later:

@@ -1,6 +1,7 @@
 """What commands work on: the ledger that the options name, and the motors known on this computer."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import typer
@@ -11,11 +12,16 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 
-def open_ledger(context: typer.Context) -> "Ledger":
-    """The ledger of `--ledger`, FIELDKIT_LEDGER, or the user's data folder."""
+@contextmanager
+def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
+    """The ledger of `--ledger`, FIELDKIT_LEDGER, or the user's data folder; trouble with its backups is said."""
+    from fieldkit.cli.screen import complain
     from fieldkit.ledger import Ledger
 
-    return Ledger.open(context.find_root().obj)
+    with Ledger.open(context.find_root().obj) as ledger:
+        yield ledger
+        if ledger.trouble:
+            complain(f"warning: {ledger.trouble}")
 
 
 def known_motors() -> "Catalogue":

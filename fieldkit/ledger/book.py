@@ -1,11 +1,12 @@
 """Flights in the tables: taking in, finding, replacing and taking out."""
 
 import zlib
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 from difflib import get_close_matches
+from typing import Any
 
-from sqlalchemy import Connection, func, insert, or_, select
+from sqlalchemy import Connection, Select, func, insert, or_, select, tuple_
 
 from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.errors import BadValue, LedgerError
@@ -13,7 +14,14 @@ from fieldkit.flight import Flight
 from fieldkit.ledger.journal import Pen
 from fieldkit.ledger.records import Added, Conflict
 from fieldkit.ledger.rows import Row, agrees, differences, flight_of, row_of, same
-from fieldkit.ledger.tables import flights, logs, tags
+from fieldkit.ledger.tables import EDITED, flights, logs, tags
+
+Identity = tuple[str, str]
+"""A rocket and a flight_id, which together name a flight."""
+LARGEST_LOG = 1 << 30
+"""No log that is unpacked is larger. [byte]"""
+FEW = 500
+"""So many are asked for by name; of more, everything is read. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +41,7 @@ class Known:
         self.now: dict[tuple[str, str], Flight] = {}
         self.once: dict[tuple[str, str], Flight] = {}
         self.digests: dict[int, str | None] = {}
-        for held in load(connection, rockets={flight.rocket for flight in new}):
+        for held in find(connection, [(flight.rocket, flight.flight_id) for flight in new]):
             self.note(held.flight)
             self.digests[id(held.flight)] = held.log_digest
             if held.entered:
@@ -89,8 +97,8 @@ def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
     labels = [tag for row in rows for tag in _tag_rows(row["entry"], row.pop("tags"))]
     pen.insert(flights, rows)
     pen.insert(tags, labels)
-    names = ids(pen.connection) if rows else {}
-    return Added(tuple(names[row["rocket"], row["flight_id"]] for row in rows), duplicates, tuple(conflicts))
+    names = ids(pen.connection, [(row["rocket"], row["flight_id"]) for row in rows])
+    return Added(tuple(names.values()), duplicates, tuple(conflicts))
 
 
 def _objection(flight: Flight, there: Flight | None) -> str | None:
@@ -119,31 +127,59 @@ def load(
     connection: Connection,
     *,
     rocket: str | None = None,
-    rockets: Iterable[str] | None = None,
+    tag: str | None = None,
     entries: Sequence[int] | None = None,
 ) -> list[Held]:
-    """Flights by date and then by entry; of a rocket, of those once of these rockets, or at these entries."""
+    """Flights by date and then by entry; of a rocket, with a tag, at these entries."""
     query = select(flights).order_by(flights.c.date_time.nulls_last(), flights.c.entry)
     if rocket is not None:
         query = query.where(flights.c.rocket == rocket)
-    if rockets is not None:
-        query = query.where(or_(flights.c.rocket.in_(list(rockets)), flights.c.entered.is_not(None)))
-    if entries is not None:
+    if tag is not None:
+        query = query.where(flights.c.entry.in_(select(tags.c.entry).where(tags.c.tag == tag)))
+    if entries is not None and len(entries) <= FEW:
         query = query.where(flights.c.entry.in_(entries))
-    rows = [dict(row) for row in connection.execute(query).mappings()]
+    held = _all_held(connection, query)
+    if entries is not None and len(entries) > FEW:
+        wanted = set(entries)
+        held = [one for one in held if one.entry in wanted]
+    return held
+
+
+def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
+    """The flights that bear one of these identities now, or bore it as they came in."""
+    held: list[Held] = []
+    for start in range(0, len(identities), FEW):
+        some = identities[start : start + FEW]
+        entered = tuple_(*(flights.c.entered[name].as_string() for name in ("rocket", "flight_id")))
+        now = select(flights.c.entry).where(tuple_(flights.c.rocket, flights.c.flight_id).in_(some))
+        once = select(flights.c.entry).where(EDITED, entered.in_(some))
+        held += _all_held(connection, select(flights).where(flights.c.entry.in_(now.union(once))))
+    return held
+
+
+def _all_held(connection: Connection, query: Select[Any]) -> list[Held]:
+    columns = flights.c.keys()
+    rows = [dict(zip(columns, row, strict=True)) for row in connection.execute(query)]
     labels: dict[int, list[str]] = {row["entry"]: [] for row in rows}
-    for label in connection.execute(select(tags).order_by(tags.c.entry, tags.c.position)):
+    for label in connection.execute(_labels(labels)):
         if label.entry in labels:
             labels[label.entry].append(label.tag)
-    return [
-        Held(
-            row["entry"],
-            flight_of(row, labels[row["entry"]]),
-            flight_of(row["entered"], row["entered"]["tags"]) if row["entered"] else None,
-            row["log_digest"],
-        )
-        for row in rows
-    ]
+    return [_held(row, labels[row["entry"]]) for row in rows]
+
+
+def _labels(entries: Collection[int]) -> Select[Any]:
+    """The tags of these flights, and of others where they are many."""
+    query = select(tags).order_by(tags.c.entry, tags.c.position)
+    return query.where(tags.c.entry.in_(entries)) if len(entries) <= FEW else query
+
+
+def _held(row: Mapping[str, Any], labels: Sequence[str]) -> Held:
+    """A row and its tags as a flight. Raises LedgerError for a row that no fieldkit wrote."""
+    try:
+        once = flight_of(row["entered"], row["entered"]["tags"]) if row["entered"] else None
+        return Held(row["entry"], flight_of(row, labels), once, row["log_digest"])
+    except (ValueError, TypeError, LookupError) as error:
+        raise LedgerError(f"flight {row['flight_id']!r} of {row['rocket']!r}: its row is damaged ({error})") from error
 
 
 def replace(pen: Pen, held: Held, flight: Flight) -> bool:
@@ -157,7 +193,7 @@ def replace(pen: Pen, held: Held, flight: Flight) -> bool:
     identity = flight.rocket, flight.flight_id
     if not flight.flight_id:
         raise LedgerError("found an empty flight_id, expected one that is unique within the rocket")
-    if identity != (held.flight.rocket, held.flight.flight_id) and identity in ids(pen.connection):
+    if identity != (held.flight.rocket, held.flight.flight_id) and _is_there(pen.connection, identity):
         raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is in the ledger already")
     changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
     if held.entered is None:
@@ -170,6 +206,24 @@ def replace(pen: Pen, held: Held, flight: Flight) -> bool:
     return True
 
 
+def renew(pen: Pen, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
+    """Put what a flight's files say now in its place, also in how it came in; False where nothing changed."""
+    for original in others:
+        keep_log(pen.connection, original)
+    before, after = row_of(held.flight), row_of(flight)
+    changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
+    if held.entered and entered and row_of(held.entered) != row_of(entered):
+        changes["entered"] = row_of(entered)
+    if changes:
+        pen.update(flights, {"entry": held.entry}, changes)
+    return bool(changes)
+
+
+def _is_there(connection: Connection, identity: Identity) -> bool:
+    where = (flights.c.rocket == identity[0]) & (flights.c.flight_id == identity[1])
+    return connection.scalar(select(flights.c.entry).where(where)) is not None
+
+
 def remove(pen: Pen, held: Held) -> None:
     """Take a flight out; its log's bytes stay."""
     pen.delete(tags, tags.c.entry == held.entry)
@@ -180,32 +234,54 @@ def _tag_rows(entry: int, labels: Sequence[str]) -> list[Row]:
     return [{"entry": entry, "position": position, "tag": tag} for position, tag in enumerate(labels)]
 
 
-def ids(connection: Connection) -> dict[tuple[str, str], str]:
-    """The id of every flight: its flight_id where that says enough, else `rocket/flight_id`."""
-    identities = [tuple(row) for row in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
+def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
+    """The id of each of these flights: its flight_id where that says enough, else `rocket/flight_id`."""
     meant: dict[str, int] = {}
-    for rocket, flight_id in identities:
+    for rocket, flight_id in _meant(connection, {flight_id for _, flight_id in wanted}):
         for name in {flight_id, f"{rocket}/{flight_id}"}:
             meant[name] = meant.get(name, 0) + 1
-    return {(r, f): f if meant[f] == 1 else f"{r}/{f}" for r, f in identities}
+    return {(r, f): f if meant[f] == 1 else f"{r}/{f}" for r, f in wanted}
+
+
+def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
+    """The flights that any of these texts may mean, as `flight_id` or as `rocket/flight_id`; of many texts, all."""
+    query = select(flights.c.rocket, flights.c.flight_id)
+    if len(texts) <= FEW:
+        halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
+        pair = tuple_(flights.c.rocket, flights.c.flight_id)
+        query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
+    return [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
 
 
 def resolve(connection: Connection, id: str) -> Held:
     """The flight that an id means. Raises LedgerError that suggests near ones, or lists several."""
-    known = ids(connection)
-    found = [identity for identity in known if id in (identity[1], "/".join(identity))]
+    return resolve_all(connection, [id])[0]
+
+
+def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
+    """The flights that ids mean, in their order. Raises LedgerError that suggests near ones, or lists several."""
+    known = ids(connection, _meant(connection, set(texts)))
+    meant: dict[str, list[Identity]] = {}
+    for identity in known:
+        for name in {identity[1], "/".join(identity)}:
+            meant.setdefault(name, []).append(identity)
+    wanted = [_the_one(connection, text, meant.get(text, []), known) for text in texts]
+    held = {(one.flight.rocket, one.flight.flight_id): one for one in find(connection, wanted)}
+    return [held[identity] for identity in wanted]
+
+
+def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: Mapping[Identity, str]) -> Identity:
+    """The identity that an id means, among those it may mean. Raises LedgerError."""
     if len(found) > 1:  # one of them may bear the id in full
         found = [identity for identity in found if known[identity] == id] or found
     if len(found) > 1:
         raise LedgerError(f"{id} may be {' or '.join(sorted(known[one] for one in found))}")
     if not found:
-        near = get_close_matches(id, known.values(), n=3, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {len(known)} flights"
+        everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
+        near = get_close_matches(id, ids(connection, everything).values(), n=3, cutoff=0.4)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {len(everything)} flights"
         raise LedgerError(f"no flight {id!r}; {hint}")
-    rocket, flight_id = found[0]
-    where = (flights.c.rocket == rocket) & (flights.c.flight_id == flight_id)
-    entry = connection.scalar(select(flights.c.entry).where(where))
-    return load(connection, entries=[entry or 0])[0]
+    return found[0]
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
@@ -248,5 +324,16 @@ def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
 
 
 def _content(connection: Connection, digest: str | None) -> bytes | None:
-    content = connection.scalar(select(logs.c.content).where(logs.c.digest == digest))
-    return None if content is None else zlib.decompress(content)
+    row = connection.execute(select(logs.c.content, logs.c.size).where(logs.c.digest == digest)).first()
+    return None if row is None else _unpacked(row.content, row.size)
+
+
+def _unpacked(packed: bytes, size: int) -> bytes:
+    """The bytes of a log, never more than its row says. Raises LedgerError for another size, zlib.error."""
+    if not 0 <= size <= LARGEST_LOG:
+        raise LedgerError(f"found a log of {size} bytes, expected at most {LARGEST_LOG}")
+    unpacking = zlib.decompressobj()
+    content = unpacking.decompress(packed, size + 1)
+    if len(content) != size:
+        raise LedgerError(f"found a log of another size than the {size} bytes of its row, which is damaged")
+    return content

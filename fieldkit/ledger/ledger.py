@@ -15,10 +15,10 @@ from sqlalchemy import Connection, Engine
 
 from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
-from fieldkit.flight import Flight
-from fieldkit.ledger import book, drafts, journal, models, opening
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.ledger import book, drafts, journal, models, opening, past, starts
 from fieldkit.ledger.journal import Change, Pen
-from fieldkit.ledger.records import Added, Prediction, Version
+from fieldkit.ledger.records import Added, Past, Prediction, Renewal, Start, Version
 
 
 class Ledger:
@@ -27,6 +27,8 @@ class Ledger:
     def __init__(self, engine: Engine, name: str) -> None:
         self._engine = engine
         self.name = name
+        self.trouble = ""
+        """Why no backup could be made before a change, empty where one could; the change was made all the same."""
 
     @classmethod
     def open(cls, where: str | Path | None = None) -> "Ledger":
@@ -65,31 +67,38 @@ class Ledger:
         source: str = "",
         command: str = "import",
         draft: str | None = None,
+        renewals: Sequence[Renewal] = (),
         dry_run: bool = False,
     ) -> Added:
         """Take flights in; `log` and `source` are those of each that does not arrive with its own.
 
         A flight that is there already, as it is now or as it once came in, is a duplicate and changes
         nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
-        other content, or cannot be kept, is a conflict. `draft` is one that these flights finish, dropped
+        other content, or cannot be kept, is a conflict. `renewals` are flights that further files came of.
+        `draft` is one that these flights finish, dropped
         with them. A dry run says what would happen.
         """
         original = None if log is None else Original.of(log)
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
         with self._changing(keep=not dry_run) as pen:
+            renewed = [one.id for one in renewals if _renew(pen, one)]
             added = book.add(pen, arrivals)
-            if added.new:
+            if added.new or renewed:
                 files = ", ".join(dict.fromkeys(Path(one.source).name for one in arrivals if one.source))
-                pen.sign(command, _listed(added.new) + (f" from {files}" if files else ""))
+                more = [f"further files of {_listed(renewed)}"] if renewed else []
+                what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
+                pen.sign(command, "; ".join(what + more))
             if draft:
                 drafts.drop(pen.connection, draft)
         return added
 
-    def flights(self, rocket: str | None = None, ids: Sequence[str] | None = None) -> list[Flight]:
-        """Flights by date and then by entry, those without a date last; of one rocket, or named by id."""
+    def flights(
+        self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
+    ) -> list[Flight]:
+        """Flights by date and then by entry, those without a date last; of one rocket, named by id, with a tag."""
         with self._reading() as connection:
-            entries = None if ids is None else [book.resolve(connection, one).entry for one in ids]
-            return [held.flight for held in book.load(connection, rocket=rocket, entries=entries)]
+            entries = None if ids is None else [held.entry for held in book.resolve_all(connection, ids)]
+            return [held.flight for held in book.load(connection, rocket=rocket, tag=tag, entries=entries)]
 
     def flight(self, id: str) -> Flight:
         """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.
@@ -99,11 +108,17 @@ class Ledger:
         with self._reading() as connection:
             return book.resolve(connection, id).flight
 
+    def entered(self, id: str) -> Flight | None:
+        """A flight as it came in, None where it was not edited since."""
+        with self._reading() as connection:
+            return book.resolve(connection, id).entered
+
     def ids(self, flights: Sequence[Flight]) -> list[str]:
         """The id that names each of these flights of the ledger."""
+        identities = [(flight.rocket, flight.flight_id) for flight in flights]
         with self._reading() as connection:
-            names = book.ids(connection)
-        return [names[flight.rocket, flight.flight_id] for flight in flights]
+            names = book.ids(connection, identities)
+        return [names[identity] for identity in identities]
 
     def log(self, id: str) -> bytes | None:
         """The original bytes of a flight's log, or None where there is none."""
@@ -133,16 +148,24 @@ class Ledger:
     def edit(self, id: str, **changes: object) -> Flight:
         """Change fields of a flight and return it. Raises LedgerError when another bears the new name."""
         what = f"{id} ({', '.join(changes)})"
-        return self._alter(id, "edit", what, lambda flight: flight.with_changes(**changes))
+        return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 
     def edit_all(self, ids: Sequence[str], what: str, **changes: object) -> int:
         """Change fields of several flights as one command, named by `what`; how many it changed."""
         with self._changing() as pen:
-            held = [book.resolve(pen.connection, id) for id in ids]
-            done = sum(book.replace(pen, one, one.flight.with_changes(**changes)) for one in held)
+            held = book.resolve_all(pen.connection, ids)
+            done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
             if done:
                 pen.sign("edit", f"{what} ({', '.join(changes)})")
         return done
+
+    def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:
+        """Take over what the files of flights say now, as one command; how many flights it changed."""
+        with self._changing(keep=not dry_run) as pen:
+            done = [one.id for one in renewals if _renew(pen, one)]
+            if done:
+                pen.sign(command, _listed(done))
+        return len(done)
 
     def tag(self, id: str, *tags: str) -> Flight:
         """Put tags on a flight, each once."""
@@ -174,7 +197,7 @@ class Ledger:
     def remove(self, *ids: str) -> list[Flight]:
         """Take flights out and return them; `undo` brings them back."""
         with self._changing() as pen:
-            gone = list({held.entry: held for held in (book.resolve(pen.connection, id) for id in ids)}.values())
+            gone = list({held.entry: held for held in book.resolve_all(pen.connection, ids)}.values())
             for held in gone:
                 book.remove(pen, held)
             if gone:
@@ -185,12 +208,12 @@ class Ledger:
 
     def undo(self) -> Change:
         """Take back the last change in force and return it. Raises LedgerError when nothing is left."""
-        with opening.writing(self._engine) as connection:
+        with self._writing() as connection:
             return replace(journal.undo(connection), undone=True)
 
     def redo(self) -> Change:
         """Do again what was undone last. Raises LedgerError when nothing was, or a change came between."""
-        with opening.writing(self._engine) as connection:
+        with self._writing() as connection:
             return journal.redo(connection)
 
     def history(self) -> list[Change]:
@@ -240,6 +263,25 @@ class Ledger:
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)
 
+    def before(self, flights: Sequence[Flight]) -> list[Past]:
+        """How the rocket of each of these flights stood just before the flight came in."""
+        if not flights:
+            return []
+        with self._reading() as connection:
+            return past.before(connection, flights)
+
+    def keep_start(self, start: Start) -> bool:
+        """Keep a starting configuration in place of an older one; False where it is there already."""
+        with self._changing() as pen:
+            if kept := starts.keep(pen, start):
+                pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
+        return kept
+
+    def starts(self, rocket: str) -> list[Start]:
+        """The starting configurations of a rocket, by name."""
+        with self._reading() as connection:
+            return starts.starts(connection, rocket)
+
     # Drafts
 
     def keep_draft(self, name: str, content: Mapping[str, Any]) -> None:
@@ -261,9 +303,27 @@ class Ledger:
         return opening.reading(self._engine)
 
     @contextmanager
-    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+    def _writing(self, *, keep: bool = True) -> Iterator[Connection]:
+        if keep:
+            self.trouble = opening.keep_backup(self._engine) or self.trouble
         with opening.writing(self._engine, keep=keep) as connection:
+            yield connection
+
+    @contextmanager
+    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+        with self._writing(keep=keep) as connection:
             yield Pen(connection)
+
+
+def _renew(pen: Pen, one: Renewal) -> bool:
+    return book.renew(pen, book.resolve(pen.connection, one.id), one.flight, one.entered, one.others)
+
+
+def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:
+    """A flight with some fields changed; a figure that was typed has no uncertainty of a measurement."""
+    typed = {BY_NAME[name].sd_header for name in changes if name in BY_NAME and changes[name] != flight.number(name)}
+    edited = flight.with_changes(**changes)
+    return edited.with_changes(extra={name: text for name, text in edited.extra.items() if name not in typed})
 
 
 def _listed(ids: Sequence[str], most: int = 4) -> str:

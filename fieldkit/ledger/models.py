@@ -57,8 +57,8 @@ def keep_prediction(
     connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> Prediction:
     """Keep a prediction, or return the one that said the same from the same inputs."""
-    for prediction in predictions(connection, rocket, flight_id):
-        if prediction.digest == digest and prediction.payload == payload:
+    for prediction in predictions(connection, rocket, flight_id, digest):
+        if prediction.payload == payload:
             return prediction
     last = connection.scalar(select(func.max(made.c.number))) or 0
     new = Prediction(last + 1, datetime.fromisoformat(now()), rocket, flight_id, digest, dict(payload))
@@ -66,13 +66,17 @@ def keep_prediction(
     return new
 
 
-def predictions(connection: Connection, rocket: str | None, flight_id: str | None) -> list[Prediction]:
+def predictions(
+    connection: Connection, rocket: str | None, flight_id: str | None, digest: str | None = None
+) -> list[Prediction]:
     """The predictions made, oldest first."""
     query = select(made).order_by(made.c.number)
     if rocket is not None:
         query = query.where(made.c.rocket == rocket)
     if flight_id is not None:
         query = query.where(made.c.flight_id == flight_id)
+    if digest is not None:
+        query = query.where(made.c.digest == digest)
     return [
         Prediction(row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, row.payload)
         for row in connection.execute(query)

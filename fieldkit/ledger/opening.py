@@ -7,20 +7,27 @@ Alembic is imported only when a ledger is new or older than this program.
 
 import os
 import re
+import sqlite3
+import zlib
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import closing, contextmanager
+from json import JSONDecodeError
 from pathlib import Path
 
-from sqlalchemy import Connection, Engine, create_engine, event, inspect, text
+from sqlalchemy import Connection, Engine, create_engine, event, func, inspect, select, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError
+from fieldkit.ledger import backups
+from fieldkit.ledger.tables import journal, metadata
 from fieldkit.places import data_folder
 
 PATIENCE = 15.0
 """How long a command waits for another one that is writing. [s]"""
+SMALLEST = 512
+"""No SQLite database that holds anything is smaller, and it takes a smaller file for an empty one. [byte]"""
 MIGRATIONS = Path(__file__).parent / "migrations"
 STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
 """Every version of the schema that this program knows, oldest first."""
@@ -29,7 +36,7 @@ _DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": 
 _LOCK = 0x666B  # any number that nobody else on the server is likely to use
 _SQLITE = {
     "SQLITE_NOTADB": "this file is not a ledger, expected a file made by fieldkit",
-    "SQLITE_CORRUPT": "the file is damaged; restore a copy, or recover it with `sqlite3 FILE .recover`",
+    "SQLITE_CORRUPT": "the file is damaged",
     "SQLITE_READONLY": "the ledger is read-only, expected a file and folder that may be written",
     "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
     "SQLITE_BUSY": f"another program has kept it locked for {PATIENCE:.0f} s; nothing was changed, try again",
@@ -61,6 +68,12 @@ def location(where: str | Path | None) -> URL:
 def name_of(url: URL) -> str:
     """A ledger's name for messages: its path, or its URL without the password."""
     return str(url.database) if url.drivername == "sqlite" and url.database else url.render_as_string()
+
+
+def file_of(url: URL) -> Path | None:
+    """The file of a ledger, None for one in memory, on a server, or opened by a URL of SQLite's own."""
+    plain = url.get_backend_name() == "sqlite" and url.database and not url.database.startswith((":", "file:"))
+    return Path(str(url.database)) if plain else None
 
 
 def connect(url: URL) -> Engine:
@@ -117,15 +130,18 @@ def _explained(engine: Engine) -> Iterator[None]:
     try:
         yield
     except DBAPIError as error:
-        if why := _reason(error):
-            raise LedgerError(f"{name_of(engine.url)}: {why}") from error
+        if why := _reason(error) or _damage(engine):
+            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
         raise
+    except (JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
+        why = f"the file is damaged ({error})"
+        raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
     except UnicodeEncodeError as error:
         raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
 
 
 def _reason(error: DBAPIError) -> str | None:
-    """What the flyer can mend, or None where the fault is ours."""
+    """What the flyer can mend, or None where the fault is ours or the file's."""
     code = getattr(error.orig, "sqlite_errorname", "")
     for start, why in _SQLITE.items():
         if code.startswith(start):
@@ -137,17 +153,71 @@ def _reason(error: DBAPIError) -> str | None:
     return None
 
 
+def _damage(engine: Engine) -> str | None:
+    """What is wrong with a ledger's file, where a query failed that fits every sound one."""
+    file = file_of(engine.url)
+    fault = backups.fault(file) if file else ""
+    if not fault and file:
+        with engine.connect() as connection:
+            missing = metadata.tables.keys() - set(inspect(connection).get_table_names())
+            fault = f"without its table {min(missing)}" if missing else ""
+    return f"the file is damaged ({fault})" if fault else None
+
+
+def _offered(engine: Engine, why: str) -> str:
+    """How to get a damaged ledger back, empty for another trouble."""
+    file = file_of(engine.url)
+    hurt = why.startswith("the file is damaged") or (why == _SQLITE["SQLITE_NOTADB"] and file and backups.backups(file))
+    return f"; {backups.offer(file)}" if hurt and file else ""
+
+
+def keep_backup(engine: Engine, *, always: bool = False) -> str:
+    """Copy a ledger before it is changed, where that is due; why it could not be done, empty where it was not.
+
+    Raises LedgerError where the ledger turns out to be damaged.
+    """
+    file = file_of(engine.url)
+    if file is None:
+        return ""
+    with reading(engine) as connection:
+        changes = connection.scalar(select(func.max(journal.c.number))) or 0
+        if not (always or backups.is_due(file, changes)):
+            return ""
+    try:
+        with closing(engine.raw_connection()) as ledger:
+            backups.take(ledger.driver_connection, file, changes)  # type: ignore[arg-type]
+    except (OSError, sqlite3.Error) as error:
+        return f"no backup could be made in {backups.folder_of(file)} ({error})"
+    return ""
+
+
 def bring_up_to_date(engine: Engine) -> None:
     """Make a new ledger's tables, or upgrade an older one's, in one transaction; a current one costs a look.
 
-    Raises LedgerError for a database that is not a ledger, or one made by a newer fieldkit.
+    An older one is copied before. Raises LedgerError for a database that is not a ledger, one made by a newer
+    fieldkit, or a file that is gone or empty while copies of it are kept.
     """
+    _refuse_remains(file_of(engine.url))
     with reading(engine) as connection:
-        if _version(connection) == STEPS[-1]:
-            return
+        version = _version(connection)
+    if version == STEPS[-1]:
+        return
+    if version:
+        keep_backup(engine, always=True)
     with writing(engine) as connection:
         if _version(connection) != STEPS[-1]:  # it may have been upgraded while we waited
             _upgrade(connection)
+
+
+def _refuse_remains(file: Path | None) -> None:
+    """Raises LedgerError where SQLite would begin anew in a file that has lost what it held."""
+    if file is None or not file.parent.is_dir():
+        return
+    size = file.stat().st_size if file.exists() else 0
+    if 0 < size < SMALLEST:
+        raise LedgerError(f"{file}: the file is damaged (cut to {size} bytes); {backups.offer(file)}")
+    if not size and backups.backups(file):
+        raise LedgerError(f"{file}: the file is {'empty' if file.exists() else 'gone'}; {backups.offer(file)}")
 
 
 def _version(connection: Connection) -> str | None:

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from fieldkit.arrival import Arrival
+from fieldkit.arrival import Arrival, Original
+from fieldkit.flight import Flight
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +24,16 @@ class Added:
     new: tuple[str, ...] = ()
     duplicates: int = 0
     conflicts: tuple[Conflict, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Renewal:
+    """A flight whose files are read anew: as it is then, how it came in if it was edited since, further files."""
+
+    id: str
+    flight: Flight
+    entered: Flight | None = None
+    others: tuple[Original, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,3 +57,24 @@ class Prediction:
     flight_id: str
     digest: str
     payload: Mapping[str, Any]
+
+
+@dataclass(frozen=True, slots=True)
+class Past:
+    """A rocket's flights, in order, and the number of the model in use at some moment, 0 for the plain one."""
+
+    flights: tuple[Flight, ...]
+    version: int
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What is known of a rocket's configuration before it has flown, and from which file; None where it is not. SI."""
+
+    rocket: str
+    config: str
+    dry_mass: float | None = None
+    diameter: float | None = None
+    length: float | None = None
+    cd: float | None = None
+    source: str = ""

@@ -11,12 +11,14 @@ from sqlalchemy import (
     Double,
     ForeignKey,
     ForeignKeyConstraint,
+    Index,
     Integer,
     LargeBinary,
     MetaData,
     Table,
     Text,
     UniqueConstraint,
+    text,
 )
 
 from fieldkit.flight import COLUMNS
@@ -25,6 +27,8 @@ metadata = MetaData()
 document = JSON(none_as_null=True)
 moment = Text().with_variant(Text(collation="C"), "postgresql")
 """ISO 8601 text that sorts as time on every server."""
+
+EDITED = text("entered IS NOT NULL")
 
 logs = Table(
     "logs",
@@ -52,6 +56,8 @@ flights = Table(
     Column("extra", document, nullable=False),
     Column("entered", document),  # the flight as it came in, once it has been edited
     UniqueConstraint("rocket", "flight_id"),
+    Index("flights_by_id", "flight_id"),
+    Index("flights_edited", "entry", sqlite_where=EDITED, postgresql_where=EDITED),
 )
 
 tags = Table(
@@ -60,6 +66,7 @@ tags = Table(
     Column("entry", Integer, ForeignKey("flights.entry"), primary_key=True, autoincrement=False),
     Column("position", Integer, primary_key=True, autoincrement=False),
     Column("tag", Text, nullable=False),
+    Index("tags_by_tag", "tag"),
 )
 
 versions = Table(
@@ -88,6 +95,19 @@ predictions = Table(
     Column("flight_id", Text, nullable=False),  # of the planned flight, empty when it has no name yet
     Column("digest", Text, nullable=False),  # of everything the prediction was made from
     Column("payload", document, nullable=False),
+    Index("predictions_by_flight", "rocket", "flight_id"),
+)
+
+configurations = Table(
+    "configurations",
+    metadata,
+    Column("rocket", Text, primary_key=True),
+    Column("config", Text, primary_key=True),
+    Column("dry_mass", Double),
+    Column("diameter", Double),
+    Column("length", Double),
+    Column("cd", Double),
+    Column("source", Text, nullable=False),  # the file it came from
 )
 
 journal = Table(

@@ -5,14 +5,20 @@ A row that is no row of the table costs itself and nothing else, and is told of 
 of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
 """
 
+import re
 from collections.abc import Collection, Mapping, Sequence
 
 from fieldkit.logs.cells import SI, Channel
+from fieldkit.logs.layout import decimal_mark, split
 from fieldkit.logs.rows import Rows
 from fieldkit.logs.table import Table
-from fieldkit.logs.text import blocks, is_cut
+from fieldkit.logs.text import blocks, first_lines, is_cut
 
 __all__ = ["SI", "Channel", "Table", "read_columns"]
+
+FIRST_ROWS = 100
+"""So many rows say what the decimal mark is. [1]"""
+_POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
 
 
 def read_columns(
@@ -21,7 +27,7 @@ def read_columns(
     *,
     after: int,
     separator: str | None = ",",
-    decimal: str = ".",
+    decimal: str | None = None,
     widths: Collection[int] | None = None,
     words: Mapping[str, int] | None = None,
     comment: str = "",
@@ -30,8 +36,10 @@ def read_columns(
 
     `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the
     needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
-    kept apart. Raises DamagedLog if not one row can be read.
+    kept apart. `decimal` None is found in the first rows: a spreadsheet may have made commas of points. Raises
+    DamagedLog if not one row can be read.
     """
+    decimal = decimal or _decimal(log, after, separator)
     reader = Rows(channels, separator, widths, words or {})
     for first, lines in blocks(log, after):
         kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
@@ -43,3 +51,9 @@ def read_columns(
         if reader.is_hopeless():
             break
     return reader.table(cut=is_cut(log))
+
+
+def _decimal(log: bytes, after: int, separator: str | None) -> str:
+    """The decimal mark of the first rows: a point where any has one. Raises DamagedLog where `1,148` may be two."""
+    cells = [cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)]
+    return "." if any(_POINT.fullmatch(cell) for cell in cells) else decimal_mark(cells, separator)

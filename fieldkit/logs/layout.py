@@ -101,7 +101,7 @@ def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
         pairs = zip(names[1], headers, strict=True)
         headers = [f"{name} ({unit.strip('[](){}')})" if unit else name for name, unit in pairs]
     rows = [split(line, separator) for line in lines[start:]]
-    decimal = _decimal([cell for cells in rows for cell in cells], separator)
+    decimal = decimal_mark([cell for cells in rows for cell in cells], separator)
     first = tuple(cell.strip() for cell in rows[0])
     if headers is None:
         return Layout(tuple(f"#{i}" for i in range(1, width + 1)), start, separator, decimal, False, first)
@@ -119,7 +119,7 @@ def _names(line: str, separator: str | None, width: int) -> list[str] | None:
     return cells + [f"#{i}" for i in range(len(cells) + 1, width + 1)]
 
 
-def _decimal(cells: Sequence[str], separator: str | None) -> str:
+def decimal_mark(cells: Sequence[str], separator: str | None) -> str:
     """The decimal mark of a table. Raises DamagedLog where `1,148` could be either number."""
     if separator == ",":
         return "."

@@ -101,8 +101,7 @@ def read_simulation(
     if missing := {"time", "altitude"} - {channel.name for channel in channels}:
         columns = ", ".join(map(shown, headers[:20]))
         raise DamagedLog(f"found no column of {min(missing)} with its unit among {columns}", row=after or None)
-    decimal = "." if separator == "," else _decimal(log, after, separator)
-    table = read_columns(log, channels, after=after, separator=separator, comment=comment, decimal=decimal)
+    table = read_columns(log, channels, after=after, separator=separator, comment=comment)
     values = {name: np.where(np.abs(column) < 1e12, column, np.nan) for name, column in table.values.items()}
     table = replace(table, values={**values, "time": table.values["time"]})
     parts, found = table.flights()
@@ -129,12 +128,6 @@ def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
         if unit is not None:
             channels[name] = Channel(name, place, unit, needed=name in ("time", "altitude"), header=head.spelled)
     return list(channels.values())
-
-
-def _decimal(log: bytes, after: int, separator: str | None) -> str:
-    """The decimal mark of the first rows, where commas do not stand between the cells."""
-    start = log[:20_000].decode("utf-8", "replace").splitlines()[after : after + 20]
-    return "," if any("," in line and "." not in line for line in start if line[:1].isdigit()) else "."
 
 
 def _vertical(table: Table) -> Table:

@@ -8,9 +8,9 @@ from typing import Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import LedgerError, NoFlights, UnknownMotor
-from fieldkit.flight import Flight, table_row
-from fieldkit.ledger import Ledger
+from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, Start
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
@@ -18,15 +18,16 @@ from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.testimony import document as testimony_document
 from fieldkit.loop.forward import Forecast
 from fieldkit.loop.leftover import Leftover, leftover
+from fieldkit.loop.made_from import digest, model_parts, plan_parts
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
 from fieldkit.loop.residual import fingerprint
 from fieldkit.loop.telling import Advice
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
-from fieldkit.recording import Recorded
-from fieldkit.replay import recording_of
 
+LIKELY = 40
+"""Equally likely apogees that a kept prediction is known by: enough to tell how it fared, to 2.5 %. [1]"""
 Which = Literal["before", "after"]
 INHERITED = ("dry_mass", "diameter", "rail_length")
 """What a plan takes over from the last flight of its rocket and configuration where it says nothing."""
@@ -37,8 +38,13 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, 
 
     Clusters, stages and flights without a dry mass are left out.
     """
+    return followed(ledger.flights(rocket), motors)
+
+
+def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
+    """Those of some flights that physics can follow, each with its motor."""
     known = []
-    for flight in ledger.flights(rocket):
+    for flight in flights:
         if flight.dry_mass is None:
             continue
         try:
@@ -76,8 +82,14 @@ def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> fl
     return float(version.payload.get("unexplained", {}).get("widened", 1.0)) if version else 1.0
 
 
-def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
-    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none."""
+def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
+    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
+
+    A configuration that has not flown takes them from how it starts, if that is known.
+    """
+    if start is not None and all(flight.config != plan.config for flight in history):
+        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
+        plan = plan.with_changes(**known)
     alike = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
     for name in INHERITED:
@@ -85,6 +97,13 @@ def completed(plan: Flight, history: Sequence[Flight]) -> Flight:
         if plan.number(name) is None and value is not None:
             missing[name] = value
     return plan.with_changes(**missing)
+
+
+def start_of(ledger: Ledger, plan: Flight) -> Start | None:
+    """How the configuration of a plan starts; where the rocket has only one that is kept, that one."""
+    known = ledger.starts(plan.rocket)
+    named = [one for one in known if one.config == plan.config]
+    return (named or known)[0] if named or len(known) == 1 else None
 
 
 def predict_plans(
@@ -101,21 +120,36 @@ def predict_plans(
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
-        planned = [(completed(plans[row], before), motors.resolve(plans[row].motor)) for row in rows]
-        made = predict(history, planned, accepted_places(ledger, rocket, which), declared=which == "after")
+        starts = [start_of(ledger, plans[row]) for row in rows]
+        planned = [
+            (completed(plans[row], before, start), motors.resolve(plans[row].motor))
+            for row, start in zip(rows, starts, strict=True)
+        ]
+        places = accepted_places(ledger, rocket, which)
+        drag = next((one.cd for one in starts if one and one.cd), None)
+        made = predict(history, planned, places, declared=which == "after", drag=drag)
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
-        answers |= {
-            row: widened(one, wider).corrected(sure, len(surprises)) for row, one in zip(rows, made, strict=True)
-        }
-    if keep:
-        for prediction in answers.values():
-            ledger.keep_prediction(
-                forecast_document(prediction),
-                digest=_digest(prediction),
-                rocket=prediction.plan.rocket,
-                flight_id=prediction.plan.flight_id,
-            )
+        finished = [widened(one, wider).corrected(sure, len(surprises)) for one in made]
+        if keep:
+            _keep(ledger, finished, before, which)
+        answers |= dict(zip(rows, finished, strict=True))
     return [answers[row] for row in range(len(plans))]
+
+
+def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which) -> None:
+    """Keep predictions of one rocket, each with what it was made from."""
+    version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
+    for one in predictions:
+        parts = plan_parts(one.plan, one.found) | model_parts(history, one.model, version)
+        likely = np.quantile(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
+        payload = forecast_document(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
+        ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
+
+
+def used_version(ledger: Ledger, rocket: str) -> int:
+    """The number of the model that a rocket is predicted with, 0 for the plain one."""
+    active = ledger.active_version(rocket)
+    return active.number if active else 0
 
 
 def keep_forecasts(ledger: Ledger, rows: Sequence[Forecast]) -> None:
@@ -172,11 +206,6 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
     return document
 
 
-def _digest(prediction: Prediction) -> str:
-    inputs = json.dumps([table_row(prediction.plan), prediction.model, prediction.rests_on], sort_keys=True)
-    return hashlib.sha256(inputs.encode()).hexdigest()
-
-
 def close_loop(
     ledger: Ledger,
     motors: Catalogue,
@@ -204,23 +233,6 @@ def close_loop(
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
-
-
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Progress | None = None) -> dict[str, Recorded | str]:
-    """What the logs of the flights behind a diagnosis show, by flight id; for one that cannot be read, why."""
-    flights = [f for f, seen in zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True) if seen]
-    found: dict[str, Recorded | str] = {}
-    for number, (flight, id) in enumerate(zip(flights, ledger.ids(flights), strict=True)):
-        if tell:
-            tell(f"the log of {id}", number / len(flights))
-        try:
-            recording = recording_of(ledger, id)
-        except LedgerError as error:
-            found[flight.flight_id] = str(error)
-            continue
-        if recording is not None:
-            found[flight.flight_id] = recording.recorded
-    return found
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
@@ -266,7 +278,7 @@ def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[
 def loop_document(found: Findings) -> dict[str, Any]:
     """A diagnosis under the contract's keys, and what else is reported of it."""
     diagnosis = found.diagnosis
-    before = _finite(found.left_out.before.json())
+    before = finite(found.left_out.before.json())
     candidates = [
         {
             "effect": item.effect,
@@ -292,7 +304,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
             "before": before,
             "pattern": [asdict(row) for row in found.patterns],
             "pattern_of_readouts": [asdict(row) for row in found.readout_patterns],
-            "readouts": [_finite(asdict(row)) for row in found.spreads],
+            "readouts": [finite(asdict(row)) for row in found.spreads],
         },
         "candidates": candidates,
         "verdict": {
@@ -305,13 +317,13 @@ def loop_document(found: Findings) -> dict[str, Any]:
             "widened": found.unexplained.widened if found.unexplained else 1.0,
         },
         "before": before,
-        "after": _finite(found.left_out.after.json()),
+        "after": finite(found.left_out.after.json()),
         "gain_m": _gain(found.left_out),
         "evaluation": found.left_out.how,
         "forward": {
             "n_flights": found.forward.before.flights,
-            "before": _finite(found.forward.before.json()),
-            "after": _finite(found.forward.after.json()),
+            "before": finite(found.forward.before.json()),
+            "after": finite(found.forward.after.json()),
             "gain_m": _gain(found.forward),
             "chosen": [
                 {"flight_id": flight.flight_id, "effect": name or "none"}
@@ -323,10 +335,10 @@ def loop_document(found: Findings) -> dict[str, Any]:
             "evaluation": found.forward.how,
         },
         "fingerprints": [
-            {"effect": str(trial.candidate.place), "readouts": [_finite(asdict(mark)) for mark in row]}
+            {"effect": str(trial.candidate.place), "readouts": [finite(asdict(mark)) for mark in row]}
             for trial, row in found.fingerprints
         ],
-        "missing_force": _finite(testimony_document(found.testimony)),
+        "missing_force": finite(testimony_document(found.testimony)),
     }
 
 
@@ -340,13 +352,13 @@ def _test(test: Advice) -> dict[str, Any]:
 
 
 def _gain(compared: Compared) -> dict[str, Any]:
-    return {"mae_m": _finite(compared.gain), "interval90": _finite(compared.gain_interval)}
+    return {"mae_m": finite(compared.gain), "interval90": finite(compared.gain_interval)}
 
 
-def _finite(value: Any) -> Any:
+def finite(value: Any) -> Any:
     """The same with None for what is no number, as JSON has it."""
     if isinstance(value, Mapping):
-        return {key: _finite(one) for key, one in value.items()}
+        return {key: finite(one) for key, one in value.items()}
     if isinstance(value, list | tuple):
-        return [_finite(one) for one in value]
+        return [finite(one) for one in value]
     return None if isinstance(value, float) and not np.isfinite(value) else value

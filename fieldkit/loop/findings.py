@@ -64,7 +64,7 @@ def findings(
     tell: Callable[[str, float], None] | None = None,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """Everything that is reported of a diagnosis; `logs` as `fieldkit.loop.desk.kept_logs` has them."""
+    """Everything that is reported of a diagnosis; `logs` as `fieldkit.loop.force.logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis, tell)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after

@@ -23,14 +23,21 @@ SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
 """Scatter of single flights in units of ordinary scatter. [1]"""
 READING_SCALES = np.array([0.7, 1.2, 2.0])
 """Reading errors in units of the expected. [1]"""
+DOUBTED_SCALES = np.array([1.0, 3.0, 9.0])
+"""The same of all but the apogee, where the device is doubted. [1]"""
 _LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 2.0) / 0.7) ** 2
 _LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
+_LOG_DOUBTED_PRIOR = -0.5 * (np.log(DOUBTED_SCALES / 1.0) / 1.0) ** 2
 ROUNDS = 5
 """Times the point of linearisation is moved."""
 HOPELESS = 8.0
 """Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is begun. [s]"""
+ROBUST_ROUNDS = 2
+"""Times the point is moved after trust in single flights has settled."""
+TRUST_ROUNDS = 2
+"""Times trust in single flights is weighed anew about one point."""
 FEWEST = 3
 """Flights from which on one may be contradicted by the others."""
 UNSEEN = 1e3
@@ -73,12 +80,27 @@ class Fit:
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 
 
-def scale_grid() -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """Scatter scale, reading scale and log prior of every pair."""
-    scatter, reading = np.meshgrid(SCATTER_SCALES, READING_SCALES, indexing="ij")
-    prior = _LOG_SCATTER_PRIOR[:, None] + _LOG_READING_PRIOR
+def scale_grid(doubtful: bool = False) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
+    """Scatter scale, reading scale and log prior of every pair; `doubtful` as in `Model`."""
+    scales = DOUBTED_SCALES if doubtful else READING_SCALES
+    scatter, reading = np.meshgrid(SCATTER_SCALES, scales, indexing="ij")
+    prior = _LOG_SCATTER_PRIOR[:, None] + (_LOG_DOUBTED_PRIOR if doubtful else _LOG_READING_PRIOR)
     prior = prior - np.logaddexp.reduce(prior.ravel())
     return scatter.ravel(), reading.ravel(), prior.ravel()
+
+
+def apogee_scale(model: Model) -> Float[Array, "scale"]:
+    """Errors of reading the apogee, in units of the expected: those of a doubted device are of the rest alone."""
+    reading = scale_grid(model.doubtful)[1]
+    return np.ones_like(reading) if model.doubtful else reading
+
+
+def term_sds(model: Model) -> Float[Array, "scale term"]:
+    """Standard deviation of every term before anything was flown, for every pair of scales."""
+    scatter, reading, _ = scale_grid(model.doubtful)
+    by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
+    sds = [term.sd * by[term.rough] for term in model.terms]
+    return np.stack(sds, axis=-1) if sds else np.empty((len(scatter), 0))
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,7 +115,12 @@ class Lane:
     kind: str = ""
 
 
-def fit(model: Model, data: Data, start: Float[Array, "term"] | None = None, rounds: int = ROUNDS) -> Fit:
+def fit(
+    model: Model,
+    data: Data,
+    start: Float[Array, "term"] | None = None,
+    rounds: int = ROUNDS,
+) -> Fit:
     """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
 
     Without a start it is begun from several opening times of the parachute, for what that does has a kink
@@ -175,32 +202,37 @@ def _advance(at: list[Array], lane: int, result: Fit | None) -> bool:
 def solve(model: Model, data: Data, near: Tangent) -> Fit:
     """The normal posterior for every pair of scales, the readouts linear about a point."""
     prior_mean = np.array([term.mean for term in model.terms])
-    prior_precision = np.diag([1 / term.sd**2 for term in model.terms])
-    noise, usable = _noise(data, near)
+    prior_precision = 1 / term_sds(model) ** 2
+    noise, usable = _noise(model, data, near)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     sharpness = np.asarray(np.linalg.inv(noise), float)
     weighed = sharpness @ slope
-    precision = prior_precision + np.einsum("fot,sfou->stu", slope, weighed, optimize=True)
+    precision = np.einsum("fot,sfou->stu", slope, weighed, optimize=True)
+    diagonal = np.arange(len(model.terms))
+    precision[:, diagonal, diagonal] += prior_precision
     gain = np.einsum("fo,sfou->su", miss, weighed)
     offset = np.linalg.solve(precision, gain[..., None])[..., 0]
     _, log_det = np.linalg.slogdet(noise)
     misfit = np.einsum("fo,sfop,fp->s", miss, sharpness, miss, optimize=True) - np.einsum("st,st->s", gain, offset)
-    log_terms = np.linalg.slogdet(precision)[1] - np.linalg.slogdet(prior_precision)[1]
+    log_terms = np.linalg.slogdet(precision)[1] - np.log(prior_precision).sum(axis=1)
     log_likelihood = -0.5 * (misfit + log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
     cut = _log_inside(model, mean, precision)
-    return Fit(model, data, near, mean, precision, gain, noise, sharpness, log_likelihood + scale_grid()[2] + cut)
+    log_weight = log_likelihood + scale_grid(model.doubtful)[2] + cut
+    return Fit(model, data, near, mean, precision, gain, noise, sharpness, log_weight)
 
 
-def _noise(data: Data, near: Tangent) -> tuple[Array, Flags]:
+def _noise(model: Model, data: Data, near: Tangent) -> tuple[Array, Flags]:
     """Covariance of each flight's readouts for every pair of scales, and which of them can be compared."""
-    scatter_scale, reading_scale, _ = scale_grid()
+    scatter_scale, reading_scale, _ = scale_grid(model.doubtful)
     usable = data.seen & np.isfinite(near.values)
     spread = np.where(usable[..., None], near.scatter_slope, 0.0)
     shared = np.einsum("fos,fps->fop", spread, spread)
     own = np.where(usable, data.sd, UNSEEN) ** 2
-    unit = np.where(usable, reading_scale[:, None, None] ** 2, 1.0)
+    scale = np.repeat(reading_scale[:, None], len(OBSERVED), axis=1)
+    scale[:, 0] = apogee_scale(model)
+    unit = np.where(usable, scale[:, None] ** 2, 1.0)
     diagonal = (own * unit)[..., None] * np.eye(len(OBSERVED))
     return (scatter_scale[:, None, None, None] ** 2 * shared + diagonal) / data.trust[:, None, None], usable
 
@@ -260,8 +292,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     covariance = np.asarray(np.linalg.inv(result.precision), float)
     offset = result.mean - prior_mean
-    flights, readouts, terms = slope.shape
-    spread = (slope.reshape(-1, terms) @ covariance).reshape(-1, flights, readouts, terms)
+    readouts = slope.shape[1]
+    spread = slope @ covariance[:, None]
     still_open = spread @ np.swapaxes(slope, 1, 2)
     kept = np.eye(readouts) - still_open @ result.sharpness
     missed = miss - np.einsum("fot,st->sfo", slope, offset)
@@ -295,7 +327,7 @@ def _apogee_spread(data: Data, mean: Array, known: Array, own: Array, log_weight
     return apogee_spread(error, (weight * known).sum(axis=0) + between, (weight * own).sum(axis=0), seen)
 
 
-def fit_robustly(model: Model, data: Data, rounds: int = 2) -> Fit:
+def fit_robustly(model: Model, data: Data) -> Fit:
     """As `fit`, with less trust in flights that the others contradict.
 
     Each flight is trusted as a Student t distribution with `TAIL` degrees of freedom would: by the expected
@@ -303,20 +335,35 @@ def fit_robustly(model: Model, data: Data, rounds: int = 2) -> Fit:
     Fewer than `FEWEST` flights cannot outvote one, and all are trusted.
     """
     result = fit(model, data)
-    readouts = data.seen.sum(axis=1)
-    if np.count_nonzero(readouts) < FEWEST:
+    if np.count_nonzero(data.seen.any(axis=1)) < FEWEST:
         return result
-    for _ in range(rounds):
-        distance = result.weights @ leave_one_out(result).distance
-        trust = np.where(readouts > 0, (TAIL + readouts) / (TAIL + distance), 1.0)
-        data = replace(data, trust=np.clip(trust, 0.02, 1.2))
-        result = fit(model, data, start=result.tangent.at)
+    for _ in range(ROBUST_ROUNDS):
+        for _ in range(TRUST_ROUNDS):
+            result = solve(model, _trusted(result), result.tangent)
+        result = _followed(result)
     return result
+
+
+def _trusted(result: Fit) -> Data:
+    """The data with every flight trusted by how well the others foretell it."""
+    readouts = result.data.seen.sum(axis=1)
+    distance = result.weights @ leave_one_out(result).distance
+    trust = np.where(readouts > 0, (TAIL + readouts) / (TAIL + distance), 1.0)
+    return replace(result.data, trust=np.clip(trust, 0.02, 1.2))
+
+
+def _followed(result: Fit) -> Fit:
+    """The fit linearised anew where its posterior lies; itself where that is where it was linearised."""
+    at, lean = [result.tangent.at], result.tangent.scatter_slope[..., -1]
+    if not _advance(at, 0, result):
+        return result
+    (near,) = tangents(result.model, [(tuple(range(len(at[0]))), at[0])], lean)
+    return solve(result.model, result.data, near)
 
 
 def _own_variance(result: Fit) -> Array:
     """Variance of a flight's compared apogee about its expectation: scatter and reading. [scale flight]"""
-    scatter_scale, reading_scale, _ = scale_grid()
+    scatter_scale, reading_scale = scale_grid(result.model.doubtful)[0], apogee_scale(result.model)
     spread = result.tangent.scatter_slope[:, 0]
     reading = own_reading_sd(np.exp(result.tangent.values[:, 0]))
     return np.asarray(scatter_scale[:, None] ** 2 * (spread**2).sum(axis=-1) + (reading_scale[:, None] * reading) ** 2)

@@ -1,7 +1,7 @@
 """How good forecasts are, forward in time: each flight of a rocket forecast from those it had flown before."""
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 
 import numpy as np
@@ -9,8 +9,9 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import stretch, stretched, surprise
-from fieldkit.loop.predict import predict
-from fieldkit.motors import Found, Motor
+from fieldkit.loop.predict import apart, predict
+from fieldkit.motors import Found
+from fieldkit.shapes import Array, Float
 
 DRAWS = 400
 
@@ -20,9 +21,10 @@ class Forecast:
     """One flight beside what was said of it before it flew, and what four rivals would have said. [m]
 
     `certified` is the simulation with the priors of a rocket never flown, `persistence` the apogee of the flight
-    before, `repeated` that of the last flight on the same motor, `scaled` the certified one times the mean ratio of
-    flown to certified so far. nan where a rival has nothing to go by. `corrected` is the 90 % interval after
-    `corrected_by_earlier`, by a factor `stretch`; both None while too few forecasts came before.
+    before, `repeated` that of the last flight on the same motor, `scaled` the certified one times one plus the mean
+    relative bias so far. nan where a rival has nothing to go by. `corrected` is the 90 % interval after
+    `corrected_by_earlier`, by a factor `stretch`; both None while too few forecasts came before. `draws` are of the
+    forecast as it is given, None where they were not kept; `spreads` those of rivals that have a spread.
     """
 
     rocket: str
@@ -40,6 +42,8 @@ class Forecast:
     when: datetime | None = None
     stretch: float | None = None
     corrected: tuple[float, float] | None = None
+    draws: Float[Array, "draw"] | None = field(default=None, repr=False, compare=False)
+    spreads: Mapping[str, Float[Array, "_"]] = field(default_factory=dict, repr=False, compare=False)
 
     @property
     def interval(self) -> tuple[float, float, float]:
@@ -61,31 +65,79 @@ def forward(
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, each from the flights before it; the first has none."""
     rows: list[Forecast] = []
-    known: list[tuple[float, float]] = []
-    repeated: dict[Motor, float] = {}
-    for number, (flight, motor) in enumerate(flown):
-        if not flight.clean or flight.apogee is None:
-            continue
-        plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
-        (blind,) = predict([], [(plan, motor)], draws=DRAWS)
-        certified = float(np.median(blind.apogee))
-        if known:
-            if tell:
-                tell(f"{rocket} {flight.flight_id}", number / len(flown))
-            (said,) = predict(flown[:number], [(plan, motor)], accepted, draws=DRAWS)
-            p05, p50, p95 = (float(x) for x in said.apogee_quantiles())
-            ratio = float(np.exp(np.mean([np.log(high / sim) for high, sim in known])))
-            last = known[-1][0]
-            rows.append(
-                Forecast(
-                    rocket, flight.flight_id, flight.motor, len(known), flight.apogee, p05, p50, p95, certified, last,
-                    certified * ratio, repeated.get(motor.motor, float("nan")), flight.date_time,
-                )
-            )  # fmt: skip
-        repeated[motor.motor] = flight.apogee
-        if certified > 0:
-            known.append((flight.apogee, certified))
+    clean = [n for n, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
+    simulated = certified([flown[n] for n in clean])
+    for place, number in enumerate(clean[1:], start=1):
+        flight, motor = flown[number]
+        if tell:
+            tell(f"{rocket} {flight.flight_id}", number / len(flown))
+        (said,) = predict(flown[:number], [(unflown(flight), motor)], accepted, draws=DRAWS)
+        earlier = [(*flown[n], sim) for n, sim in zip(clean[:place], simulated, strict=False)]
+        rows.append(
+            beside_rivals(flight, motor, said.apogee, simulated[place], earlier, tuple(said.apogee_quantiles()))
+        )
     return rows
+
+
+def unflown(flight: Flight) -> Flight:
+    """A flight as it was planned: without its readouts."""
+    return flight.with_changes(**dict.fromkeys(flight.readouts()))
+
+
+def certified(flights: Sequence[tuple[Flight, Found]]) -> list[Float[Array, "draw"]]:
+    """The apogees of plans as the uncalibrated simulation has them: certified motors, the drag of any rocket. [m]"""
+    if not flights:
+        return []
+    blind = predict([], [(unflown(flight), motor) for flight, motor in flights], draws=DRAWS)
+    return [one.apogee for one in blind]
+
+
+def beside_rivals(
+    flight: Flight,
+    motor: Found,
+    draws: Float[Array, "draw"],
+    simulated: Float[Array, "simulated"],
+    earlier: Sequence[tuple[Flight, Found, Float[Array, "simulated"]]],
+    interval: tuple[float, float, float],
+) -> Forecast:
+    """A flight beside its forecast and what the rivals make of the earlier flights, each with its simulation.
+
+    The scalar correction is given the scatter of its own ratios as a spread, once there are three.
+    """
+    assert flight.apogee is not None
+    middle = float(np.median(simulated))
+    known = [(one.apogee or np.nan, float(np.median(sim))) for one, _, sim in earlier]
+    ratios = np.array([high / sim for high, sim in known if sim > 0])
+    factor = float(ratios.mean()) if len(ratios) else float("nan")
+    same = [one.apogee for one, other, _ in earlier if other.motor is motor.motor and one.apogee is not None]
+    spreads = {"certified": simulated}
+    if len(ratios) > 2 and middle > 0:
+        spreads["scaled"] = middle * factor * _next_ratio(ratios)
+    return Forecast(
+        flight.rocket,
+        flight.flight_id,
+        flight.motor,
+        len(known),
+        flight.apogee,
+        float(interval[0]),
+        float(interval[1]),
+        float(interval[2]),
+        certified=middle,
+        persistence=known[-1][0] if known else float("nan"),
+        scaled=middle * factor,
+        repeated=same[-1] if same else float("nan"),
+        when=flight.date_time,
+        draws=draws,
+        spreads=spreads,
+    )
+
+
+def _next_ratio(ratios: Float[Array, "flight"]) -> Float[Array, "draw"]:
+    """Equally likely values of the next ratio over the mean one, its logarithm normal about a mean not known. [1]"""
+    from scipy.special import ndtri
+
+    sd = np.log(ratios).std(ddof=1) * np.sqrt(1 + 1 / len(ratios))
+    return np.asarray(np.exp(sd * ndtri((np.arange(DRAWS) + 0.5) / DRAWS)))
 
 
 def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
@@ -102,7 +154,8 @@ def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
         by = stretch(surprises)
         if by is not None:
             low, _, high = stretched(row.interval, by)
-            row = replace(row, stretch=by, corrected=(low, high))
+            draws = None if row.draws is None else apart(row.draws, by)
+            row = replace(row, stretch=by, corrected=(low, high), draws=draws)
         found.append(row)
         surprises.append(surprise(row.flown, row.interval))
     return found

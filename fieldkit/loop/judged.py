@@ -60,10 +60,10 @@ def judge(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> J
     return Judged(
         found,
         count,
-        _ends(np.abs(error).mean(axis=1)),
-        _ends(np.sqrt((error**2).mean(axis=1))),
-        _ends(error.mean(axis=1)),
-        _ends(inside.mean(axis=1)),
+        ends_of(np.abs(error).mean(axis=1)),
+        ends_of(np.sqrt((error**2).mean(axis=1))),
+        ends_of(error.mean(axis=1)),
+        ends_of(inside.mean(axis=1)),
     )
 
 
@@ -72,9 +72,10 @@ def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], see
     fell = np.abs(misses(before, truth, seen)) - np.abs(misses(after, truth, seen))
     if not len(fell):
         return float("nan"), (float("nan"), float("nan"))
-    return float(fell.mean()), _ends(fell[resampled(len(fell))].mean(axis=1))
+    return float(fell.mean()), ends_of(fell[resampled(len(fell))].mean(axis=1))
 
 
-def _ends(values: Float[Array, "resample"]) -> Interval:
+def ends_of(values: Float[Array, "resample"]) -> Interval:
+    """The interval that holds nine of ten resampled figures."""
     low, high = np.quantile(values, LEVELS)
     return float(low), float(high)

@@ -29,8 +29,18 @@ CD = (np.log(0.6), 0.35)
 UNKNOWN_AREA_SD = 0.45
 """Of log area where the diameter was not recorded and follows from the mass. [1]"""
 
+DOUBT_OF = {"top_speed": 0.03, "coast_to_apogee": 0.02}
+"""Least standard deviation of what is alike in all readings of a device, where it is doubted, by ratio: speed is
+integrated from when the device noticed the launch, the coast ends when it notices apogee. [1]"""
+
+EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
+"""Figures of a flight that the altimeter does not show and a plan asks for."""
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
+
+DISCREPANCY = 0.05
+"""By what share of an apogee a rocket disagrees with its model on one motor and not on another, in units of
+scatter: as much as single flights disagree. [1]"""
 
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
@@ -40,7 +50,8 @@ class Term:
     """One unknown number: what it bends, its prior, and how strongly it acts on each flight.
 
     `bends` is a property of the flight, the name of a readout (a bias of the reading, by ratio), or an
-    effect. `low` and `high` cut the prior off.
+    effect. `low` and `high` cut the prior off. `rough` names the scale that multiplies its standard deviation,
+    where it has one: a rocket whose flights scatter is less well known, a device that reads roughly reads askew.
     """
 
     name: str
@@ -50,6 +61,7 @@ class Term:
     weight: Float[Array, "flight"]
     low: float = -np.inf
     high: float = np.inf
+    rough: Literal["", "scatter", "reading"] = ""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,12 +87,16 @@ TILT = np.radians(5.0)
 
 @dataclass(frozen=True, slots=True)
 class Model:
-    """A rocket's flights, in the order flown, and the unknowns they share."""
+    """A rocket's flights, in the order flown, and the unknowns they share.
+
+    A `doubtful` one takes neither the simulator nor what the device shows beside the apogee on trust.
+    """
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
+    doubtful: bool = False
 
     @property
     def names(self) -> list[str]:
@@ -89,7 +105,12 @@ class Model:
 
     def with_terms(self, *terms: Term) -> "Model":
         """The same model with more unknowns."""
-        return Model(self.flights, self.found, self.area, (*self.terms, *terms))
+        return replace(self, terms=(*self.terms, *terms))
+
+    def with_prior(self, name: str, mean: float, sd: float) -> "Model":
+        """The same model with another belief about one unknown."""
+        changed = (replace(term, mean=mean, sd=sd) if term.name == name else term for term in self.terms)
+        return replace(self, terms=tuple(changed))
 
     def only(self, terms: Sequence[int]) -> "Model":
         """The same flights with some of the unknowns."""
@@ -98,7 +119,7 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        return Model(self.flights[rows], self.found[rows], self.area[rows], terms)
+        return replace(self, flights=self.flights[rows], found=self.found[rows], area=self.area[rows], terms=terms)
 
 
 def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:
@@ -149,7 +170,26 @@ def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float =
     return Model(tuple(flights), tuple(found), area, tuple(terms))
 
 
-def _per_group(name: str, bends: Bends, sd: float, group: Sequence[str], *, alone: bool = False) -> list[Term]:
+def doubted(model: Model) -> Model:
+    """The model as forecasts take it: neither the simulator nor the device is exact, and by how much is unknown.
+
+    On each motor a rocket disagrees with the simulator by a share of its own, which its flights on that motor show
+    (model discrepancy: Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 2001). What the device shows beside the apogee
+    has errors that are alike in all flights and grow with those that are not.
+    """
+    motor = groups(model.flights, model.found, "motor")
+    terms = tuple(
+        replace(term, sd=max(term.sd, DOUBT_OF.get(str(term.bends), 0.0)), rough="reading")
+        if term.bends in OBSERVED
+        else term
+        for term in model.terms
+    )
+    alone = _per_group("apogee", "apogee", DISCREPANCY, motor, alone=True)
+    own = (replace(term, rough="scatter") for term in alone)
+    return replace(model, terms=(*terms, *own), doubtful=True)
+
+
+def _per_group(name: str, bends: Bends | str, sd: float, group: Sequence[str], *, alone: bool = False) -> list[Term]:
     """A term a group where there are several (or `alone`: even where there is one)."""
     kinds = list(dict.fromkeys(group))
     if len(kinds) < 2 and not alone:
@@ -175,8 +215,7 @@ def shown(
         bias = bent(model, values, name)
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
-    extras = ("rail_speed", "eject_speed", "drift")
-    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in extras} | {"true": flown.apogee}
+    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS} | {"true": flown.apogee}
 
 
 def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:

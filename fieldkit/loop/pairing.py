@@ -1,16 +1,16 @@
 """Which forecast a flight is measured against: the one made for it, or for a flight like it just before."""
 
-from bisect import bisect_right
 from collections.abc import Callable, Sequence
-from datetime import datetime, timedelta
+from datetime import datetime, time, timedelta
 from functools import cache
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Prediction
-from fieldkit.motors import Catalogue
+from fieldkit.loop.made_from import plan_changes, plan_parts
+from fieldkit.motors import Catalogue, Found
 
-STALE = timedelta(days=14)
+LAPSES = timedelta(days=14)
 """A forecast without a flight's name is taken to be of a flight no later than this after it."""
 
 
@@ -19,27 +19,59 @@ def made_for(
 ) -> list[Prediction | None]:
     """The forecast of each flight as it was said beforehand, None where nothing was.
 
-    One that names the flight wins; of several the last. Else it is the last one of the same rocket,
-    configuration and motor made in the two weeks before the flight.
+    One that names the flight wins; of several the last. Else it is one of the same rocket, configuration and motor
+    made in the two weeks before the flight: that whose mass and conditions are most like the flight's, then the
+    last. One that rests on the flight was not made beforehand.
     """
     motor_of = _motors(motors)
-    named = {(one.rocket, one.flight_id): one for one in predictions if one.flight_id}
+    named: dict[tuple[str, str], list[Prediction]] = {}
     alike: dict[tuple[str, str, object], list[Prediction]] = {}
     for one in predictions:
-        if not one.flight_id:
+        if "apogee_m" not in one.payload:
+            continue  # a replay of what would have been said
+        if one.flight_id:
+            named.setdefault((one.rocket, one.flight_id), []).append(one)
+        else:
             key = (one.rocket, one.payload.get("config", ""), motor_of(one.payload.get("motor", "")))
             alike.setdefault(key, []).append(one)
-    moments = {key: [_local(one.at) for one in made] for key, made in alike.items()}
     found: list[Prediction | None] = []
     for flight in flights:
-        said = named.get((flight.rocket, flight.flight_id))
-        if said is None and alike and flight.date_time is not None:
-            like = (flight.rocket, flight.config, motor_of(flight.motor))
-            place = bisect_right(moments.get(like, ()), flight.date_time)
-            if place and flight.date_time - moments[like][place - 1] <= STALE:
-                said = alike[like][place - 1]
-        found.append(said)
+        said = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
+        if not said and alike:
+            like = alike.get((flight.rocket, flight.config, motor_of(flight.motor)), ())
+            said = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
+            said.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
+        found.append(said[-1] if said else None)
     return found
+
+
+def in_time(prediction: Prediction, flight: Flight) -> bool:
+    """Whether a forecast was made in the two weeks before a flight; a date alone means the end of that day."""
+    if flight.date_time is None:
+        return False
+    whole_day = flight.date_time.time() == time()
+    latest = flight.date_time + timedelta(days=1) * whole_day
+    return latest - LAPSES <= _local(prediction.at) <= latest
+
+
+def _knew(prediction: Prediction, flight: Flight) -> bool:
+    return flight.flight_id in prediction.payload.get("made_from", {}).get("flights", ())
+
+
+def _differences(prediction: Prediction, flight: Flight, motors: Catalogue) -> int:
+    made = prediction.payload.get("made_from")
+    found = resolved(motors, flight)
+    if made is None or found is None:
+        return 0
+    return len(list(plan_changes(made, plan_parts(flight, found), flown=True)))
+
+
+def resolved(motors: Catalogue, flight: Flight) -> Found | None:
+    """A flight's motor, None for a cluster or one that nobody knows."""
+    try:
+        return motors.resolve(flight.motor)
+    except UnknownMotor:
+        return None
 
 
 def _motors(motors: Catalogue) -> Callable[[str], object]:
@@ -47,10 +79,8 @@ def _motors(motors: Catalogue) -> Callable[[str], object]:
 
     @cache
     def motor_of(text: str) -> object:
-        try:
-            return motors.resolve(text).motor
-        except UnknownMotor:
-            return text
+        found = resolved(motors, Flight(motor=text))
+        return found.motor if found else text
 
     return motor_of
 

@@ -11,12 +11,20 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
-from fieldkit.loop.fit import Fit, fit_robustly, leave_one_out, own_reading_sd, scale_grid
-from fieldkit.loop.model import SCATTER, Model, base_model, bent, observe, shown
+from fieldkit.loop.fit import (
+    Fit,
+    apogee_scale,
+    fit_robustly,
+    leave_one_out,
+    own_reading_sd,
+    scale_grid,
+    term_sds,
+)
+from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, observe, shown
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.simulator.effect import effects, spoken
 from fieldkit.simulator.field import recorded
 
@@ -24,6 +32,9 @@ DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
 FORECAST_SLACK = 3.0
 """How far motors are taken to be from their certificate, and masses from the scales, in a forecast. [1]"""
+DESIGN_CD_SD = 0.2
+"""Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
+for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
 LEVELS = (0.05, 0.5, 0.95)
 
 
@@ -31,10 +42,11 @@ LEVELS = (0.05, 0.5, 0.95)
 class Prediction:
     """What the altimeter will show of a planned flight, as draws of the apogee and figures drawn with it. SI.
 
-    `coast` is from top speed to apogee, `eject` from apogee to the ejection charge (nan without a delay),
-    `cd` and `alpha` the drag coefficient and thrust factor flown with. `rests_on` counts the flights that
-    taught the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how
-    `earlier_forecasts` fared, 1 where there are too few of them.
+    `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from
+    apogee to the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of
+    the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
+    flown with. `rests_on` counts the flights that taught the model. `stretched_by` is by what the spread of
+    `apogee` was multiplied because of how `earlier_forecasts` fared, 1 where there are too few of them.
     """
 
     plan: Flight
@@ -46,6 +58,10 @@ class Prediction:
     top_speed: Float[Array, "draw"]
     rail_speed: Float[Array, "draw"]
     eject_speed: Float[Array, "draw"]
+    coast_time: Float[Array, "draw"]
+    rise_time: Float[Array, "draw"]
+    duration: Float[Array, "draw"]
+    drift: Float[Array, "draw"]
     cd: Float[Array, "draw"]
     alpha: Float[Array, "draw"]
     rests_on: int
@@ -93,9 +109,31 @@ def rocket_model(
     return model.with_terms(*(term for place in known for term in effect_terms(place, model)))
 
 
+def forecast_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
+    """The model of a rocket that its next flight is forecast with."""
+    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK))
+
+
 def model_name(accepted: Sequence[Place]) -> str:
     """`field`, or `field+wind`."""
     return "+".join(["field", *(spoken(place.effect) for place in accepted)])
+
+
+@dataclass(frozen=True, slots=True)
+class Learnt:
+    """What a rocket's flights taught of planned ones: draws of every term, ready to be flown.
+
+    `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
+    flights that taught it, `name` names it; from `rng` comes the luck of single flights.
+    """
+
+    model: Model
+    at: Float[Array, "term"]
+    values: Float[Array, "draw term"]
+    scales: Float[Array, "draw 2"]
+    rests_on: int
+    name: str
+    rng: np.random.Generator
 
 
 def predict(
@@ -104,59 +142,92 @@ def predict(
     accepted: Sequence[Place] = (),
     *,
     declared: bool = True,
+    drag: float | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
     Flights with an anomaly tag count as flown and do not teach. Wind that was written down acts with the
-    prior of its effect, accepted or not; with `declared` False it does not. Raises ImpossibleFlight for a flight
-    without a dry mass.
+    prior of its effect, accepted or not; with `declared` False it does not. `drag` is the Cd of a design, which is
+    believed before any flight in place of that of any rocket. Raises ImpossibleFlight for a flight without a dry mass.
     """
+    return fly_ahead(learn(flown, planned, accepted, declared=declared, drag=drag, draws=draws, seed=seed))
+
+
+def learn(
+    flown: Sequence[tuple[Flight, Found]],
+    planned: Sequence[tuple[Flight, Found]],
+    accepted: Sequence[Place] = (),
+    *,
+    declared: bool = True,
+    drag: float | None = None,
+    draws: int = DRAWS,
+    seed: int = 0,
+) -> Learnt:
+    """Fit the flights flown, for the planned ones; see `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    model = rocket_model(flights, found, acting, FORECAST_SLACK)
-    taught = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
+    model = forecast_model(flights, found, acting)
+    if drag is not None:
+        model = model.with_prior("drag", np.log(drag), DESIGN_CD_SD)
+    acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
+    taught = acted or [0]  # of a rocket never flown, one prior stands in for what was learned
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
     result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
     rng = np.random.default_rng(seed)
     values, scales = _drawn(model, taught, result, draws, rng)
-    ahead = slice(len(flown), None)
-    part = model.part(ahead)
-    scatter: dict[str, Array] = {
-        kind.bends: rng.normal(size=(draws, len(planned))) * kind.sd * scales[:, :1]
-        for kind in SCATTER
-        if kind.bends != "tilt"
-    }
-    readings = shown(part, values, scatter)
     at = np.array([term.mean for term in model.terms])
     at[taught] = result.tangent.at
-    slope = lean_slope(part, at)[:, 0]
-    lean = slope * rng.normal(size=(draws, len(planned))) * scales[:, :1]
-    apogee = readings["apogee"] * np.exp(lean)
-    reading = own_reading_sd(apogee) * scales[:, 1:] * rng.normal(size=apogee.shape)
-    cd = np.exp(bent(part, values, "drag") + scatter["drag"])
-    alpha = np.exp(bent(part, values, "thrust") + scatter["thrust"])
     rests_on = int(np.sum(result.data.seen.any(axis=1)))
+    return Learnt(model.part(slice(len(flown), None)), at, values, scales, rests_on, model_name(accepted), rng)
+
+
+def fly_ahead(
+    learnt: Learnt, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
+) -> list[Prediction]:
+    """Fly the planned flights on what was learnt, each a batch of draws.
+
+    With `paired` all flights share the luck of the day, so that they differ by what is planned alone. `delay_sd` is
+    how far delays stray from what is printed, as a ratio, in place of what the model takes.
+    """
+    part, values, scales, rng = learnt.model, learnt.values, learnt.scales, learnt.rng
+    shape = (len(values), len(part.flights))
+
+    def luck() -> Array:
+        drawn = rng.normal(size=(shape[0], 1) if paired else shape)
+        return np.broadcast_to(drawn, shape)
+
+    scatter: dict[str, Array] = {
+        kind.bends: luck() * kind.sd * scales[:, :1] for kind in SCATTER if kind.bends != "tilt"
+    }
+    if delay_sd is not None:
+        scatter["delay"] = luck() * delay_sd
+    readings = shown(part, values, scatter)
+    lean = np.exp(lean_slope(part, learnt.at)[:, 0] * luck() * scales[:, :1])
+    apogee = readings["apogee"] * lean
+    # of a hop of a metre the reading's error in ratio knows no bounds
+    reading = np.clip(own_reading_sd(apogee) * scales[:, 1:] * luck(), -1.0, 1.0)
+    figures = {
+        "apogee": np.nan_to_num(apogee * np.exp(reading)),
+        "true_apogee": np.nan_to_num(readings["true"] * lean),
+        "eject": readings["apogee_to_eject"],
+        "coast": readings["coast_to_apogee"],
+        "cd": np.exp(bent(part, values, "drag") + scatter["drag"]),
+        "alpha": np.exp(bent(part, values, "thrust") + scatter["thrust"]),
+        **{name: readings[name] for name in ("top_speed", "duration", *EXTRAS)},
+    }
     return [
         Prediction(
             plan=flight,
             found=motor,
-            apogee=np.nan_to_num(apogee[:, i] * np.exp(reading[:, i])),
-            true_apogee=readings["true"][:, i],
-            eject=readings["apogee_to_eject"][:, i],
-            coast=readings["coast_to_apogee"][:, i],
-            top_speed=readings["top_speed"][:, i],
-            rail_speed=readings["rail_speed"][:, i],
-            eject_speed=readings["eject_speed"][:, i],
-            cd=cd[:, i],
-            alpha=alpha[:, i],
-            rests_on=rests_on,
-            model=model_name(accepted),
+            rests_on=learnt.rests_on,
+            model=learnt.name,
+            **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
-        for i, (flight, motor) in enumerate(planned)
+        for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
     ]
 
 
@@ -177,24 +248,37 @@ def _drawn(
 
     Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn.
     """
-    learned, scales = sample(result, draws, rng)
+    learned, which = _sampled(result, draws, rng)
+    sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, taught] = learned
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
-        values[:, i] = np.clip(rng.normal(term.mean, term.sd, draws), term.low, term.high)
-    return values, scales
+        values[:, i] = np.clip(term.mean + sds[:, i] * rng.normal(size=draws), term.low, term.high)
+    return values, _scales(result, which, rng)
 
 
 def sample(
     result: Fit, draws: int, rng: np.random.Generator
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
     """Draws of a model's terms within their bounds, and by what scatter and reading of a flight to come are scaled."""
-    scatter_scale, reading_scale, _ = scale_grid()
+    values, which = _sampled(result, draws, rng)
+    return values, _scales(result, which, rng)
+
+
+def _sampled(
+    result: Fit, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
+    """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
     roots = np.linalg.cholesky(np.linalg.inv(result.precision))
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
-    scales = np.stack([scatter_scale[which], reading_scale[which]], axis=-1)
-    apart = leave_one_out(result).spread.draw(draws, rng) * tails(draws, rng)
-    return np.clip(values, lows, highs), scales * apart[:, None]
+    return np.clip(values, lows, highs), which
+
+
+def _scales(result: Fit, which: Int[Integers, "draw"], rng: np.random.Generator) -> Float[Array, "draw 2"]:
+    """By what scatter and the reading of an apogee are scaled for a flight to come, with its tails."""
+    scales = np.stack([scale_grid(result.model.doubtful)[0], apogee_scale(result.model)], axis=-1)
+    apart = leave_one_out(result).spread.draw(len(which), rng) * tails(len(which), rng)
+    return np.asarray(scales[which] * apart[:, None])

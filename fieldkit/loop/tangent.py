@@ -11,8 +11,12 @@ from fieldkit.simulator.effect import Effect
 
 STEP = 0.25
 """Step of the difference for a strength, in standard deviations of its prior. [1]"""
-STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "delay": 0.08, "mass": 0.005, "opening": 0.1}
-"""Steps for what terms and scatter bend: an ordinary difference of one flight from another."""
+STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "delay": 0.02, "mass": 0.005, "opening": 0.1}
+"""Steps of the difference for everything else that terms bend, small beside what they may be."""
+_ASIDE = [kind for kind in SCATTER if STEPS.get(kind.bends, kind.sd) != kind.sd]
+"""Scatter flown by its whole standard deviation: where ejection meets apogee a small step sees one side only."""
+_MOVED = (*STEPS.items(), *((kind.bends, kind.sd) for kind in _ASIDE))
+"""What is bent in the rows after a lane's point, and by how much."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +50,7 @@ def tangents(
     bends = {kind: np.zeros((count, len(model.flights))) for kind in STEPS}
     firsts = np.cumsum([0, *(len(block.values) for block in blocks)])
     for first in firsts[:-1]:
-        for row, (kind, step) in enumerate(STEPS.items(), start=first + 1):
+        for row, (kind, step) in enumerate(_MOVED, start=first + 1):
             bends[kind][row] = step
     readings = _stacked(shown(model, np.concatenate([block.values for block in blocks]), bends))
     parts = np.split(readings, firsts[1:-1])
@@ -55,7 +59,7 @@ def tangents(
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Rows to fly for a lane: its point, a step in each of `STEPS`, a step in the strengths of each slot.
+    """Rows to fly for a lane: its point, a step in each of what is `_MOVED`, a step in the strengths of each slot.
 
     `slots` holds the row of every term that is the strength of an effect, and its step; flights know nothing of each
     other, so that strengths which act on different flights share a row.
@@ -76,8 +80,8 @@ def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
             slot = next((k for k, taken in enumerate(acting) if not (taken & acts).any()), len(acting))
             acting[slot:] = [acts if slot == len(acting) else acting[slot] | acts, *acting[slot + 1 :]]
             step = STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
-            slots[i] = 1 + len(STEPS) + slot, step
-    values = np.zeros((1 + len(STEPS) + len(acting), len(model.terms)))
+            slots[i] = 1 + len(_MOVED) + slot, step
+    values = np.zeros((1 + len(_MOVED) + len(acting), len(model.terms)))
     values[:, list(terms)] = at
     for i, (row, step) in slots.items():
         values[row, i] += step
@@ -89,8 +93,11 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) 
         moved = np.nan_to_num(flown - flown[0])
     per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
-    scatter = [per_kind[kind.bends] * kind.sd if kind.bends in per_kind else lean for kind in SCATTER]
-    return Tangent(at, flown[0], np.stack(columns, axis=-1), np.nan_to_num(np.stack(scatter, axis=-1)))
+    scattered = {kind.bends: per_kind[kind.bends] * kind.sd for kind in SCATTER if kind.bends in per_kind}
+    scattered |= {kind.bends: moved[row] for row, kind in enumerate(_ASIDE, start=1 + len(STEPS))}
+    scatter = [scattered.get(kind.bends, lean) for kind in SCATTER]
+    slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
+    return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
 
 
 def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:

@@ -8,7 +8,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.loop.fit import fit_robustly, leave_one_out
 from fieldkit.loop.model import Data
-from fieldkit.loop.predict import FORECAST_SLACK, Prediction, apart, declared_places, rocket_model
+from fieldkit.loop.predict import Prediction, apart, declared_places, forecast_model
 from fieldkit.loop.score import forecasts_of
 from fieldkit.motors import Found
 
@@ -24,7 +24,7 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data) -> f
     """
     from scipy.special import ndtri
 
-    result = fit_robustly(rocket_model(flights, found, declared_places(flights, ()), FORECAST_SLACK), data)
+    result = fit_robustly(forecast_model(flights, found, declared_places(flights, ())), data)
     below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
     distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
     return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0

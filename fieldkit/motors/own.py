@@ -8,6 +8,8 @@ from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 
 SUFFIXES = (".eng", ".rse")
+LARGEST = 16 << 20
+"""What is read of a motor file at most; all motors there are take less. [byte]"""
 
 
 def read(data: bytes, source: str) -> list[Motor]:
@@ -53,7 +55,10 @@ def import_file(path: Path, folder: Path) -> list[Motor]:
 
 def _read_file(path: Path) -> list[Motor]:
     try:
-        data = path.read_bytes()
+        with path.open("rb") as file:
+            data = file.read(LARGEST + 1)
     except OSError as error:
         raise DamagedLog(f"cannot be read ({error.strerror}), expected a motor file", source=path.name) from error
+    if len(data) > LARGEST:
+        raise DamagedLog(f"found more than {LARGEST} bytes, expected a motor file of at most that", source=path.name)
     return read(data, path.name)

@@ -6,7 +6,7 @@ that come twice, rockets that are described in another file.
 """
 
 from fieldkit.parsing.flights import CheckMotor, derived_id
-from fieldkit.parsing.opening import read, read_plans, read_recordings, read_together
+from fieldkit.parsing.opening import read, read_kept, read_plans, read_recordings, read_together
 from fieldkit.parsing.recognition import claims, parsers, recognise
 from fieldkit.reading import HEAD, Choice, Found, Intake, Mapped, Note, Parser, Reading, Rejected
 
@@ -25,6 +25,7 @@ __all__ = [
     "derived_id",
     "parsers",
     "read",
+    "read_kept",
     "read_plans",
     "read_recordings",
     "read_together",

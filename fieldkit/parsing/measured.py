@@ -4,20 +4,22 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
+from fieldkit.flight import READOUTS
+from fieldkit.parsing.parts import KINDS
 from fieldkit.reading import Found, Note, Reading
 
 
 def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
     """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
     with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
-    if not with_samples:
-        return found
     told: list[Found] = []
     for item in found:
-        if isinstance(item, Reading) and item.clocks and item.describes == "flight":
+        if not isinstance(item, Reading) or item.describes != "flight":
+            told.append(item)
+        elif item.clocks:
             told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
         else:
-            told.append(item)
+            told.append(_stated(item, format) if item.part else item)
     return told
 
 
@@ -35,9 +37,18 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
         when = fields.get("date_time")
         start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"
         fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
-    told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
-    if parts > 1:
-        told["log_part"] = str(part)
-    known = {name: text for name, text in told.items() if text}
+    known = _origin(reading, format) | ({"log_part": str(part)} if parts > 1 else {})
     measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known})
     return [measured, *(Note(text, reading.row) for text in recorded.notes)]
+
+
+def _stated(reading: Reading, format: str) -> Reading:
+    """A summary of a flight that other files hold the samples of, its figures marked as the device's own."""
+    said = {c.stated_header: c.render(v) for c in READOUTS if isinstance(v := reading.stated.get(c.name), float)}
+    return replace(reading, extra={**reading.extra, **said, **_origin(reading, format)})
+
+
+def _origin(reading: Reading, format: str) -> dict[str, str]:
+    """Extra columns that say what recorded a flight, in which kinds of file, and which parser reads them."""
+    told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
+    return {name: text for name, text in (told | {KINDS: reading.part}).items() if text}

@@ -9,7 +9,7 @@ from fieldkit.parsing.flights import CheckMotor, intake_of, plan_of
 from fieldkit.parsing.measured import with_figures
 from fieldkit.parsing.parts import joined
 from fieldkit.parsing.recognition import open_log, told
-from fieldkit.reading import Choice, Intake, Reading
+from fieldkit.reading import Choice, Found, Intake, Reading
 
 
 def read(
@@ -36,11 +36,29 @@ def read_together(
     table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
     before anything is taken from any. The bytes of a file are let go before its flights are measured.
     """
-    read = [((source, *open_log(log, source, format, choices)), digest_of(log)) for source, log in files]
-    digests = [digest for _, digest in read]
+    return _intakes(
+        [(source, *open_log(log, source, format, choices), digest_of(log)) for source, log in files], check_motor
+    )
+
+
+def read_kept(logs: Sequence[bytes], source: str, format: str | None, choices: Sequence[Choice] = ()) -> list[Flight]:
+    """The flights of files that were taken in before, of one flight or more; `format` reads the first of them.
+
+    Raises UnknownFormat or DamagedLog for a file that cannot be used at all any more.
+    """
+    formats = [format, *(None for _ in logs[1:])]
+    read = [
+        (source, *open_log(log, source, form, choices), digest_of(log)) for log, form in zip(logs, formats, strict=True)
+    ]
+    return [flight for intake in _intakes(read, lambda motor: None) for flight in intake.flights]
+
+
+def _intakes(read: Sequence[tuple[str, str, Sequence[Found], str]], check_motor: CheckMotor) -> list[Intake]:
+    """What files bring, each given as its name, its parser, what that found and the digest of its bytes."""
+    digests = [digest for *_, digest in read]
     opened = [
         (source, name, with_figures(found, name, digest))
-        for (source, name, found), digest in zip(joined([one for one, _ in read], digests), digests, strict=True)
+        for (source, name, found), digest in zip(joined([one[:3] for one in read], digests), digests, strict=True)
     ]
     everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
@@ -48,14 +66,21 @@ def read_together(
 
 
 def read_recordings(
-    log: bytes, source: str, format: str | None = None, choices: Sequence[Choice] = ()
+    log: bytes,
+    source: str,
+    format: str | None = None,
+    choices: Sequence[Choice] = (),
+    others: Sequence[bytes] = (),
 ) -> list[Reading]:
     """The readings of a log that hold samples, flights and simulations, as they were recorded.
 
-    Raises UnknownFormat or DamagedLog, also where the log has no samples.
+    `others` are further files that its logger wrote of the same flights. Raises UnknownFormat or DamagedLog, also
+    where the log has no samples.
     """
-    _, found = open_log(log, source, format, choices)
-    readings = [item for item in found if isinstance(item, Reading) and item.clocks]
+    opened = [(source, *open_log(log, source, format, choices))]
+    opened += [(source, *open_log(other, source, None, choices)) for other in others]
+    opened = joined(opened, [""] * len(opened)) if others else opened
+    readings = [item for _, _, found in opened for item in found if isinstance(item, Reading) and item.clocks]
     if not readings:
         raise DamagedLog("found no samples, expected a log of heights over time", source=source)
     return readings

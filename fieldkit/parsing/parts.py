@@ -10,6 +10,8 @@ from fieldkit.reading import Found, Note, Reading
 
 SAME_MOMENT = timedelta(seconds=2)
 """Files of one logger that state the same lift-off to within this are of one flight."""
+KINDS = "log_kinds"
+"""The extra column of a flight that names the kinds of file it was read from, where its logger writes several."""
 Opened = tuple[str, str, Sequence[Found]]
 """A file as it was opened: its name, the parser, what that found."""
 
@@ -41,7 +43,7 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
     return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
 
 
-_PART = "is the {} file of a flight by {}; its other files count where they are imported with it, in one command"
+_PART = "is the {} file of a flight by {}; its other files count where they are imported with it or after it"
 
 
 def _worth(part: Reading) -> int:
@@ -63,6 +65,13 @@ def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Seq
         return all(one.part != third.part for _, third in same)
     if time() in (first.time(), second.time()):
         return first.date() == second.date()
+    return same_moment(first, second)
+
+
+def same_moment(first: object, second: object) -> bool:
+    """Whether two lift-offs are the same, as files of one logger state them: day and time of day, both known."""
+    if not isinstance(first, datetime) or not isinstance(second, datetime) or time() in (first.time(), second.time()):
+        return False
     return abs(first - second) < SAME_MOMENT
 
 
@@ -77,5 +86,5 @@ def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
         series=tuple(series for part in (main, *others) for series in part.clocks),
         firmware=next((part.firmware for part in (main, *others) if part.firmware), ""),
         serial=next((part.serial for part in (main, *others) if part.serial), ""),
-        part="",
+        part=" ".join(sorted({kind for part in parts for kind in part.part.split()})),
     )

@@ -6,114 +6,180 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.loop.predict import Prediction
 from fieldkit.motors import Found
-from fieldkit.plan.learnt import Learnt, outcomes
+from fieldkit.plan.air import air_of
+from fieldkit.plan.contest import Season
+from fieldkit.plan.descent import durations, fall_of, landing_mass
+from fieldkit.plan.desk import Rocket, forecasts
+from fieldkit.plan.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
-GRID = 24
+GRID = 16
 """Masses that are flown. [1]"""
+DRAWS = 500
+"""Flights flown at each mass. [1]"""
 LIGHTEST, HEAVIEST = 0.6, 1.8
 """Of the masses tried where the flyer sets no bounds, in dry masses of today. [1]"""
 SOFT = 0.5
 """By which the edge of the band is rounded, so that the chance is smooth in the mass. [m]"""
 
-Aim = Literal["chance", "error"]
+Figures = Float[Array, "draw"]
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What is wanted: an apogee `within` of a `target` [m], as likely as can be ("chance"), as near as can be on
+    average ("error"), or the fewest points of a season ("points")."""
+
+    target: float
+    within: float
+    aim: Literal["chance", "error", "points"] = "chance"
+    rule: Season | None = None
+
+    def chance(self, apogee: Figures) -> float:
+        """To be within the band, its edges rounded. [1]"""
+        miss = np.abs(apogee - self.target)
+        return float(np.mean(1 / (1 + np.exp(np.clip((miss - self.within) / SOFT, -50, 50)))))
+
+    def error(self, apogee: Figures) -> float:
+        """The mean miss. [m]"""
+        return float(np.abs(apogee - self.target).mean())
+
+    def points(self, apogee: Figures, duration: Figures) -> float | None:
+        """The mean points of a flight, None without a season. [1]"""
+        return None if self.rule is None else float(self.rule.points(apogee, duration).mean())
+
+    def cost(self, apogee: Figures, duration: Figures) -> float:
+        """What is to be as small as can be."""
+        if self.aim == "points":
+            return self.points(apogee, duration) or 0.0
+        return -self.chance(apogee) if self.aim == "chance" else self.error(apogee)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a mass brings: chance of the band [1], mean miss [m], mean points where a season counts [1]."""
+
+    chance: float
+    error: float
+    points: float | None
+
+    def json(self) -> dict[str, float | None]:
+        """Ready for JSON, with the unit in the key."""
+        return {"chance": self.chance, "mean_error_m": self.error, "points": self.points}
 
 
 @dataclass(frozen=True, slots=True)
 class Ballast:
     """The dry mass to fly [kg], what to add to today's [kg], and what it brings.
 
-    `apogee` is at 5, 50 and 95 % [m], `slope` how the apogee changes with mass [m/kg], `chance` that of landing in
-    the band [1] and `error` the mean miss [m], `today` both as they are without change. `reach` is the median
-    apogee of the heaviest and the lightest mass tried [m]; the target is `met` where it lies between.
+    `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
+    and `today` what is without change. `reach` is the median apogee of the heaviest and the lightest mass tried [m];
+    the target is `met` where it lies between.
     """
 
     mass: float
     add: float
-    apogee: tuple[float, float, float]
+    forecast: Prediction
     slope: float
-    chance: float
-    error: float
-    today: tuple[float, float]
+    there: Result
+    today: Result
     reach: tuple[float, float]
     met: bool
+
+    @property
+    def apogee(self) -> Three:
+        """As the altimeter will show it, at 5, 50 and 95 %. [m]"""
+        return three(self.forecast.apogee)
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
         return {
             "dry_mass_g": self.mass * 1e3,
             "add_g": self.add * 1e3,
-            "apogee_m": dict(zip(("p05", "p50", "p95"), self.apogee, strict=True)),
+            "apogee_m": named(self.apogee),
+            "true_apogee_m": named(three(self.forecast.true_apogee)),
             "slope_m_per_g": self.slope / 1e3,
-            "chance": self.chance,
-            "mean_error_m": self.error,
-            "today": {"chance": self.today[0], "mean_error_m": self.today[1]},
+            **self.there.json(),
+            "today": self.today.json(),
             "reach_m": list(self.reach),
             "met": self.met,
         }
 
 
 def ballast(
-    learnt: Learnt,
+    rocket: Rocket,
+    plan: Flight,
     found: Found,
-    target: float,
-    within: float,
-    aim: Aim = "chance",
+    goal: Goal,
     bounds: tuple[float | None, float | None] = (None, None),
+    draws: int = DRAWS,
 ) -> Ballast:
-    """The dry mass in `bounds` [kg] that maximises the chance of an apogee `within` of the target, or with the aim
-    "error" minimises the mean miss, which are the points of a contest for altitude. [m]
+    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent is reckoned with as well.
 
     The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight where no mass lifts off.
     """
     from scipy.interpolate import PchipInterpolator
-    from scipy.optimize import minimize_scalar
 
-    today = learnt.plan.dry_mass
-    if today is None:
-        raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
-    low, high = (edge or today * share for edge, share in zip(bounds, (LIGHTEST, HEAVIEST), strict=True))
-    if not 0 < low < high:
-        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
-    masses = np.linspace(low, high, GRID)
-    plans = [learnt.plan.with_changes(dry_mass=float(mass)) for mass in (*masses, today)]
-    flown = outcomes(learnt, plans, [found] * len(plans)).of("apogee")
-    if not np.median(flown[:, 0]) > 0:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {low * 1e3:.0f} g")
-    curve = PchipInterpolator(masses, flown[:, :-1], axis=1)
-
-    def cost(mass: float) -> float:
-        chance, error = _score(np.asarray(curve(mass)), target, within)
-        return -chance if aim == "chance" else error
-
-    costs = [cost(float(mass)) if np.median(curve(mass)) > 0 else np.inf for mass in masses]
-    # far from the target every chance is nothing: there the mean miss leads the way
-    if aim == "chance" and min(costs) > -1e-3:
-        return ballast(learnt, found, target, within, "error", bounds)
-    best = int(np.argmin(costs))
-    around = masses[max(best - 1, 0)], masses[min(best + 1, GRID - 1)]
-    result = minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": 1e-5})
-    mass = float(result.x) if result.fun <= costs[best] else float(masses[best])
-    there = np.asarray(curve(mass))
-    p05, p50, p95 = (float(value) for value in np.quantile(there, (0.05, 0.5, 0.95)))
-    chance, error = _score(there, target, within)
-    reach = np.median(flown[:, :-1], axis=0)
+    masses = _masses(plan, bounds)
+    plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
+    said = forecasts(rocket, [(one, found) for one in plans], draws=draws)
+    apogee = np.stack([one.apogee for one in said], axis=-1)
+    if not np.median(apogee[:, 0]) > 0:
+        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {masses[0] * 1e3:.0f} g")
+    duration = _durations(rocket, said)
+    curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
+    mass = _best(curve, masses, goal)
+    if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
+        # far from the target every chance is nothing: there the mean miss leads the way
+        mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
+    (forecast,) = forecasts(rocket, [(plan.with_changes(dry_mass=mass), found)], draws=2 * draws)
+    reach = np.median(apogee[:, :-1], axis=0)
     return Ballast(
         mass=mass,
-        add=mass - today,
-        apogee=(p05, p50, p95),
-        slope=float(np.median(curve(mass, 1))),
-        chance=chance,
-        error=error,
-        today=_score(flown[:, -1], target, within),
+        add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
+        forecast=forecast,
+        slope=float(np.median(curve(mass, 1)[0])),
+        there=_result(goal, *curve(mass)),
+        today=_result(goal, apogee[:, -1], duration[:, -1]),
         reach=(float(reach.min()), float(reach.max())),
-        met=bool(reach.min() <= target <= reach.max()),
+        met=bool(reach.min() <= goal.target <= reach.max()),
     )
 
 
-def _score(apogee: Float[Array, "draw"], target: float, within: float) -> tuple[float, float]:
-    """The chance to be within the band, its edges rounded, and the mean miss. [1], [m]"""
-    miss = np.abs(apogee - target)
-    inside = 1 / (1 + np.exp(np.clip((miss - within) / SOFT, -50, 50)))
-    return float(inside.mean()), float(miss.mean())
+def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
+    if plan.dry_mass is None:
+        raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
+    low, high = (edge or plan.dry_mass * share for edge, share in zip(bounds, (LIGHTEST, HEAVIEST), strict=True))
+    if not 0 < low < high:
+        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
+    return np.linspace(low, high, GRID)
+
+
+def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
+    """From lift-off to landing of each mass, on the same luck. [s]"""
+    fall = fall_of(rocket.history)
+    density, draws = air_of(said[0].plan).density, len(said[0].apogee)
+    speeds = [
+        fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said
+    ]
+    return np.nan_to_num(durations(said, np.concatenate(speeds, axis=1)))
+
+
+def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
+    """The mass of the least cost: the best of the grid, made finer between its neighbours. [kg]"""
+    from scipy.optimize import minimize_scalar
+
+    costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]
+    best = int(np.argmin(costs))
+    around = masses[max(best - 1, 0)], masses[min(best + 1, len(masses) - 1)]
+    found = minimize_scalar(
+        lambda mass: goal.cost(*curve(mass)), bounds=around, method="bounded", options={"xatol": 1e-5}
+    )
+    return float(found.x) if found.fun <= costs[best] else float(masses[best])
+
+
+def _result(goal: Goal, apogee: Figures, duration: Figures) -> Result:
+    return Result(goal.chance(apogee), goal.error(apogee), goal.points(apogee, duration))

@@ -1,105 +1,151 @@
 """The delay to buy or drill, from the distribution of coast time and the delay's own scatter."""
 
+import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-from fieldkit.errors import ImpossibleFlight
+from fieldkit.errors import BadValue, ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.loop.predict import Prediction
 from fieldkit.motors import Found
-from fieldkit.motors.motor import PLUGGED
-from fieldkit.plan.learnt import Learnt, outcomes
+from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.plan.desk import Rocket, forecasts
+from fieldkit.plan.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
-from fieldkit.units import STANDARD_GRAVITY
 
 SHARE, LEAST = 0.2, 1.5
 """How far a delay may be from what is printed: this share of it [1], and no less than this [s]. Source: NFPA 1125, as
 cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
+DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
+DRAWS = 1000
+"""Flights flown for each delay. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Delay:
-    """One delay: how far from apogee it fires [s], how fast the rocket then is [m/s], its chance to be too fast [1]."""
+    """One delay: how far from apogee it fires [s], how fast the rocket then is [m/s], its chance to be too fast [1].
+
+    `lands_first` is the chance that the rocket meets the ground before, which counts as too fast. [1]
+    """
 
     delay: float
-    after_apogee: tuple[float, float, float]
-    speed: tuple[float, float, float]
+    after_apogee: Three
+    speed: Three
     too_fast: float
+    lands_first: float
     on_sale: bool
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
-        names = ("p05", "p50", "p95")
         return {
             "delay_s": self.delay,
-            "after_apogee_s": dict(zip(names, self.after_apogee, strict=True)),
-            "eject_speed_mps": dict(zip(names, self.speed, strict=True)),
+            "after_apogee_s": named(self.after_apogee),
+            "eject_speed_mps": named(self.speed),
             "chance_too_fast": self.too_fast,
+            "chance_lands_first": self.lands_first,
             "on_sale": self.on_sale,
         }
 
 
 @dataclass(frozen=True, slots=True)
 class Delays:
-    """The coast from burnout to apogee [s], delays from best to worst, and what is to be said of them in words."""
+    """The coast from burnout to apogee [s], delays from best to worst, and what is to be said of them in words.
 
-    coast: tuple[float, float, float]
+    `forecast` is the flight with the best of them, without a charge where there is none.
+    """
+
+    coast: Three
     delays: tuple[Delay, ...]
     words: tuple[str, ...]
+    forecast: Prediction
 
 
-def coast_time(learnt: Learnt, found: Found) -> Float[Array, "draw"]:
-    """From burnout to apogee, as draws. [s] Raises ImpossibleFlight where the motor does not lift the rocket."""
-    flown = outcomes(learnt, [learnt.plan.with_changes(delay=None)], [Found(found.motor, None)])
-    coast = flown.of("coast_to_apogee")[:, 0] + flown.of("burn_time")[:, 0] - found.motor.burnout
-    if np.isfinite(coast).mean() < 0.5:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust to lift the rocket, expected more")
-    return np.asarray(coast[np.isfinite(coast)])
+def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
+    """Standard deviation of a delay from what is printed [s], as a ratio of it; 0 for nan. [1]"""
+    delays = np.maximum(delays, 0.1)
+    return np.asarray(np.nan_to_num(np.maximum(SHARE, LEAST / delays) / 2))
 
 
-def delays(learnt: Learnt, found: Found, limit: float, step: float | None = None) -> Delays:
-    """Judge the delays on sale and, with `step`, those drilled from the longest in such steps. [s]
+def cuts(motor: Motor, own: Path | None = None) -> tuple[float, ...]:
+    """What the tool of a motor's maker takes off its longest delay, from most makers' none; only for reloads. [s]
 
-    `limit` is the speed at ejection that is too fast [m/s]. Speed is that of free fall towards or away from
-    apogee, without drag and without what the wind adds sideways. Best is the smallest mean square of it.
+    Raises BadValue for an own file that is damaged.
     """
-    coast = coast_time(learnt, found)
-    sold = [delay for delay in found.motor.delays if delay != PLUGGED]
-    offered = list(sold)
-    if step is not None and sold:
-        offered += [cut for k in range(1, 50) if (cut := max(sold) - k * step) > 0 and cut not in sold]
-    noise = np.random.default_rng([learnt.seed, 2]).normal(size=len(coast))
-    judged = [_judged(delay, coast, noise, limit, delay in sold) for delay in offered]
-    order = np.argsort([mean for mean, _ in judged])
+    tables = _drills(DRILLS) | (_drills(own) if own is not None and own.exists() else {})
+    return tables.get(motor.maker, ()) if motor.kind == "reload" else ()
+
+
+def _drills(file: Path) -> dict[str, tuple[float, ...]]:
+    try:
+        tables = tomllib.loads(file.read_text(encoding="utf-8"))
+        return {maker: tuple(float(off) for off in table["takes_off_s"]) for maker, table in tables.items()}
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, TypeError, ValueError) as error:
+        raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
+
+
+def offered(motor: Motor, takes_off: Sequence[float] = ()) -> dict[float, bool]:
+    """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled. [s]"""
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
+    return dict.fromkeys(sold, True) | {delay: False for delay in drilled if delay > 0 and delay not in sold}
+
+
+def delays(
+    rocket: Rocket, plan: Flight, found: Found, limit: float, takes_off: Sequence[float] = (), draws: int = DRAWS
+) -> Delays:
+    """Judge the delays on sale, and those drilled from the longest by what a tool `takes_off`. [s]
+
+    `limit` is the speed at ejection that is too fast [m/s]. Each delay is flown: fall and drag, wind and an early
+    parachute are in its speed. Best is the smallest chance to be too fast, then the smallest mean square of speed.
+    Raises ImpossibleFlight where the motor does not lift the rocket.
+    """
+    ways = list(offered(found.motor, takes_off).items())
+    planned = [
+        (plan.with_changes(delay=delay), Found(found.motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
+    ]
+    sd = tolerance(np.array([np.nan, *(delay for delay, _ in ways)]))
+    said = forecasts(rocket, planned, draws=draws, delay_sd=sd)
+    lifted = said[0].apogee > 0
+    if lifted.mean() < 0.5:
+        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust to lift the rocket, expected more")
+    coast = said[0].coast_time[lifted]
+    judged = [_judged(one, delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)]
+    order = sorted(range(len(judged)), key=lambda i: (round(judged[i][1].too_fast, 2), judged[i][0]))
     ranked = tuple(judged[i][1] for i in order)
-    return Delays(_three(coast), ranked, tuple(_words(coast, found, sold, ranked)))
+    words = tuple(_words(coast, found, ranked))
+    return Delays(three(coast), ranked, words, said[order[0] + 1] if order else said[0])
 
 
-def _judged(delay: float, coast: Array, noise: Array, limit: float, on_sale: bool) -> tuple[float, Delay]:
-    fires = np.maximum(delay + noise * max(SHARE * delay, LEAST) / 2, 0.0)
-    after = fires - coast
-    speed = STANDARD_GRAVITY * np.abs(after)
-    mean = float(np.mean(speed**2))
-    return mean, Delay(delay, _three(after), _three(speed), float(np.mean(speed > limit)), on_sale)
+def _judged(said: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
+    lifted = said.apogee > 0
+    after, speed = said.eject[lifted], said.eject_speed[lifted]
+    first = np.isnan(speed)
+    mean = float(np.mean(speed[~first] ** 2)) if not first.all() else np.inf
+    lands = float(first.mean())
+    return mean, Delay(delay, three(after), three(speed), float((speed > limit).mean()) + lands, lands, on_sale)
 
 
-def _three(values: Array) -> tuple[float, float, float]:
-    low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
-    return float(low), float(middle), float(high)
-
-
-def _words(coast: Array, found: Found, sold: Sequence[float], ranked: Sequence[Delay]) -> list[str]:
+def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -> list[str]:
     """What cannot be, said in words."""
-    name, middle = found.motor.designation, float(np.median(coast))
+    name, middle, motor = found.motor.designation, float(np.median(coast)), found.motor
     if middle < 0:
-        return [f"{name}: the rocket passes apogee {-middle:.1f} s before burnout, so no delay fits: it is too heavy."]
-    if not found.motor.delays:
+        text = (
+            f"{name}: the rocket is over the top {-middle:.1f} s before the motor burns out, so a delay would have to"
+        )
+        return [f"{text} be negative and none fits: it is too heavy for this motor, or the motor burns too long."]
+    if not motor.delays:
         return [f"{name}: no delays are on record; the best would be {middle:.1f} s."]
-    if not sold:
+    if not ranked:
         return [f"{name} is sold plugged alone: it has no ejection charge, the altimeter must deploy."]
-    if middle < min(sold) - LEAST and ranked[0].delay == min(sold):
-        return [f"{name}: coasts {middle:.1f} s, the shortest delay is {min(sold):g} s: every charge fires late."]
-    if middle > max(sold) + LEAST:
-        return [f"{name}: coasts {middle:.1f} s, the longest delay is {max(sold):g} s: every charge fires early."]
+    short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
+    if middle < short - LEAST:
+        text = f"{name}: coasts {middle:.1f} s, the shortest delay there can be is {short:g} s: every charge fires"
+        return [f"{text} late, on the way down. A lighter rocket or a faster motor coasts longer."]
+    if middle > long + LEAST:
+        text = f"{name}: coasts {middle:.1f} s, the longest delay there can be is {long:g} s: every charge fires"
+        return [f"{text} early, on the way up. A heavier rocket coasts less, or the altimeter must deploy."]
     return []

@@ -1,26 +1,89 @@
-"""Plans for a rocket of a ledger, asked for by name."""
+"""Plans for a rocket of a ledger, asked for by name: what the ledger says of it, and forecasts of plans."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop.desk import accepted_places, completed, flown
+from fieldkit.ledger.sites import site_of
+from fieldkit.loop.candidates import Place
+from fieldkit.loop.conformal import kept_surprises, stretch
+from fieldkit.loop.desk import accepted_places, accepted_widening, completed, flown
+from fieldkit.loop.predict import Learnt, Prediction, fly_ahead, learn
+from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
-from fieldkit.plan.learnt import DRAWS, Learnt, learn
+from fieldkit.settings import Settings
+from fieldkit.shapes import Array, Float
+
+Planned = Sequence[tuple[Flight, Found]]
 
 
-def learn_rocket(ledger: Ledger, motors: Catalogue, plan: Flight, *, draws: int = DRAWS) -> Learnt:
-    """What the flights of the plan's rocket taught, with what the plan leaves out taken from the last of them.
+@dataclass(frozen=True, slots=True)
+class Rocket:
+    """What a ledger holds of a rocket that forecasts rest on: its flights, the effects in its model, and by how much
+    intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared."""
 
-    Raises ImpossibleFlight where neither has a dry mass.
+    history: tuple[tuple[Flight, Found], ...]
+    places: tuple[Place, ...]
+    widened: float
+    stretched: float | None
+    earlier: int
+
+    @property
+    def flights(self) -> list[Flight]:
+        """The flights that physics can follow, in order."""
+        return [flight for flight, _ in self.history]
+
+    @property
+    def motors(self) -> list[Found]:
+        """The motors of these flights."""
+        return [found for _, found in self.history]
+
+
+def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
+    """What a ledger holds of a rocket, read once."""
+    surprises = kept_surprises([kept.payload for kept in ledger.predictions()])
+    return Rocket(
+        history=tuple(flown(ledger, motors, name)),
+        places=accepted_places(ledger, name),
+        widened=accepted_widening(ledger, name),
+        stretched=stretch(surprises),
+        earlier=len(surprises),
+    )
+
+
+def begun(ledger: Ledger, plan: Flight, settings: Settings) -> Flight:
+    """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, else the
+    flyer's usual rail; the site as last, and its elevation. Weather is the day's, and nothing is made up for it."""
+    alike = [flight for flight in ledger.flights(plan.rocket) if flight.dry_mass is not None]
+    plan = completed(plan, alike)
+    last = ledger.latest()
+    if not plan.site and plan.site_elevation is None and last is not None:
+        plan = plan.with_changes(site=last.site)
+    known: dict[str, Any] = {"rail_length": settings.rail_length, "rail_angle": settings.rail_angle}
+    known["site_elevation"] = site_of(ledger, plan.site).elevation
+    return plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+
+
+def forecasts(
+    rocket: Rocket,
+    planned: Planned,
+    *,
+    draws: int,
+    paired: bool = True,
+    delay_sd: Float[Array, "flight"] | None = None,
+) -> list[Prediction]:
+    """Forecasts of plans as `predict` would make them, in the order given; nothing is kept.
+
+    `paired` and `delay_sd` as in `fieldkit.loop.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a mass.
     """
-    history = flown(ledger, motors, plan.rocket)
-    plan = completed(plan, [flight for flight, _ in history])
-    return learn(history, plan, _stranger(motors, history), accepted_places(ledger, plan.rocket), draws=draws)
+    return flown_ahead(rocket, learn(rocket.history, planned, rocket.places, draws=draws), paired, delay_sd)
 
 
-def _stranger(motors: Catalogue, history: list[tuple[Flight, Found]]) -> Found:
-    """A motor that was not flown, of the class that was flown last: it stands for all the others."""
-    known = {id(item.motor) for _, item in history}
-    letter = history[-1][1].motor.name[:1] if history else "F"
-    every = [listing for listings in motors.shelf.values() for listing in listings]
-    likely = sorted(every, key=lambda listing: (listing.name[:1] != letter, not listing.available, listing.label))
-    return Found(next(motor for listing in likely if id(motor := listing.motor()) not in known), None)
+def flown_ahead(
+    rocket: Rocket, learnt: Learnt, paired: bool = True, delay_sd: Float[Array, "flight"] | None = None
+) -> list[Prediction]:
+    """What was learnt, flown, with intervals as wide as this rocket's have to be."""
+    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd)
+    return [widened(one, rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]

@@ -1,44 +1,78 @@
-"""The motor guide: every motor that fits a rocket, flown on what its flights taught, nearest to a target first."""
+"""The motor guide: every motor that fits a rocket, flown on what its flights taught."""
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
 from fieldkit.errors import UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import Site
+from fieldkit.loop.model import shown
+from fieldkit.loop.predict import Prediction, learn, median
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED, Motor
-from fieldkit.plan.learnt import Learnt, Outcomes, outcomes
+from fieldkit.plan.delay import tolerance
+from fieldkit.plan.descent import fall_of
+from fieldkit.plan.desk import Rocket, flown_ahead
 from fieldkit.plan.limits import Limits
+from fieldkit.plan.quantiles import named, three
 from fieldkit.plan.safety import Line, safety_lines, thrust_to_weight
+from fieldkit.units import STANDARD_GRAVITY
 
 SAME = 0.0006
 """By how much two diameters of one mount may differ. [m]"""
+DRAWS = 100
+"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a fifth of a standard deviation."""
+SLANTED = 60
+"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a quarter."""
+LEAST_THRUST = 2.0
+"""Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
+SHORTLIST = "shortlist"
+"""Name under which the ledger keeps the motors that a flyer put by, by rocket."""
 
 
 @dataclass(frozen=True, slots=True)
 class Wanted:
-    """What a motor must be. Lengths in m, impulse in N s, `classes` first and last letter."""
+    """What a motor must be. Lengths in m, impulse in N s, `classes` first and last letter, `names` a shortlist.
 
-    mount: float
+    Without a `mount` every diameter goes; with `adapter` narrower ones than it. With `dry_mass` [kg] only what lifts.
+    """
+
+    mount: float | None = None
     length: float = math.inf
     impulse: float = math.inf
     classes: tuple[str, str] | None = None
     retired: bool = False
     adapter: bool = False
+    names: frozenset[str] | None = None
+    dry_mass: float | None = None
 
     def fits(self, motor: Motor) -> bool:
         """Whether a motor is all of it."""
-        wide = motor.diameter - self.mount
+        wide = 0.0 if self.mount is None else motor.diameter - self.mount
         return (
             (wide < SAME if self.adapter else abs(wide) < SAME)
             and motor.length <= self.length + SAME
             and motor.total_impulse <= self.impulse
             and (self.retired or motor.available)
             and (self.classes is None or self.classes[0] <= _letter(motor) <= self.classes[1])
+            and (self.names is None or label(motor) in self.names)
+            and (self.dry_mass is None or lifts(motor, self.dry_mass))
         )
+
+
+def label(motor: Motor) -> str:
+    """Maker and designation: `AeroTech F24W`."""
+    return f"{motor.maker} {motor.designation}"
+
+
+def lifts(motor: Motor, dry_mass: float) -> bool:
+    """Whether a motor would push a rocket off a rod."""
+    return motor.average_thrust > LEAST_THRUST * (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
 
 
 def _letter(motor: Motor) -> str:
@@ -47,108 +81,132 @@ def _letter(motor: Motor) -> str:
 
 @dataclass(frozen=True, slots=True)
 class Choice:
-    """A motor of the guide: quantiles at 5, 50 and 95 % in SI, delays with when they fire after apogee [s]."""
+    """A motor with the delay that suits it best, the flight it would give and its safety lines.
+
+    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` tells
+    whether this rocket has flown it. Thrust to weight is of the first half second and of the average. [1]
+    """
 
     motor: Motor
-    apogee: tuple[float, float, float]
-    true_apogee: tuple[float, float, float]
-    rail_speed: float
-    top_speed: float
+    delay: float | None
+    ejections: tuple[tuple[float, float], ...]
+    prediction: Prediction
+    flown: bool
     first_thrust: float
     average_thrust: float
-    ejections: dict[float, float]
-    flown: bool
     lines: tuple[Line, ...]
+
+    @property
+    def apogee(self) -> float:
+        """The median of what the altimeter will show. [m]"""
+        return float(np.median(self.prediction.apogee))
+
+    @property
+    def plan(self) -> Flight:
+        """The planned flight, motor and delay and all."""
+        return self.prediction.plan
 
     @property
     def failed(self) -> list[Line]:
         """The safety lines that are not well, and known."""
-        return [line for line in self.lines if line.verdict in ("caution", "unsafe")]
+        return [line for line in self.lines if line.failed]
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
-        names = ("p05", "p50", "p95")
         return {
             "maker": self.motor.maker,
             "motor": self.motor.designation,
             "class": self.motor.impulse_class,
-            "apogee_m": dict(zip(names, self.apogee, strict=True)),
-            "true_apogee_m": dict(zip(names, self.true_apogee, strict=True)),
-            "rail_speed_mps": self.rail_speed,
-            "top_speed_mps": self.top_speed,
+            "delay_s": self.delay,
+            "apogee_m": named(three(self.prediction.apogee)),
+            "true_apogee_m": named(three(self.prediction.true_apogee)),
+            "rail_speed_mps": median(self.prediction.rail_speed),
+            "top_speed_mps": median(self.prediction.top_speed),
             "thrust_to_weight": {"first_half_second": self.first_thrust, "average": self.average_thrust},
-            "apogee_to_eject_s": [{"delay_s": d, "after_apogee_s": after} for d, after in self.ejections.items()],
+            "apogee_to_eject_s": [{"delay_s": d, "after_apogee_s": after} for d, after in self.ejections],
             "flown": self.flown,
             "safety": [line.json() for line in self.lines],
         }
 
 
-def mount_of(found: Sequence[Found]) -> float:
-    """The mount of a rocket, known from the widest motor it flew. [m] Raises UnknownMotor without any."""
-    if not found:
-        raise UnknownMotor("found no flights to know the motor mount from, expected --mount such as 29mm")
-    return max(item.motor.diameter for item in found)
+def mount_of(rocket: Rocket, config: str) -> float | None:
+    """The mount of a rocket, as wide as the widest motor that its configuration, or else it, has flown on. [m]"""
+    alike = [found.motor.diameter for flight, found in rocket.history if flight.config == config]
+    return max(alike or [found.motor.diameter for found in rocket.motors], default=None)
 
 
 def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor where none does."""
+    widest = math.inf if wanted.mount is None else wanted.mount + SAME
     near = [
         listing
         for listings in catalogue.shelf.values()
         for listing in listings
-        if listing.diameter < wanted.mount + SAME and (wanted.retired or listing.available)
+        if listing.diameter < widest and (wanted.retired or listing.available)
     ]
     motors = [motor for listing in near if wanted.fits(motor := listing.motor())]
     if not motors:
-        raise UnknownMotor(
-            f"found no motor for a {wanted.mount * 1e3:g} mm mount within these limits, expected wider ones"
-        )
+        mount = "any" if wanted.mount is None else f"a {wanted.mount * 1e3:g} mm"
+        raise UnknownMotor(f"found no motor for {mount} mount within these limits, expected wider ones")
     return motors
 
 
 def guide(
-    learnt: Learnt, motors: Sequence[Motor], limits: Limits, target: float | None = None, waiver: float | None = None
+    rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
 ) -> list[Choice]:
-    """All of these motors flown in one batch, nearest to the target first, else highest first.
+    """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
 
-    Each flies with the delay that fires nearest to apogee for its safety lines.
+    A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
+    Raises ImpossibleFlight for a plan without a mass.
     """
-    plain = learnt.plan.with_changes(delay=None)
-    found = [Found(motor, None) for motor in motors]
-    first = outcomes(learnt, [plain] * len(found), found)
-    burnouts = [motor.burnout for motor in motors]
-    starts = first.of("coast_to_apogee") + first.of("burn_time")
-    choices = [_choice(learnt, first, i, starts[:, i] - burnouts[i], limits, waiver) for i in range(len(found))]
-    if target is None:
-        return sorted(choices, key=lambda choice: -choice.apogee[1])
-    return sorted(choices, key=lambda choice: abs(choice.apogee[1] - target))
-
-
-def _choice(learnt: Learnt, flown: Outcomes, i: int, coast: Any, limits: Limits, waiver: float | None) -> Choice:
-    motor = flown.found[i].motor
-    column = {name: np.nan_to_num(values[:, i]) for name, values in flown.figures.items()}
-    lifted = bool((column["apogee"] > 0).mean() > 0.5)
-    middle = float(np.nanmedian(coast)) if lifted else math.nan
-    ejections = {d: d - middle for d in motor.delays if d != PLUGGED and lifted}
-    nearest = min(ejections, key=lambda d: abs(ejections[d]), default=None)
-    # near apogee the rocket gathers free-fall speed either way
-    speeds = np.full(len(coast), np.nan) if nearest is None else 9.80665 * np.abs(nearest - coast)
-    first, average = thrust_to_weight(motor, learnt.plan.dry_mass or math.nan)
-    lines = safety_lines(learnt.plan, motor, column["rail_speed"], speeds, column["true"], limits, waiver)
-    return Choice(
-        motor=motor,
-        apogee=_three(column["apogee"]),
-        true_apogee=_three(column["true"]),
-        rail_speed=float(np.median(column["rail_speed"])),
-        top_speed=float(np.median(column["top_speed"])),
-        first_thrust=first,
-        average_thrust=average,
-        ejections=ejections,
-        flown=id(motor) in learnt.stand_in,
-        lines=tuple(lines),
+    if not motors:
+        return []
+    draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
+    planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
+    learnt = learn(rocket.history, planned, rocket.places, draws=draws)
+    coasts = shown(learnt.model, learnt.at[None], {})["coast_time"][0]
+    delays = [_nearest(motor, coast) for motor, coast in zip(motors, coasts, strict=True)]
+    flights = tuple(
+        flight.with_changes(delay=delay) for flight, delay in zip(learnt.model.flights, delays, strict=True)
     )
+    learnt = replace(learnt, model=replace(learnt.model, flights=flights))
+    sd = tolerance(np.array([delay or np.nan for delay in delays]))
+    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
+    return [
+        Choice(
+            motor,
+            delay,
+            _ejections(motor, float(np.nanmedian(said.coast_time)) if (said.apogee > 0).mean() > 0.5 else math.nan),
+            said,
+            id(motor) in known,
+            *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
+            tuple(safety_lines(said, site, fall, limits)),
+        )
+        for motor, delay, said in zip(motors, delays, flown_ahead(rocket, learnt, delay_sd=sd), strict=True)
+    ]
 
 
-def _three(values: Any) -> tuple[float, float, float]:
-    low, middle, high = np.quantile(values, (0.05, 0.5, 0.95))
-    return float(low), float(middle), float(high)
+def _nearest(motor: Motor, coast: float) -> float | None:
+    """The delay on sale that fires nearest to apogee, the shortest for a motor that would not lift the rocket."""
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    return min(sold, key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
+
+
+def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    return tuple((delay, delay - coast) for delay in sold if math.isfinite(coast))
+
+
+def by_closeness(found: Sequence[Choice], target: float | None) -> list[Choice]:
+    """Nearest to a target first [m]; without one, the highest first."""
+    return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)
+
+
+def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:
+    """The motors that a flyer put by for a rocket, by `label`."""
+    return frozenset((ledger.draft(SHORTLIST) or {}).get(rocket, ()))
+
+
+def keep_shortlist(ledger: Ledger, rocket: str, labels: frozenset[str]) -> None:
+    """Keep these motors as the shortlist of a rocket."""
+    ledger.keep_draft(SHORTLIST, (ledger.draft(SHORTLIST) or {}) | {rocket: sorted(labels)})

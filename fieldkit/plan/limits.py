@@ -18,6 +18,12 @@ QUANTITIES = {
     "1": "number",
     "m": "length",
     "ft": "length",
+    "C": "temperature",
+    "F": "temperature",
+    "g": "mass",
+    "lb": "mass",
+    "N": "force",
+    "N s": "impulse",
 }
 
 
@@ -59,5 +65,5 @@ def _limit(file: Path, name: str, table: Any) -> Limit:
     unit = str(table.get("unit", "1"))
     if unit not in QUANTITIES:
         raise BadValue(f"{file.name}, {name}: found the unit {unit!r}, expected one of {', '.join(QUANTITIES)}")
-    scale = units.Unit(1.0) if unit == "1" else units.unit(QUANTITIES[unit], unit)
+    scale = units.Unit(1.0) if unit == "1" else units.unit(QUANTITIES[unit], unit.replace(" ", ""))
     return Limit(scale.to_si(float(value)), str(table.get("source", f"your own {file.name}")))

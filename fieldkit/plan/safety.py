@@ -1,26 +1,40 @@
 """Safety lines of a planned flight: always all of them, each with what was found and what would be right.
 
-They advise and never forbid: the range safety officer decides.
+They advise and never forbid: the range safety officer decides. The commands and the app show them, and none of them
+decides anything of its own.
 """
 
 import math
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Literal
 
 import numpy as np
 
-from fieldkit.flight import Flight
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.ledger.sites import Site
+from fieldkit.loop.predict import Prediction
 from fieldkit.motors.motor import Motor
+from fieldkit.plan.descent import Fall, landing, landing_mass
 from fieldkit.plan.limits import Limits
 from fieldkit.shapes import Array, Float
-from fieldkit.units import DEGREE, FOOT, MILE, STANDARD_GRAVITY
+from fieldkit.simulator.atmosphere import pad_air
+from fieldkit.simulator.field import recorded
+from fieldkit.units import DEGREE, FOOT, MILE, STANDARD_GRAVITY, ZERO_CELSIUS
 
 DECIDES = "These lines advise; the range safety officer decides."
 HALF_SECOND = 0.5
 """Over which thrust is first averaged. [s]"""
 MPH = MILE / 3600
+SELDOM, OFTEN = 0.05, 0.5
+"""Chances of missing a limit below which a line is well, and from which on it is not safe. [1]"""
 
 Verdict = Literal["ok", "caution", "unsafe", "unknown"]
+MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "✗", "unknown": "?"}
+"""A sign for each verdict, beside its word."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,11 +46,22 @@ class Line:
     text: str
     source: str
 
+    @property
+    def failed(self) -> bool:
+        """Whether it is not well, and known."""
+        return self.verdict in ("caution", "unsafe")
+
+    def words(self) -> str:
+        """The check in a line: `✗ ground wind: unsafe: 10.0 m/s ...`, with its source where it is not well."""
+        source = f" [{self.source}]" if self.failed else ""
+        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {self.text}{source}"
+
     def json(self) -> dict[str, str]:
         """Ready for JSON."""
         return {"check": self.name, "verdict": self.verdict, "text": self.text, "source": self.source}
 
 
+@lru_cache(maxsize=2048)
 def first_thrust(motor: Motor) -> float:
     """Mean thrust of the first half second from ignition, of the whole burn where that is shorter. [N]"""
     end = min(HALF_SECOND, motor.thrust_end)
@@ -51,41 +76,57 @@ def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
     return first_thrust(motor) / weight, motor.average_thrust / weight
 
 
-def safety_lines(
-    plan: Flight,
-    motor: Motor,
-    rail_speed: Float[Array, "draw"],
-    eject_speed: Float[Array, "draw"],
-    true_apogee: Float[Array, "draw"],
-    limits: Limits,
-    waiver: float | None = None,
-) -> list[Line]:
-    """Every safety line of a plan, from its draws in SI; `waiver` is the ceiling above the pad. [m]"""
+def motor_temperature(plan: Flight) -> float | None:
+    """As declared with the plan, or None. [K] Raises BadValue for a text that is no number."""
+    text = plan.extra.get(MOTOR_TEMPERATURE, "")
+    try:
+        return units.parse(text, "temperature", "c") if text else None
+    except BadValue as error:
+        raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
+
+
+def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> list[Line]:
+    """Every safety line of a forecast, at a site, for a rocket that comes down as `fall` says."""
+    plan, motor = said.plan, said.found.motor
     return [
-        _rail(rail_speed, plan.wind, limits),
+        _rail(said.rail_speed, plan.wind, limits),
         _thrust(motor, plan.dry_mass or math.nan, limits),
         _wind(plan.wind, limits),
         _angle(plan.rail_angle, limits),
-        _ceiling(true_apogee, waiver),
-        _ejection(eject_speed, limits),
+        _ceiling(said.true_apogee, site),
+        _field(said, site, fall, limits),
+        _ejection(said, limits),
+        _temperature(plan, limits),
+        _class(motor, plan.dry_mass or math.nan, limits),
     ]
 
 
-def _rail(speeds: Array, wind: float | None, limits: Limits) -> Line:
+def by_chance(chance: float) -> Verdict:
+    """How a check ends that is missed with this chance."""
+    return "ok" if chance < SELDOM else "caution" if chance < OFTEN else "unsafe"
+
+
+def told(lines: Sequence[Line]) -> Iterator[str]:
+    """All lines as text, and who decides."""
+    yield from (line.words() for line in lines)
+    yield DECIDES
+
+
+def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> Line:
     fixed, times = limits["rail_speed"], limits["rail_speed_per_wind"]
-    speed = float(np.median(np.nan_to_num(speeds)))
+    speeds = np.nan_to_num(speeds)
     needed = max(fixed.value, times.value * (wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
-    chance = float(np.mean(np.nan_to_num(speeds) < needed))
-    verdict: Verdict = "ok" if chance < 0.05 else "caution" if speed >= needed else "unsafe"
-    text = f"{speed:.1f} m/s, wanted at least {needed:.1f} m/s{why}; chance of less {chance:.0%}"
-    return Line("rail exit speed", verdict, text, times.source if why else fixed.source)
+    chance = float(np.mean(speeds < needed))
+    text = f"{np.median(speeds):.1f} m/s, wanted at least {needed:.1f} m/s{why}; chance of less {chance:.0%}"
+    return Line("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
 
 
 def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> Line:
     good, unsafe = limits["thrust_to_weight"], limits["thrust_to_weight_unsafe"]
     first, average = thrust_to_weight(motor, dry_mass)
-    verdict: Verdict = "ok" if first >= good.value else "caution" if first >= unsafe.value else "unsafe"
+    least = min(first, average)
+    verdict: Verdict = "ok" if least >= good.value else "caution" if least >= unsafe.value else "unsafe"
     text = (
         f"{first:.1f} in the first half second, {average:.1f} on average; "
         f"good from {good.value:g}, unsafe below {unsafe.value:g}"
@@ -110,25 +151,91 @@ def _angle(angle: float | None, limits: Limits) -> Line:
     return Line("launch angle", "ok" if abs(angle) <= limit.value else "unsafe", text, limit.source)
 
 
-def _ceiling(heights: Array, waiver: float | None) -> Line:
-    high = float(np.quantile(np.nan_to_num(heights), 0.95))
-    text = f"19 flights of 20 stay below {high:.0f} m ({high / FOOT:.0f} ft)"
-    if waiver is None:
-        return Line("ceiling", "unknown", f"{text}; no ceiling given, see --waiver", "the waiver of the field")
-    verdict: Verdict = "ok" if high <= waiver else "unsafe"
-    return Line(
-        "ceiling", verdict, f"{text}; ceiling {waiver:.0f} m ({waiver / FOOT:.0f} ft)", "the waiver of the field"
-    )
+def _ceiling(heights: Float[Array, "draw"], site: Site) -> Line:
+    source = f"ceiling of {site.name}" if site.name else "ceiling as given"
+    high = float(np.quantile(heights, 0.95))
+    text = f"95 % stay below {high:.0f} m ({high / FOOT:.0f} ft) above the pad"
+    if site.ceiling is None:
+        return Line("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
+    verdict: Verdict = "ok" if high <= site.ceiling else "unsafe"
+    return Line("ceiling", verdict, f"{text}; ceiling {site.ceiling:.0f} m ({site.ceiling / FOOT:.0f} ft)", source)
 
 
-def _ejection(speeds: Array, limits: Limits) -> Line:
+def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
+    """The pad is taken to stand in the middle of the field, and the charge to fire at apogee."""
+    share = limits["field_share_of_apogee"]
+    far = "wind not given, so no drift"
+    reach = 0.0
+    if said.plan.wind is not None:
+        away = np.abs(landing(said, _speeds(said, fall)))
+        reach = float(np.quantile(away, 0.95))
+        far = f"lands {np.median(away):.0f} m from the pad, 95 % within {reach:.0f} m"
+    needed = max(2 * reach, share.value * float(np.quantile(said.true_apogee, 0.95)))
+    text = f"{far}; a field {needed:.0f} m across is wanted"
+    if site.size is None:
+        return Line("field size", "unknown", f"{text}, its size is not given", share.source)
+    verdict: Verdict = "ok" if site.size >= needed else "caution"
+    if verdict == "ok" and said.plan.wind is None:
+        verdict = "unknown"
+    return Line("field size", verdict, f"{text}, this one is {site.size:.0f} m", share.source)
+
+
+def _speeds(said: Prediction, fall: Fall) -> Float[Array, "draw"]:
+    conditions = (recorded([said.plan], name) for name in ("site_elevation", "temperature", "pressure", "humidity"))
+    density = float(pad_air(*conditions).density[0])
+    rng = np.random.default_rng(5)
+    return fall.speeds(rng, (len(said.apogee), 1), landing_mass(said.plan, said.found), density)[:, 0]
+
+
+def _ejection(said: Prediction, limits: Limits) -> Line:
     limit = limits["eject_speed"]
-    known = speeds[np.isfinite(speeds)]
-    if not known.size:
-        return Line(
-            "ejection speed", "unknown", "no ejection charge fires before landing, or no delay known", limit.source
-        )
-    chance = float(np.mean(known > limit.value))
-    verdict: Verdict = "ok" if chance < 0.1 else "caution" if chance < 0.5 else "unsafe"
-    text = f"{np.median(known):.0f} m/s; chance of more than {limit.value:.0f} m/s {chance:.0%}"
-    return Line("ejection speed", verdict, text, limit.source)
+    delay = said.plan.delay if said.plan.delay is not None else said.found.delay
+    if delay is None or not math.isfinite(delay):
+        return Line("ejection speed", "unknown", "no delay known, so no charge fires in this forecast", limit.source)
+    fired = np.isfinite(said.eject_speed)
+    crashed = float(np.mean(~fired & (said.true_apogee > 0)))
+    chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
+    text = f"{np.median(said.eject_speed[fired]):.0f} m/s; " if fired.any() else ""
+    text += f"chance of more than {limit.value:.0f} m/s {chance:.0%}"
+    text += f", {crashed:.0%} reach the ground first" if crashed >= 0.01 else ""
+    return Line("ejection speed", by_chance(chance), text, limit.source)
+
+
+def _temperature(plan: Flight, limits: Limits) -> Line:
+    cold, hot = limits["motor_cold"], limits["motor_hot"]
+    value = motor_temperature(plan)
+    between = f"certified near 21 °C, flown from {_celsius(cold.value)} to {_celsius(hot.value)}"
+    if value is None:
+        return Line("motor temperature", "unknown", f"not given; {between}", hot.source)
+    verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"
+    return Line("motor temperature", verdict, f"{_celsius(value)}; {between}", hot.source)
+
+
+def _celsius(value: float) -> str:
+    return f"{value - ZERO_CELSIUS:.0f} °C"
+
+
+def _class(motor: Motor, dry_mass: float, limits: Limits) -> Line:
+    """Regulatory class of the rocket by propellant and mass, and what motor and rocket ask of the flyer."""
+    propellant, mass = motor.propellant_mass, dry_mass + motor.loaded_mass
+    text = f"{propellant * 1e3:.0f} g of propellant, {mass * 1e3:.0f} g on the pad, {motor.total_impulse:.0f} N s"
+    most, heaviest = limits["class1_propellant"], limits["class1_mass"]
+    class1 = propellant <= most.value and mass <= heaviest.value
+    high_power = (
+        motor.total_impulse > limits["high_power_impulse"].value
+        or motor.average_thrust > limits["high_power_thrust"].value
+        or propellant > most.value
+    )
+    if motor.total_impulse > limits["class2_impulse"].value:
+        return Line("class", "unsafe", f"{text}: class 3, beyond high power", limits["class2_impulse"].source)
+    if class1 and not high_power:
+        return Line("class", "ok", f"{text}: class 1, a model rocket", most.source)
+    said = "class 1 by mass" if class1 else "class 2, which needs a waiver"
+    if high_power:
+        said += f"; a high-power motor, which asks for certification level {_level(motor, limits)}"
+    source = limits["high_power_impulse"].source if class1 else limits["class2_impulse"].source
+    return Line("class", "caution", f"{text}: {said}", source)
+
+
+def _level(motor: Motor, limits: Limits) -> int:
+    return 1 + sum(motor.total_impulse > limits[name].value for name in ("level1_impulse", "level2_impulse"))

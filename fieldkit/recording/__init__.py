@@ -1,6 +1,6 @@
 """From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
-from fieldkit.recording.columns import columns, measured_sd, sd_header, stated_header
+from fieldkit.recording.columns import columns, measured_sd
 from fieldkit.recording.measure import measure
 from fieldkit.recording.records import Climb, Event, Figure, Forces, Recorded
 
@@ -13,6 +13,4 @@ __all__ = [
     "columns",
     "measure",
     "measured_sd",
-    "sd_header",
-    "stated_header",
 ]

@@ -35,6 +35,9 @@ _SOUND, _NEAR_SOUND = 335.0, 0.13
 """Speed of sound [m/s], and how near to it, as a part of it, no sample is believed once some seemed to fall. [1]"""
 _MARGIN = 0.4
 """How long before and after a seeming fall its samples are not believed. [s]"""
+_SLOW, _BLOWN = 8.0, 2.0
+"""Nearer to the top than this a coast is far too slow for shocks of the air [s]: what seems to fall there is gas of a
+charge in the airframe, which comes and goes for so long [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
 _FREE = 300.0
@@ -148,14 +151,16 @@ def _likeliest(
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
-    """Samples of a climb in which the rocket seems to fall: shocks of the air near the speed of sound."""
+    """Samples of a climb in which the rocket seems to fall: shocks of the air near the speed of sound, or a charge."""
     climb = np.flatnonzero((track.time > (lift if lift is not None else -np.inf)) & (track.time < seen.top - 1))
     low = np.zeros(track.time.size, bool)
     if climb.size:
         height = track.height[climb]
         fallen = np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0)
         first = np.searchsorted(track.time, track.time[climb[fallen]] - _MARGIN)
-        last = np.searchsorted(track.time, track.time[climb[fallen]] + _MARGIN)
+        slow = max(seen.top - _SLOW, (seen.fastest + seen.top) / 2)
+        lasts = np.where(track.time[climb[fallen]] > slow, _BLOWN, _MARGIN)
+        last = np.searchsorted(track.time, track.time[climb[fallen]] + lasts)
         edges = np.zeros(track.time.size + 1)
         np.add.at(edges, first, 1)
         np.add.at(edges, last, -1)

@@ -10,16 +10,6 @@ from fieldkit.recording.records import Figure, Recorded
 from fieldkit.sanity import check
 
 
-def sd_header(column: Column) -> str:
-    """The extra column that holds the standard deviation of a readout: `apogee_sd_m`."""
-    return f"{column.name}_sd_{column.suffix}"
-
-
-def stated_header(column: Column) -> str:
-    """The extra column that holds what the device itself stated: `stated_apogee_m`."""
-    return f"stated_{column.header}"
-
-
 def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str, object], dict[str, str]]:
     """Fields of a flight and its extra columns, from what was measured and what the device stated.
 
@@ -32,13 +22,13 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
     for column in READOUTS:
         said, figure = stated.get(column.name), recorded.figures.get(column.name)
         if isinstance(said, float):
-            extra[stated_header(column)] = column.render(said)
+            extra[column.stated_header] = column.render(said)
             if NO_FLIGHT in recorded.notes:
                 del fields[column.name]
         if figure and _possible(column, figure):
             fields[column.name] = round(figure.value, 3)
             scale = units.unit(column.quantity, column.unit)
-            extra[sd_header(column)] = f"{scale.from_si(figure.sd) - scale.from_si(0):.2g}"
+            extra[column.sd_header] = f"{scale.from_si(figure.sd) - scale.from_si(0):.2g}"
     if top := recorded.figures.get("time_to_apogee"):
         extra |= {"time_to_apogee_s": f"{top.value:.3f}", "time_to_apogee_sd_s": f"{top.sd:.2g}"}
     return fields, extra
@@ -56,7 +46,7 @@ def measured_sd(name: str, extra: Mapping[str, str]) -> float | None:
     """The standard deviation of a readout that was measured in a log, from a flight's extra columns. [SI]"""
     column = BY_NAME[name]
     try:
-        sd = float(extra[sd_header(column)])
+        sd = float(extra[column.sd_header])
     except (KeyError, ValueError):
         return None
     scale = units.unit(column.quantity, column.unit)

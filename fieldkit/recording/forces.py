@@ -10,6 +10,8 @@ from fieldkit.standard_air import GRAVITY, standard_density
 
 _SLOWEST = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
+_THINNEST = 1e-4
+"""In thinner air, from some 60 km up, there is no drag to tell. [kg/m^3]"""
 _FUSED, _DERIVED, _DISTURBED = 0.02, 0.015, 0.03
 """Error of a top speed, to it: with an accelerometer, from heights, from heights near the speed of sound. [1]"""
 _TRANSONIC = 270.0
@@ -63,11 +65,11 @@ def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float
     else:
         felt, felt_sd, source = climb.acceleration[flown] + GRAVITY, climb.acceleration_sd[flown], climb.source
     speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
-    coasting = ~burning & (speed > _SLOWEST)
-    dynamic = 0.5 * standard_density(climb.height[flown] + pad_elevation) * speed**2
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        area = np.where(coasting, -felt / dynamic, np.nan)
-        area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
+    density = standard_density(climb.height[flown] + pad_elevation)
+    shows = ~burning & (speed > _SLOWEST) & (density > _THINNEST)
+    dynamic = np.where(shows, 0.5 * density * speed**2, np.nan)
+    area = -felt / dynamic
+    area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
     return Forces(
         time - climb.time[0],
         climb.height[flown],

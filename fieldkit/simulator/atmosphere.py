@@ -87,6 +87,15 @@ def pad_air(
     return Air((weight - (1 - VAPOUR_RATIO) * vapour) / (GAS_CONSTANT * warmth), warmth)
 
 
+def density_altitude(density: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Height above sea level at which the standard troposphere is as thin as this [kg/m^3]. [m]
+
+    There density falls with the temperature to the power g/(R L) - 1.
+    """
+    sea_level = STANDARD_PRESSURE / (GAS_CONSTANT * STANDARD_TEMPERATURE)
+    return np.asarray(STANDARD_TEMPERATURE / LAPSE * (1 - (density / sea_level) ** (1 / (HYDROSTATIC - 1))))
+
+
 def altimeter_gain(
     elevation: Float[Array, "*#draw"], temperature: Float[Array, "*#draw"], pressure: Float[Array, "*#draw"]
 ) -> Float[Array, "*draw"]:
@@ -101,6 +110,15 @@ def altimeter_gain(
     warmth = np.where(np.isnan(temperature), standard_temperature(elevation), temperature)
     weight = station_pressure(np.where(np.isnan(pressure), STANDARD_PRESSURE, pressure), elevation)
     return STANDARD_TEMPERATURE * (weight / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / warmth
+
+
+def drift_through(height: Float[Array, "*draw"], wind: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
+    """How far the wind carries what sinks from a height at a metre a second. [m s/m]
+
+    The integral of `wind_at` over height; at a descent speed v it is this over v.
+    """
+    power = 1 + WIND_EXPONENT
+    return np.asarray(wind * WIND_HEIGHT / power * ((1 + np.maximum(height, 0.0) / WIND_HEIGHT) ** power - 1))
 
 
 def wind_at(height: Float[Array, "*#draw"], wind: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:

@@ -6,15 +6,16 @@ effect alone, whose strength says how strongly this rocket turns into it.
 """
 
 from collections.abc import Sequence
+from functools import lru_cache
 
 import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.motors import Found
+from fieldkit.motors import Found, Motor
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.atmosphere import altimeter_gain, pad_air
-from fieldkit.simulator.motor import STEPS, burns
+from fieldkit.simulator.motor import STEPS, Burns, burns
 from fieldkit.simulator.state import Setup
 
 RAIL_LENGTH = 1.0
@@ -56,7 +57,7 @@ def field_setup(
     row = {key: number for number, key in enumerate(motors)}
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
     return Setup(
-        burns=burns(list(motors.values()), steps=steps),
+        burns=_burns(tuple(motors.values()), steps),
         air=pad_air(conditions[0], conditions[1], conditions[2], recorded(flights, "humidity")),
         motor=np.array([row[id(item.motor)] for item in found]),
         dry_mass=dry_mass,
@@ -68,3 +69,9 @@ def field_setup(
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
     )
+
+
+@lru_cache(maxsize=64)
+def _burns(motors: tuple[Motor, ...], steps: int) -> Burns:
+    """The same motors fly again and again while a model is fitted."""
+    return burns(motors, steps=steps)

@@ -82,6 +82,8 @@ def _flown(setup: Setup, track: Track, top: Apogee, fires: Array) -> Flown:
         "duration": landed - start,
         "rail_speed": track.rail_speed,
         "drift": top.drift,
+        "rise_time": top.time - start,
+        "coast_time": top.time - setup.burns.burnout[setup.motor] * setup.burn_stretch,
     }
     grounded = {name: np.where(lifted, value, 0.0) for name, value in values.items()}
     return Flown(lift_off=lifted.astype(float), **grounded)

@@ -6,7 +6,6 @@ segment longer than a fraction of the burn is split.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import pairwise
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -68,9 +67,11 @@ class Burns:
 
 def _edges(time: Array, steps: int) -> Array:
     """Step edges of one curve: every knot, and splits between those that lie far apart."""
-    longest = (time[-1] - time[0]) / steps
-    pieces = [np.linspace(a, b, int(np.ceil((b - a) / longest - 1e-9)) + 1)[1:] for a, b in pairwise(time)]
-    return np.concatenate([time[:1], *pieces])
+    gap = np.diff(time)
+    pieces = np.ceil(gap / ((time[-1] - time[0]) / steps) - 1e-9).astype(int)
+    place = np.arange(pieces.sum()) - np.repeat(np.cumsum(pieces) - pieces, pieces)
+    begun = np.repeat(time[:-1], pieces) + place * np.repeat(gap / pieces, pieces)
+    return np.append(begun, time[-1])
 
 
 def _impulse(time: Array, thrust: Array, at: Array) -> Array:

@@ -115,7 +115,8 @@ class Flown:
 
     `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a
     barometric altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it;
-    accelerations are net of gravity. nan where there is nothing to tell (no delay, no ejection).
+    accelerations are net of gravity. `rise_time` is from lift-off to apogee, `coast_time` from burnout, negative
+    where the motor still burns at apogee. nan where there is nothing to tell (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]
@@ -134,6 +135,8 @@ class Flown:
     rail_speed: Float[Array, "*draw"]
     lift_off: Float[Array, "*draw"]
     drift: Float[Array, "*draw"]
+    rise_time: Float[Array, "*draw"]
+    coast_time: Float[Array, "*draw"]
 
     def readouts(self) -> dict[str, Float[Array, "*draw"]]:
         """The ten readouts by name, heights as the altimeter shows them."""

@@ -25,9 +25,12 @@ from fieldkit.tui.themes import THEMES
 WAIT, MOST_WAITS = 0.005, 600
 """How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
 
+LOOKS = {"units", "theme", "target"}
+"""Settings that change how things are shown and nothing that is worked out."""
+
 
 class FieldkitApp(App[None]):
-    """The pages over one ledger. `revision` counts what has changed in it, or in how it is shown."""
+    """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown."""
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
@@ -37,6 +40,7 @@ class FieldkitApp(App[None]):
         Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
         Binding("T", "next_theme", "Colours", show=False, tooltip="Next colours: field, sun, night, terminal"),
         Binding("N", "next_units", "Units", show=False, tooltip="Next units: SI, US, mixed"),
+        Binding("W", "whole_notice", "Whole path", show=False, tooltip="Files of the notice by their whole paths"),
         Binding("ctrl+p", "command_palette", "Palette", show=False, tooltip="Find anything by its name"),
         Binding("ctrl+q", "quit", "Quit", show=False),
         Binding("q", "quit", "Quit"),
@@ -46,7 +50,7 @@ class FieldkitApp(App[None]):
         super().__init__()
         self.desk = Desk(where, settings_file)
         self.notices: list[Notice] = []
-        self.revision = 0
+        self.revision = self.look = 0
         self.animation_level = "none"
         for theme in THEMES.values():
             self.register_theme(theme)
@@ -55,8 +59,14 @@ class FieldkitApp(App[None]):
     def on_mount(self) -> None:
         """The first page."""
         for name, page in pages().items():
-            self.add_mode(name, page.screen)
+            self.add_mode(name, partial(self._new, page.screen))
         self.switch_mode(next(iter(pages())))
+
+    def _new(self, screen: type[PageScreen]) -> PageScreen:
+        """A page. It is styled when it is mounted; without the count, Textual reads every style sheet anew, twice."""
+        page = screen()
+        page._css_update_count = self._css_update_count
+        return page
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
@@ -76,13 +86,20 @@ class FieldkitApp(App[None]):
         self.notices = self.notices[1:]
         self._show_notices()
 
-    def _show_notices(self) -> None:
+    def action_whole_notice(self) -> None:
+        """The notice in front with its files by their whole paths."""
+        self._show_notices(whole=True)
+
+    def _show_notices(self, whole: bool = False) -> None:
         for bar in self.screen.query(NoticeBar):
-            bar.tell(self.notices)
+            bar.tell(self.notices, whole)
 
     def changed(self) -> None:
-        """The ledger or the way it is shown has changed: pages fill themselves anew."""
+        """The ledger has changed: pages fill themselves anew."""
         self.revision += 1
+        self._refresh_page()
+
+    def _refresh_page(self) -> None:
         if isinstance(self.screen, PageScreen):
             self.screen.refresh_if_changed()
 
@@ -150,7 +167,11 @@ class FieldkitApp(App[None]):
         else:
             self.tell(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
         self.theme = settings.theme
-        self.changed()
+        if changes.keys() <= LOOKS:
+            self.look += 1
+        else:
+            self.revision += 1
+        self._refresh_page()
 
     def ask_target(self) -> None:
         """The height to hit, that motors are compared against."""

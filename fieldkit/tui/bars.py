@@ -1,5 +1,6 @@
 """The lines around every page: the pages above, notices and the keys below."""
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -15,6 +16,12 @@ class Notice:
 
     text: str
     error: bool = False
+
+
+def shortened(text: str) -> str:
+    """A text with files by their names alone; ports keep theirs, `/dev/ttyUSB0`."""
+    text = re.sub(r"^(?!/dev/)(?:/|[A-Za-z]:\\)[^:\n]*[/\\]", "", text)  # what is wrong with a file begins with it
+    return re.sub(r"(?<=[\s'(])(?!/dev/)/(?:[^\s:,;'()]+/)+", "", text)
 
 
 class TopBar(Static):
@@ -50,16 +57,18 @@ class NoticeBar(Static):
     NoticeBar.-error { border-left: thick $error; }
     """
 
-    def tell(self, notices: Sequence[Notice]) -> None:
-        """Show the first of these, and how many more there are."""
+    def tell(self, notices: Sequence[Notice], whole: bool = False) -> None:
+        """Show the first of these, files by their names or by their `whole` paths, and how many more there are."""
         self.set_class(bool(notices), "-shown")
         if not notices:
             return
         notice = notices[0]
         self.set_class(notice.error, "-error")
         mark = Content.from_markup("[b $error]✗ error[/] " if notice.error else "[b $success]✓[/] ")
-        lines = "\n".join(printable(line) for line in notice.text.splitlines())
+        said = notice.text if whole else shortened(notice.text)
+        lines = "\n".join(printable(line) for line in said.splitlines())
         more = f"  ({len(notices) - 1} more)" if len(notices) > 1 else ""
+        more += "  [@click=app.whole_notice][b]W[/] whole path[/]" if said != notice.text else ""
         self.update(Content.assemble(mark, lines, Content.from_markup(f"{more}  [@click=app.read][b]Esc[/] read[/]")))
 
 

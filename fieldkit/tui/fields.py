@@ -48,7 +48,7 @@ class Field(Horizontal):
 
     def __init__(self, question: Question, *, short: bool = False, text: str = "") -> None:
         super().__init__(id=f"field-{question.name}", classes="-short" if short else "")
-        self.question, self._meant = question, text
+        self.question, self._meant, self._noted = question, text, ""
 
     def compose(self) -> Iterable[Widget]:
         """Label, line, note."""
@@ -73,8 +73,10 @@ class Field(Horizontal):
         self.line.value = printable(text)
 
     def note(self, text: str) -> None:
-        """Say something about the answer."""
-        self.query_one(".note", Static).update(Content(printable(text)))
+        """Say something about the answer, in the line there is for it."""
+        if text != self._noted:
+            self._noted = text
+            self.query_one(".note", Static).update(Content(printable(text)), layout=False)
 
 
 class Form(ModalScreen[dict[str, object] | None]):

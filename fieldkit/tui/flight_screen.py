@@ -1,9 +1,8 @@
 """One flight: what the altimeter showed, what that says of drag and thrust, its log, and what was forecast."""
 
 from collections.abc import Callable, Iterable
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import ClassVar, TypeVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -15,150 +14,12 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.measures import measure, number
 from fieldkit.safe_text import printable
-from fieldkit.shapes import Array, Float
 from fieldkit.tui import cards
+from fieldkit.tui.flight_facts import Foretold, Said, foretold, said_by
+from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
 
-if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger
-    from fieldkit.motors import Catalogue
-
 T = TypeVar("T")
-
-DRAWS = 4000
-"""Of a posterior, for its picture."""
-
-
-@dataclass(frozen=True, slots=True)
-class Said:
-    """A flight's Cd (or drag area, where the diameter is not known) and thrust factor, and doubts about them."""
-
-    drag: Float[Array, "draw"]
-    drag_name: str
-    thrust: Float[Array, "draw"]
-    warnings: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Trace:
-    """One channel of a log, thinned to what a screen can show, in the units it is drawn in."""
-
-    title: str
-    time: list[float]
-    values: list[float]
-
-
-@dataclass(frozen=True, slots=True)
-class Drawn:
-    """A log as it is drawn: its channels, and its events by name and time from the start of the clock. [s]"""
-
-    device: str
-    traces: dict[str, Trace]
-    events: dict[str, float]
-
-
-TRACES = ("altitude", "speed", "acceleration")
-"""What is drawn of a log, from top to bottom."""
-POINTS = 400
-"""Samples that are drawn of a channel: more than the widest screen has dots."""
-
-
-def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
-    """The log of a flight as traces, or in words why there is none to draw."""
-    import numpy as np
-
-    from fieldkit import units
-    from fieldkit.measures import spelled, unit_of
-    from fieldkit.replay import recording_of
-
-    found = recording_of(ledger, id)
-    if found is None or found.reading is None:
-        return "no log with samples is kept with this flight"
-    columns = {"altitude": BY_NAME["apogee"], "speed": BY_NAME["top_speed"], "acceleration": BY_NAME["peak_accel"]}
-    climb = found.recorded.climb
-    traces: dict[str, Trace] = {}
-    for name, column in columns.items():
-        clock = next((one for one in found.reading.clocks if getattr(one, name) is not None), None)
-        if clock is not None:
-            time, values = clock.time, getattr(clock, name)
-        elif climb is not None:
-            time, values = climb.time, getattr(climb, "height" if name == "altitude" else name)
-        else:
-            continue
-        good = np.isfinite(values)
-        every = max(1, int(good.sum()) // POINTS)
-        unit = unit_of(column, system)
-        scale = units.unit(column.quantity, unit)
-        measured = "" if clock is not None else ", from the heights"
-        traces[name] = Trace(
-            f"{name} [{spelled(unit)}]{measured}",
-            time[good][::every].tolist(),
-            [scale.from_si(value) for value in values[good][::every].tolist()],
-        )
-    return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
-
-
-def draw_trace(trace: Trace, events: dict[str, float], plt: Any, ink: Any) -> None:
-    """A channel against time, with a line at each event; its name stands below."""
-    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
-    inside = {name: time for name, time in events.items() if trace.time[0] <= time <= trace.time[-1]}
-    low, high = min(trace.values), max(trace.values)
-    for time in inside.values():
-        plt.plot([time, time], [low, high], marker="│", color=ink.mark)
-    ends = {f"{trace.time[-1]:.0f} s": trace.time[-1]}
-    ticks = _apart({**inside, **ends}, (trace.time[-1] - trace.time[0]) / 8)
-    plt.xticks(list(ticks.values()), list(ticks))
-    plt.yfrequency(3)
-
-
-def _apart(ticks: dict[str, float], least: float) -> dict[str, float]:
-    """Labels far enough from each other to be read, the earlier ones first."""
-    kept: dict[str, float] = {}
-    for name, time in sorted(ticks.items(), key=lambda item: item[1]):
-        if all(abs(time - other) > least for other in kept.values()):
-            kept[name] = time
-    return kept
-
-
-@dataclass(frozen=True, slots=True)
-class Foretold:
-    """The apogee as it was forecast, at 5, 50 and 95 % [m], and by whom and when."""
-
-    low: float
-    middle: float
-    high: float
-    by: str
-
-
-def said_by(flight: Flight, motors: "Catalogue") -> Said:
-    """The posterior of a flight. Raises FieldkitError where it can have none."""
-    import numpy as np
-
-    from fieldkit.errors import ImpossibleFlight
-    from fieldkit.inference.field import infer_field
-
-    if flight.dry_mass is None or not flight.readouts():
-        raise ImpossibleFlight("drag and thrust need the dry mass and at least one readout")
-    found = infer_field([flight], [motors.resolve(flight.motor)])
-    area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
-    if flight.diameter:
-        return Said(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
-    return Said(area * 1e4, "drag area cm²", thrust, found.warnings[0])
-
-
-def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
-    """The forecast that was made for a flight, else the one that the other flights make now."""
-    from fieldkit.loop.desk import forecast_from_others
-    from fieldkit.loop.pairing import made_for
-
-    (kept,) = made_for([flight], ledger.predictions(flight.rocket), motors)
-    if kept is not None:
-        at = kept.payload["apogee_m"]
-        when = f"{kept.at.astimezone():%Y-%m-%d %H:%M}"
-        return Foretold(at["p05"], at["p50"], at["p95"], f"forecast of {when}, model {kept.payload.get('model', '')}")
-    made = forecast_from_others(ledger, motors, flight)
-    low, middle, high = (float(one) for one in made.apogee_quantiles())
-    return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
 
 
 class FlightScreen(PageScreen):
@@ -232,7 +93,7 @@ class FlightScreen(PageScreen):
 
     def on_mount(self) -> None:
         """Keys scroll."""
-        self.query_one("#all", VerticalScroll).focus()
+        self.set_focus(self.query_one("#all", VerticalScroll))
 
     def reload(self) -> None:
         """Read the flight; what follows from it comes when it is worked out."""
@@ -297,7 +158,8 @@ class FlightScreen(PageScreen):
 
         system, flown = self.desk.settings.units, self._flight.apogee
         low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
-        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), f"\n{printable(said.by)}\n"]
+        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
+        parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
         parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
         if flown is not None:
             inside = "inside" if said.low <= flown <= said.high else "outside"
@@ -313,7 +175,8 @@ class FlightScreen(PageScreen):
         """Choose tags."""
         from fieldkit.tui.tag_screen import TagScreen
 
-        self.app.push_screen(TagScreen(self._flight_id))
+        if self._flight is not None:
+            self.app.push_screen(TagScreen(self._flight_id, self._flight))
 
     def action_edit(self) -> None:
         """Type changes as `fieldkit edit` takes them."""

@@ -57,10 +57,14 @@ def pages() -> dict[str, Page]:
 
 
 class PageScreen(Screen[None]):
-    """A screen between the bars. `body` composes it, `reload` fills it anew when the ledger has changed."""
+    """A screen between the bars. `body` composes it, `reload` fills it when the ledger has changed, `redraw` shows
+    what it holds in other units or against another target."""
 
     ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
+    LETTERS: ClassVar[tuple[str, ...]] = ()
+    """Actions whose keys are letters while something is typed. They are taken before any other key is looked at, so
+    that what is typed ahead goes where they lead."""
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -77,7 +81,7 @@ class PageScreen(Screen[None]):
 
     def __init__(self) -> None:
         super().__init__()
-        self._seen = -1
+        self._seen = (-1, -1)
 
     @property
     def desk(self) -> "Desk":
@@ -104,6 +108,10 @@ class PageScreen(Screen[None]):
     def reload(self) -> None:
         """Fill the page anew; called when it comes to the front and the ledger has changed since it last did."""
 
+    def redraw(self) -> None:
+        """Show the same in other units, colours or against another target, at once where nothing has to be read."""
+        self.reload()
+
     def copied(self) -> str:
         """What `y` copies: a line or a figure as text."""
         return ""
@@ -114,10 +122,17 @@ class PageScreen(Screen[None]):
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
 
     def refresh_if_changed(self) -> None:
-        """Reload where the ledger or the settings have changed since the last time."""
-        if self._seen != self.field_app.revision:
-            self._seen = self.field_app.revision
+        """Reload where the ledger has changed since the last time, redraw where only the settings have."""
+        before, self._seen = self._seen, (self.field_app.revision, self.field_app.look)
+        if before[0] != self._seen[0]:
             self.reload()
+        elif before != self._seen:
+            self.redraw()
+
+    def changed_for_others(self) -> None:
+        """This page has changed the ledger in a way that only others have to look at anew."""
+        self.field_app.revision += 1
+        self._seen = (self.field_app.revision, self.field_app.look)
 
     def ask(self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask") -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question drops an older one.
@@ -143,6 +158,12 @@ class PageScreen(Screen[None]):
         """Say something that has to be read."""
         self.field_app.tell(text, error=True)
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """While something is typed, letters are letters."""
+        if action in self.LETTERS and isinstance(self.focused, Input):
+            return False
+        return super().check_action(action, parameters)
+
     def action_help(self) -> None:
         """Explain the screen and its fields."""
         from fieldkit.tui.dialogs import HelpScreen
@@ -167,7 +188,7 @@ class PageScreen(Screen[None]):
         if self.field_app.notices:
             self.field_app.action_read()
         elif isinstance(self.focused, Input) and (rest := self.resting_place()) is not None:
-            rest.focus()
+            self.set_focus(rest)
         elif len(self.app.screen_stack) > 1:
             self.dismiss()
 

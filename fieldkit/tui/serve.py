@@ -15,6 +15,12 @@ from aiohttp import web
 from textual_serve.server import Server
 
 COOKIE = "fieldkit"
+PHONE_LETTERS = "10"
+"""Size of letters on a phone: across one of 390 points stand 65 columns. [px]"""
+VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
+"""Without it a phone lays the page out as for a desk and shrinks it until nothing can be read."""
+NOTHING_ELSE = "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:"
+"""No browser fetches a font or anything else from another place: at the field there is no network."""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -63,7 +69,10 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         """Say nothing: the command has said what there is to say."""
 
     async def guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Let in who knows the token, or has shown it before; refuse what another page asks for."""
+        """Let in who knows the token, or has shown it before; refuse what another page asks for.
+
+        A phone gets letters of its size.
+        """
         origin = request.headers.get("Origin")
         if origin is not None and urlsplit(origin).netloc != urlsplit(self.public_url).netloc:
             raise web.HTTPForbidden(text="asked for by another page")
@@ -72,7 +81,12 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             raise web.HTTPForbidden(
                 text="the token is missing or wrong; open the whole link that fieldkit serve printed"
             )
+        if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
+            raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
         response = await handler(request)
+        if isinstance(response, web.Response) and response.content_type == "text/html":
+            response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}", 1)
+            response.headers["Content-Security-Policy"] = NOTHING_ELSE
         if self.token and not response.prepared:
             response.set_cookie(COOKIE, self.token, httponly=True, samesite="Strict")
         return response

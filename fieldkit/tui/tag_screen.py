@@ -67,10 +67,9 @@ class TagScreen(PageScreen):
     TagScreen #effect { height: auto; max-height: 9; padding: 0 1; border-top: solid $border-blurred; }
     """
 
-    def __init__(self, id: str) -> None:
+    def __init__(self, id: str, flight: Flight) -> None:
         super().__init__()
-        self._flight_id = id
-        self._flight: Flight | None = None
+        self._flight_id, self._flight = id, flight
         self._before: Shift | None = None
         self._one_at_a_time = Lock()
 
@@ -82,14 +81,20 @@ class TagScreen(PageScreen):
         yield Static("working out what the tags do ...", id="effect")
 
     def on_mount(self) -> None:
-        """Keys go to the list."""
-        self.query_one(Table).focus()
+        """The list is there before the first key can be; keys go to it."""
+        self._list(self._flight)
+        self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
         """Read the flight and what the model makes of the tags."""
         self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:
+        self._list(flight)
+        self.ask(partial(self._shift, flight), self._have_shift, "effect")
+
+    def _list(self, flight: Flight) -> None:
+        """The tags, with a mark at those that the flight bears."""
         self._flight = flight
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
         tags = dict(TAGS) | {
@@ -98,7 +103,6 @@ class TagScreen(PageScreen):
         rows = {tag: ("[x]" if tag in flight.tags else "[ ]", tag, text) for tag, text in tags.items()}
         rows[OWN] = ("", OWN, "type a tag of your own")
         self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
-        self.ask(partial(self._shift, flight), self._have_shift, "effect")
 
     def _shift(self, flight: Flight) -> Shift:
         from fieldkit.loop.desk import predict_plans
@@ -129,8 +133,6 @@ class TagScreen(PageScreen):
     def action_toggle_tag(self) -> None:
         """Put the tag under the cursor on the flight, or take it off."""
         tag = self.query_one(Table).current
-        if self._flight is None:
-            return
         if tag == OWN:
             self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
         else:

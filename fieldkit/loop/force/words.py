@@ -21,10 +21,12 @@ def climbs_in_words(said: Witness) -> Iterator[str]:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
         if said.says:
             yield BESIDE[said.says].format(effects="+".join(said.effects))
-    if said.silent:
-        (flight_id, why), more = said.silent[0], len(said.silent) - 1
-        others = f" (and {more} more)" if more else ""
-        yield f"{_counted(len(said.silent))} without a missing force: {flight_id}: {why}{others}"
+    reasons: dict[str, list[str]] = {}
+    for flight_id, why in said.silent:
+        reasons.setdefault(why, []).append(flight_id)
+    for why, ids in reasons.items():
+        others = f" and {len(ids) - 1} more" if len(ids) > 1 else ""
+        yield f"{_counted(len(ids))} without a missing force, {ids[0]}{others}: {why}"
 
 
 def _law(said: Witness) -> str:

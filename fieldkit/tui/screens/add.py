@@ -142,7 +142,7 @@ class AddScreen(PageScreen):
         if self.focused is first and READ[0] not in typed:
             named = [name for name in SETUP[:3] if not self.field(name).line.value]
             unread = [name for name in READ if name not in self._touched]
-            self.field((named or unread or READ)[0]).line.focus()
+            self.set_focus(self.field((named or unread or READ)[0]).line)
         self._look()
 
     def _fill(self, texts: Mapping[str, str]) -> None:
@@ -224,7 +224,9 @@ class AddScreen(PageScreen):
         self._say([first, *self._together()])
 
     def _say(self, lines: Iterable[str]) -> None:
-        self.query_one("#says", Static).update(Content("\n".join(printable(line) for line in lines if line)))
+        self.query_one("#says", Static).update(
+            Content("\n".join(printable(line) for line in lines if line)), layout=False
+        )
 
     def _together(self) -> list[str]:
         """The identity of speed, acceleration and burn time, and ejection against apogee."""
@@ -286,7 +288,7 @@ class AddScreen(PageScreen):
         if isinstance(self.focused, Button):
             self.action_save()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
-            self.query_one("#save", Button).focus()
+            self.set_focus(self.query_one("#save", Button))
         else:
             self.focus_next()
 
@@ -356,7 +358,7 @@ class AddScreen(PageScreen):
         wrong, text = found
         if wrong:
             self.complain(text)
-            self.field(wrong).line.focus()
+            self.set_focus(self.field(wrong).line)
             return
         self.tell(f"added as flight {text}; u takes it back" if text else "it is in the ledger already")
         self._clear()

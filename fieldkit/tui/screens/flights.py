@@ -28,12 +28,16 @@ FEW = 200
 
 @dataclass(slots=True, eq=False)
 class Row:
-    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later."""
+    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later.
+
+    `stale` says that what the forecast was made from had changed when the flight came in.
+    """
 
     id: str
     place: int
     flight: Flight
     miss: float | None = None
+    stale: bool = False
     drag: float | None = None
     thrust: float | None = None
 
@@ -57,7 +61,7 @@ def _miss(row: Row, system: str) -> str:
     if row.miss is None:
         return ""
     sign = "+" if row.miss >= 0 else "-"
-    return sign + number(cards.APOGEE, abs(row.miss), system)
+    return sign + number(cards.APOGEE, abs(row.miss), system) + "*" * row.stale
 
 
 def _date(form: str) -> Callable[[Row, str], str]:
@@ -103,6 +107,7 @@ class FlightsScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Flights"
+    LETTERS = ("filter", "add")
     ABOUT = Help(
         "Every flight of your ledger, the newest first. Type / and any words to see only flights that hold them all "
         "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
@@ -117,7 +122,7 @@ class FlightsScreen(PageScreen):
         ("fieldkit flights [--rocket R] [--tag T]", "fieldkit infer", "fieldkit tag FLIGHT TAG", "fieldkit undo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("slash", "filter", "Filter", key_display="/"),
+        Binding("slash", "filter", "Filter", key_display="/", priority=True),
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
@@ -153,20 +158,27 @@ class FlightsScreen(PageScreen):
     def on_mount(self) -> None:
         """Keys go to the table."""
         self.query_one(Input).cursor_blink = False
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
         """Read the flights; what each says of drag and thrust follows."""
         self.ask(self._read, self._have)
 
+    def redraw(self) -> None:
+        """The same rows in other units."""
+        self._refill()
+
     def _read(self) -> list[Row]:
-        from fieldkit.loop.pairing import made_for, residual
+        from fieldkit.loop.kept import by_flight, kept
 
         ledger = self.desk.ledger
         flights = ledger.flights()
-        said = made_for(flights, ledger.predictions(), self.desk.motors)
-        ids = ledger.ids(flights)
-        return [Row(i, n, f, residual(f, p)) for n, (i, f, p) in enumerate(zip(ids, flights, said, strict=True))]
+        said = by_flight(kept(ledger, self.desk.motors))
+        rows = []
+        for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
+            one = said.get((flight.rocket, flight.flight_id))
+            rows.append(Row(id, place, flight, one.miss, one.stale) if one else Row(id, place, flight))
+        return rows
 
     def _have(self, rows: list[Row]) -> None:
         known = {row.id: row for row in self._rows.values() if row.drag is not None}
@@ -262,7 +274,7 @@ class FlightsScreen(PageScreen):
 
     @on(Input.Submitted)
     def _to_table(self) -> None:
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def on_resize(self, _event: events.Resize) -> None:
         """Columns are chosen by the width."""
@@ -271,7 +283,7 @@ class FlightsScreen(PageScreen):
 
     def action_filter(self) -> None:
         """Type what to look for."""
-        self.query_one(Input).focus()
+        self.set_focus(self.query_one(Input))
 
     def action_sort(self) -> None:
         """By the next column."""
@@ -288,19 +300,13 @@ class FlightsScreen(PageScreen):
         """Type a flight in; what is typed ahead waits for the form."""
         await self.field_app.action_page("add")
 
-    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """While a filter is typed, an a is a letter."""
-        if action == "add" and isinstance(self.focused, Input):
-            return False
-        return super().check_action(action, parameters)
-
     def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""
         row = self._row()
         if row is not None:
             from fieldkit.tui.tag_screen import TagScreen
 
-            self.app.push_screen(TagScreen(row.id))
+            self.app.push_screen(TagScreen(row.id, row.flight))
 
     def copied(self) -> str:
         """The row under the cursor."""

@@ -15,6 +15,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
+from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
@@ -111,7 +112,7 @@ class ImportScreen(PageScreen):
 
     def on_mount(self) -> None:
         """Keys go to the files."""
-        self.query_one("#files", Table).focus()
+        self.set_focus(self.query_one("#files", Table))
 
     def resting_place(self) -> Widget:
         """The files."""
@@ -138,10 +139,14 @@ class ImportScreen(PageScreen):
     @on(Table.Moved, "#files")
     def _examine(self) -> None:
         """Read the file under the cursor without storing anything."""
-        path = self.query_one("#files", Table).current
+        table = self.query_one("#files", Table)
+        path = table.current
+        is_folder = path is None or path == UP or path.is_dir()
+        table.enter = "Open" if is_folder else "Store"
+        self.query_one(KeyBar).refresh(layout=True)
         self._look = None
         self.query_one("#rejected", Static).update("")
-        if path is None or path == UP or path.is_dir():
+        if is_folder:
             self.query_one("#said", Static).update("Enter opens the folder")
             return
         self.query_one("#said", Static).update("reading ...")

@@ -1,10 +1,9 @@
 """Loop: what the model of a rocket gets wrong, what may be missing, what it becomes with it, and going back."""
 
-import math
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -14,17 +13,18 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import BY_NAME
+from fieldkit.flight import Flight
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
+from fieldkit.tui.loop_words import draw_points, fingerprint, residual_points, verdict
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
     from fieldkit.loop.diagnose import Diagnosis
-    from fieldkit.loop.findings import Compared, Findings
+    from fieldkit.loop.findings import Findings
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
 PLAIN = 0
@@ -33,11 +33,12 @@ PLAIN = 0
 
 @dataclass(frozen=True, slots=True)
 class Standing:
-    """A rocket's models, and the other rockets."""
+    """A rocket's models, the flights that a verdict on them would rest on, and the other rockets."""
 
     rocket: str
     rockets: tuple[str, ...]
     versions: "tuple[Version, ...]"
+    flights: tuple[Flight, ...]
 
 
 class LoopScreen(PageScreen):
@@ -136,9 +137,24 @@ class LoopScreen(PageScreen):
         ledger = self.desk.ledger
         rockets = tuple(ledger.names("rocket"))
         rocket = which_rocket(ledger, self._rocket if self._rocket in rockets else None)
-        return Standing(rocket, rockets, tuple(ledger.versions(rocket)))
+        return Standing(rocket, rockets, tuple(ledger.versions(rocket)), tuple(ledger.flights(rocket)))
+
+    def redraw(self) -> None:
+        """The same in other units."""
+        if self._standing is not None:
+            self._show_versions(self._standing)
+        if self._found is not None:
+            self._show_verdict(self._found)
 
     def _have(self, standing: Standing) -> None:
+        before = self._standing
+        if self._found is not None and before is not None and before.flights != standing.flights:
+            self._found = None
+            self.query_one("#verdict", Static).update("the flights have changed: l looks anew")
+        self._show_versions(standing)
+
+    def _show_versions(self, standing: Standing) -> None:
+        """The models of the rocket, and which is in use."""
         self._standing, self._rocket = standing, standing.rocket
         used = next((version.number for version in standing.versions if version.active), PLAIN)
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
@@ -175,8 +191,9 @@ class LoopScreen(PageScreen):
         self.ask(partial(self._look, rocket), self._looked, "look")
 
     def _look(self, rocket: str) -> "Findings":
-        from fieldkit.loop.desk import close_loop, kept_logs
+        from fieldkit.loop.desk import close_loop
         from fieldkit.loop.findings import findings
+        from fieldkit.loop.force.logs import kept_logs
 
         def tell(start: float, part: float) -> Callable[[str, float], None]:
             def told(text: str, share: float) -> None:
@@ -205,46 +222,7 @@ class LoopScreen(PageScreen):
         self._front()
 
     def _show_verdict(self, found: "Findings") -> None:
-        from fieldkit.loop.force.words import climbs_in_words
-
-        diagnosis = found.diagnosis
-        parts: list[str | tuple[str, str]] = [
-            (f"Verdict: {diagnosis.effect}", "b $primary"),
-            "\n",
-            printable(diagnosis.why),
-            "\n",
-        ]
-        if found.unexplained is not None:
-            parts.append(
-                printable(f"{found.unexplained.in_words}; intervals {found.unexplained.widened:.2f} times as wide\n")
-            )
-        if diagnosis.effect == "none":
-            parts.append(
-                f"chance that something is missing: {1 - diagnosis.confidence:.0%}, before the test on unseen flights\n"
-            )
-        else:
-            what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
-            parts.append(f"chance that {what}: {diagnosis.confidence:.0%}\n")
-        if diagnosis.also:
-            parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
-            parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
-        parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
-        parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
-        for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
-            parts += [f"{line}\n" for line in self._errors(title, compared)]
-        if diagnosis.accepted or found.unexplained is not None:
-            parts.append(("\na accepts it, d leaves the model as it is", "b"))
-        self.query_one("#verdict", Static).update(Content.assemble(*parts))
-
-    def _errors(self, title: str, compared: "Compared") -> Iterable[str]:
-        """Mean error before and after, with its interval, and how many flights the intervals held."""
-        if not compared.before.flights:
-            return
-        yield f"{title}, {compared.before.flights} flights"
-        for when, judged in (("before", compared.before), ("after", compared.after)):
-            mean = measure(cards.APOGEE, judged.score.mae, self.desk.settings.units)
-            low, high = (measure(cards.APOGEE, one, self.desk.settings.units) for one in judged.mae)
-            yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90 %"
+        self.query_one("#verdict", Static).update(verdict(found, self.desk.settings.units))
 
     def _show_residuals(self) -> None:
         """Residuals against a column, flight by flight."""
@@ -252,51 +230,14 @@ class LoopScreen(PageScreen):
 
         if self._found is None:
             return
-        import numpy as np
-
-        from fieldkit.loop.residual import columns_of, kinds_of, residuals
-
-        diagnosis = self._found.diagnosis
-        off = residuals(diagnosis)
-        numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
-        usable = [n for n, v in numbers.items() if (np.isfinite(v) & np.isfinite(off)).sum() > 1]
-        usable += [name for name, group in kinds.items() if len(set(group)) > 1]
-        order = {row.against: place for place, row in enumerate(self._found.patterns)}
-        usable.sort(key=lambda name: order.get(name, len(order)))
-        name = usable[self._against % len(usable)]
-        pattern = next((row for row in self._found.patterns if row.against == name), None)
-        said = (
-            f"statistic {pattern.statistic:+.2f}, p {pattern.p:.2f} corrected" if pattern else "too few values to test"
-        )
-        plain = name.replace("_", " ")
-        self.query_one("#against", Static).update(Content(f"off, in its scatter, against {plain}: {said}"))
-        if name in numbers:
-            points = [(float(x), float(y)) for x, y in zip(numbers[name], off, strict=True) if np.isfinite(x + y)]
-            ticks: list[str] = []
-        else:
-            ticks = list(dict.fromkeys(kinds[name]))
-            points = [
-                (float(ticks.index(x)), float(y)) for x, y in zip(kinds[name], off, strict=True) if np.isfinite(y)
-            ]
-        self.query_one("#residuals", Plot).show(partial(_draw_points, points, ticks))
+        said, points, ticks = residual_points(self._found, self._against)
+        self.query_one("#against", Static).update(Content(said))
+        self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
 
     def _show_marks(self) -> None:
         """The fingerprint of the residual beside that of an effect."""
-        if self._found is None or not self._found.fingerprints:
-            self.query_one("#marks", Static).update("no effect to compare with" if self._found else "")
-            return
-        trial, marks = self._found.fingerprints[self._effect % len(self._found.fingerprints)]
-        largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
-        parts: list[str | tuple[str, str]] = [(printable(str(trial.candidate.place)), "b $primary")]
-        parts.append(f"\n{'in expected scatter':22}{'it would leave':^19}{'there was':^19}")
-        for mark in marks:
-            title = BY_NAME[mark.readout].title
-            if mark.found != mark.found:
-                parts.append(f"\n{title:22}{'not recorded':^38}")
-                continue
-            alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
-            parts.append(f"\n{title:22}{_lean(mark.expected, largest)}{_lean(mark.found, largest)} {alike}")
-        self.query_one("#marks", Static).update(Content.assemble(*parts))
+        text = fingerprint(self._found, self._effect) if self._found is not None else ""
+        self.query_one("#marks", Static).update(text)
 
     def _show_ranking(self, diagnosis: "Diagnosis") -> None:
         rows = {}
@@ -305,7 +246,7 @@ class LoopScreen(PageScreen):
                 mean, sd = item.best.strength()
                 place = str(item.best.candidate.place)
                 rows[place] = (place, f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g} {item.best.unit}")
-        heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 32)]
+        heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 38)]
         self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def _front(self) -> None:
@@ -321,7 +262,7 @@ class LoopScreen(PageScreen):
         if target is None:
             self.set_focus(None)
         else:
-            self.query_one(target or f"#p-{PANELS[self._panel]}").focus()
+            self.set_focus(self.query_one(target or f"#p-{PANELS[self._panel]}"))
 
     def action_panel(self, panel: int) -> None:
         """Another panel."""
@@ -396,25 +337,6 @@ class LoopScreen(PageScreen):
         from fieldkit.loop.words import report
 
         return "\n".join(report(self._found))
-
-
-def _draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:
-    """Points about a line of no error."""
-    plt.scatter([x for x, _ in points], [y for _, y in points], marker="●", color=ink.mark)
-    plt.hline(0.0, color=ink.line)
-    low, high = math.floor(min(y for _, y in points)), math.ceil(max(y for _, y in points))
-    plt.yticks(list(range(min(low, -1), max(high, 1) + 1)))
-    if ticks:
-        plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
-        plt.xlim(-0.5, len(ticks) - 0.5)
-
-
-def _lean(value: float, largest: float) -> str:
-    """A figure with a bar to the left or the right of zero, 19 cells wide."""
-    cells = round(abs(value) / (largest or 1.0) * 5)
-    left = ("█" * cells).rjust(5) if value < 0 else " " * 5
-    right = ("█" * cells).ljust(5) if value >= 0 else " " * 5
-    return f"{value:+6.2f} {left}│{right} "
 
 
 PAGE = Page(5, "Loop", LoopScreen)

@@ -1,6 +1,6 @@
 """Next flight: every motor that fits, where each would take the rocket, the forecast of the one under the cursor."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -13,28 +13,32 @@ from textual.widget import Widget
 from textual.widgets import Digits, Input, Static
 
 from fieldkit.entry import Question, answer_text, read_answer
-from fieldkit.flight import BY_NAME, CONDITIONS, SETUP, Flight
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
 from fieldkit.measures import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
 from fieldkit.tui.fields import Form
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
-from fieldkit.units import STANDARD_GRAVITY
 
 if TYPE_CHECKING:
-    from fieldkit.loop.guide import Choice
+    from fieldkit.ledger.sites import Site
     from fieldkit.loop.predict import Prediction
     from fieldkit.motors import Motor
+    from fieldkit.plan.desk import Rocket
+    from fieldkit.plan.guide import Choice, Wanted
+    from fieldkit.plan.limits import Limit
+    from fieldkit.plan.safety import Line, Verdict
 
 DRAFT = "plan"
 """Name under which the ledger keeps the plan."""
 AT_ONCE = 40
 """Motors forecast together: the first are in sight before the others are worked out."""
+DRAWS = 400
+"""Flights flown for each motor: the hill is drawn of them. [1]"""
 MOST = 200
 """Motors that a search forecasts; a longer word narrows it."""
-RAIL_SPEED = 15.0
-"""Speed off the rail from which on fins keep a rocket straight, as range safety officers ask for. [m/s]"""
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
 """Numbers of a plan that can be changed; the delay is chosen with the motor."""
 QUESTIONS = (
@@ -43,19 +47,29 @@ QUESTIONS = (
         "config", "Configuration", "Which build of it, such as A. Mass and diameter are those of its last flight."
     ),
     *(Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: as last flown, or standard.") for name in PLAN),
+    Question("site", "Site", "Its elevation, size and ceiling are as saved with `fieldkit sites`. Empty: as last."),
+    Question(MOTOR_TEMPERATURE, "Motor temperature", "In °C, or with its unit: 60F. For its safety line alone."),
 )
 
 
 @dataclass(frozen=True, slots=True)
 class Plan:
-    """What is to be flown, the builds and the motors at hand, and what the forecast rests on."""
+    """What is to be flown, as changed and in full, and what is known of its rocket and of the site; the builds at
+    hand, what motors fit, and what the forecast rests on."""
 
     flight: Flight
+    full: Flight
+    rocket: "Rocket"
+    site: "Site"
+    limits: "dict[str, Limit]"
     builds: tuple[Flight, ...]
-    flown: tuple[Any, ...]
-    mount: float | None
-    dry_mass: float
+    wanted: "Wanted"
     rests_on: str
+
+    @property
+    def flown(self) -> list["Motor"]:
+        """The motors that the rocket has flown on, the last first, each once."""
+        return list(dict.fromkeys(found.motor for found in reversed(self.rocket.motors)))
 
 
 class NextScreen(PageScreen):
@@ -63,6 +77,7 @@ class NextScreen(PageScreen):
 
     NAME = "next_flight"
     TITLE = "Next flight"
+    LETTERS = ("search",)
     ABOUT = Help(
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
@@ -75,18 +90,23 @@ class NextScreen(PageScreen):
             ("hill", "How likely each apogee is: most where it is high. The upright lines are 5 %, middle and 95 %."),
             ("true", "The height in fact; on a hot day a barometric altimeter shows less than that, in the cold more."),
             ("ejection", "When the charge fires for each delay on sale, in seconds after apogee; - is before."),
+            (
+                "✓ ! ✗ ?",
+                "Safety checks: well, caution, unsafe, not known; each with its figures and limit further down.",
+            ),
             ("off rail", "Speed at the end of the rail. Below 15 m/s fins may not hold the rocket straight."),
-            ("T:W", "Average thrust over weight: 5 is good, below 3 is not safe."),
+            ("T:W", "Thrust over weight, first half second and average: 5 is good, below 3 is not safe."),
             ("Cd, alpha", "Drag of the rocket and thrust of the motor that the flight is forecast with, and how sure."),
             *((question.title, question.help) for question in QUESTIONS),
         ),
-        ("fieldkit predict --motor F24-4W --config A --wind 8mph", "fieldkit motors F24"),
+        ("fieldkit predict --motor F24-4W --config A --wind 8mph", "fieldkit motors --fit ROCKET --target 800ft"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
+        Binding("slash", "search", "Motor", key_display="/", priority=True, tooltip="Search a motor"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
+        Binding("d", "decide", "Decide", tooltip="Delay, ballast and contest points with this motor"),
         Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
         Binding("f", "fitting", "All", show=False, tooltip="Only motors that fit, or all of the catalogue"),
     ]
@@ -106,7 +126,7 @@ class NextScreen(PageScreen):
     NextScreen #card Static { height: auto; }
     NextScreen #big { height: 3; width: auto; color: $accent; }
     NextScreen #hill { height: 6; }
-    NextScreen.-tall #hill { height: 16; margin: 1 0; }
+    NextScreen.-tall #hill { height: 11; }
     """
 
     def __init__(self) -> None:
@@ -132,47 +152,58 @@ class NextScreen(PageScreen):
                 yield Static("", id="title")
                 yield Digits("", id="big")
                 yield Static("", id="range")
+                yield Static("", id="safety")
                 yield Plot(id="hill")
                 yield Static("", id="more")
 
     def on_mount(self) -> None:
         """Keys go to the motors."""
         self.query_one(Input).cursor_blink = False
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
         """Read the plan, and forecast every motor anew."""
         self.ask(self._read_plan, self._have_plan, "plan")
 
+    def redraw(self) -> None:
+        """Other units or another target leave the forecasts as they are: they are sorted and written at once."""
+        if self._plan is None:
+            self.reload()
+            return
+        self._show_plan(self._plan)
+        self._refill()
+
     def _read_plan(self) -> Plan:
         from fieldkit.errors import ImpossibleFlight, NoFlights
-        from fieldkit.loop.desk import completed, flown
-        from fieldkit.loop.guide import mount
+        from fieldkit.ledger.sites import site_of
+        from fieldkit.places import data_folder
+        from fieldkit.plan.desk import begun, rocket_of
+        from fieldkit.plan.guide import Wanted, mount_of
+        from fieldkit.plan.limits import limits
 
         ledger, motors = self.desk.ledger, self.desk.motors
-        last = ledger.latest()
-        if last is None:
-            raise NoFlights("no flights yet: import or add some, and what comes next can be forecast")
-        plan = Flight(rocket=last.rocket, config=last.config)
-        plan = plan.with_changes(
-            **{name: read_answer(name, text) for name, text in (ledger.draft(DRAFT) or {}).items()}
-        )
-        history = flown(ledger, motors, plan.rocket)
-        flights = [flight for flight, _ in history]
-        full = completed(plan, flights)
+        last, draft = ledger.latest(), ledger.draft(DRAFT) or {}
+        if last is None and not draft:
+            raise NoFlights("no flights yet: import or add some, or p plans a rocket by its name and mass")
+        plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+        plan = plan.with_changes(**plan_changes(draft))
+        rocket = rocket_of(ledger, motors, plan.rocket)
+        full = begun(ledger, plan, self.desk.settings)
         if full.dry_mass is None:
             raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
-        clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
+        clean = [flight.flight_id for flight in rocket.flights if flight.clean and flight.apogee is not None]
         version = ledger.active_version(plan.rocket)
         model = f"version {version.number}" if version else "the plain model"
         some = ", ".join(clean[:8]) + (f" and {len(clean) - 8} more" if len(clean) > 8 else "")
         builds = {(f.rocket, f.config): f for f in ledger.flights()}
         return Plan(
             plan,
+            full,
+            rocket,
+            site_of(ledger, full.site),
+            limits(data_folder() / "limits.toml"),
             tuple(builds.values()),
-            tuple(dict.fromkeys(found.motor for _, found in reversed(history))),
-            mount(history, plan.config),
-            full.dry_mass,
+            Wanted(mount_of(rocket, plan.config), adapter=True, dry_mass=full.dry_mass),
             f"{len(clean)} clean flights ({some}), {model}"
             if clean
             else "no flight of it: priors alone, so it is wide",
@@ -185,9 +216,9 @@ class NextScreen(PageScreen):
 
     def _show_plan(self, plan: Plan) -> None:
         system, flight = self.desk.settings.units, plan.flight
-        numbers = [(c.title, measure(c, flight.number(c.name), system)) for c in CONDITIONS]
+        numbers = [(c.title, measure(c, plan.full.number(c.name), system)) for c in CONDITIONS]
         said = [f"{name.lower()} {value}" for name, value in numbers if value]
-        mass = measure(BY_NAME["dry_mass"], plan.dry_mass, system)
+        mass = measure(BY_NAME["dry_mass"], plan.full.dry_mass, system)
         target = self.desk.settings.target
         parts = [
             f"{flight.rocket} {flight.config}".strip(),
@@ -198,22 +229,24 @@ class NextScreen(PageScreen):
         self.query_one("#plan", Static).update(Content(printable(" · ".join(parts))))
 
     @on(Input.Changed)
+    def _search_anew(self) -> None:
+        """Another search begins at its first motor."""
+        self.query_one(Table).by_hand = False
+        self._search_now()
+
     def _search_now(self) -> None:
         """Look up the motors and forecast those that are not known yet."""
         self.ask(partial(self._find, self.query_one(Input).value), self._found, "find")
 
     def _find(self, text: str) -> "list[Motor]":
-        from fieldkit.loop.guide import fits
-
         plan = self._plan
         found = self.desk.motors.search(text)
         if plan is not None and self._fitting:
-            found = [motor for motor in found if fits(motor, plan.mount, plan.dry_mass)]
+            found = [motor for motor in found if plan.wanted.fits(motor)]
         return found
 
     def _found(self, motors: "list[Motor]") -> None:
         self._motors = motors
-        self.query_one(Table).by_hand = False
         self._refill()
         self._forecast()
 
@@ -225,9 +258,9 @@ class NextScreen(PageScreen):
             return
 
         def work() -> "list[Choice]":
-            from fieldkit.loop.guide import choices
+            from fieldkit.plan.guide import guide
 
-            return choices(self.desk.ledger, self.desk.motors, plan.flight, waiting)
+            return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
         self.ask(work, self._have, "forecast")
 
@@ -263,6 +296,7 @@ class NextScreen(PageScreen):
         said = one.prediction
         apogee = number(cards.APOGEE, one.apogee, system)
         off = number(cards.APOGEE, one.apogee - target, system) if target else ""
+        off = f"{float(off):.0f}" if len(off.strip("-")) > 4 else off  # from 100 on there is no room for more
         off = "0" if off and float(off) == 0 else f"+{off}" if target and one.apogee > target else off
         eject = said.median_eject
         fires = "" if eject is None else f"{eject:+.1f}"
@@ -279,7 +313,7 @@ class NextScreen(PageScreen):
             "" if one.delay is None else f"{one.delay:g} s",
             fires,
             self._rail(said).split(" ")[0],
-            f"{thrust_to_weight(said):.1f}",
+            f"{one.average_thrust:.1f}",
         ]
 
     def _rail(self, said: "Prediction") -> str:
@@ -311,7 +345,7 @@ class NextScreen(PageScreen):
 
         one = self._known.get(self.query_one(Table).current)
         if one is None or self._plan is None:
-            for name in ("title", "range", "more"):
+            for name in ("title", "range", "safety", "more"):
                 self.query_one(f"#{name}", Static).update("")
             self.query_one("#big", Digits).update("")
             self.query_one(Plot).show(None)
@@ -333,6 +367,7 @@ class NextScreen(PageScreen):
         self.query_one(Plot).show(
             draw_density(said.apogee, marks, lambda value: number(cards.APOGEE, value, system).split(".")[0])
         )
+        self.query_one("#safety", Static).update(Content(safety_in_brief(one.lines)))
         more = self._figures(one)
         self.query_one("#more", Static).update(cards.lines("", more, 9))
         self._text = cards.as_text(f"{title}: {number(cards.APOGEE, middle, system)} {text}", more)
@@ -340,38 +375,40 @@ class NextScreen(PageScreen):
     def _figures(self, one: "Choice") -> list[tuple[str, str]]:
         """The figures below the hill."""
         from fieldkit.loop.predict import median
+        from fieldkit.plan.air import air_of
+        from fieldkit.plan.safety import DECIDES, MARKS
 
         assert self._plan is not None
         said, system = one.prediction, self.desk.settings.units
-        rail = median(said.rail_speed) or 0.0
-        ratio = thrust_to_weight(said)
         fires = [f"{delay:g} s {seconds:+.1f}" for delay, seconds in one.ejections]
         return [
             ("ejection", _ejection(said.median_eject)),
             ("by delay", "  ".join(fires)),
-            ("off rail", f"{self._rail(said)} {'✓' if rail >= RAIL_SPEED else '! slow: longer rail'}"),
-            ("T:W", f"{ratio:.1f} {'✓' if ratio >= 5 else '! below 5' if ratio >= 3 else '! below 3, not safe'}"),
+            ("off rail", self._rail(said)),
+            ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
             ("top speed", measure(BY_NAME["top_speed"], median(said.top_speed), system)),
             ("Cd", f"{said.cd.mean():.2f} ± {said.cd.std():.2f}"),
             ("alpha", f"{said.alpha.mean():.3f} ± {said.alpha.std():.3f}"),
             ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
-            ("air", f"{air_density(said.plan):.3f} kg/m³ at the pad"),
+            ("air", air_of(said.plan).words()),
             ("rests on", self._plan.rests_on),
             ("note", "; ".join(said.found.notes)),
+            *((f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines),
+            ("", DECIDES),
         ]
 
     def action_search(self) -> None:
         """Type a motor's name."""
-        self.query_one(Input).focus()
+        self.set_focus(self.query_one(Input))
 
     @on(Input.Submitted)
     def _to_table(self) -> None:
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def action_fitting(self) -> None:
         """Only what fits, or everything."""
         self._fitting = not self._fitting
-        self._search_now()
+        self._search_anew()
 
     def action_compare(self) -> None:
         """All figures instead of the card, and back."""
@@ -393,21 +430,41 @@ class NextScreen(PageScreen):
         rocket, config = names[(names.index(now) + 1) % len(names)] if now in names else names[0]
         self._keep_plan(plan.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None))
 
+    def action_decide(self) -> None:
+        """What is left to decide with the motor under the cursor."""
+        from fieldkit.plan.guide import label
+        from fieldkit.tui.plan_screen import PlanScreen
+
+        plan, motor = self._plan, self.query_one(Table).current
+        if plan is not None and motor is not None:
+            full = plan.full.with_changes(motor=label(motor))
+            self.app.push_screen(PlanScreen(full, plan.rocket, plan.site, plan.limits, motor))
+
     def action_plan(self) -> None:
         """Change the plan."""
         plan = self._plan.flight if self._plan is not None else Flight()
         system = self.desk.settings.units
-        texts = {q.name: answer_text(plan, q.name) for q in QUESTIONS if q.column is None}
+        texts = {q.name: _plan_text(plan, q.name) for q in QUESTIONS if q.column is None}
         texts |= {name: measure(BY_NAME[name], plan.number(name), system) for name in PLAN}
         units = {name: unit_of(BY_NAME[name], system) for name in PLAN}
         self.app.push_screen(Form("The plan", QUESTIONS, texts, units), self._planned)
 
     def _planned(self, values: dict[str, object] | None) -> None:
-        if values is not None:
-            self._keep_plan(Flight().with_changes(**values))
+        if values is None:
+            return
+        from fieldkit.plan.safety import motor_temperature
+
+        warm = str(values.pop(MOTOR_TEMPERATURE, "") or "")
+        plan = Flight(extra={MOTOR_TEMPERATURE: warm} if warm else {}).with_changes(**values)
+        try:
+            motor_temperature(plan)
+        except BadValue as error:
+            self.complain(str(error))
+            return
+        self._keep_plan(plan)
 
     def _keep_plan(self, plan: Flight) -> None:
-        texts = {q.name: answer_text(plan, q.name) for q in QUESTIONS}
+        texts = {q.name: _plan_text(plan, q.name) for q in QUESTIONS}
         self.ask(
             lambda: self.desk.ledger.keep_draft(DRAFT, {n: t for n, t in texts.items() if t}),
             lambda _: self.reload(),
@@ -433,7 +490,7 @@ class NextScreen(PageScreen):
         low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
         unit = spelled(unit_of(cards.APOGEE, system))
         self.tell(f"kept: {said.plan.motor} to {middle} {unit} ({low} to {high}); the flight is measured against it")
-        self.field_app.revision += 1
+        self.changed_for_others()
 
     def copied(self) -> str:
         """The forecast as text."""
@@ -446,19 +503,24 @@ def _ejection(eject: float | None) -> str:
     return f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee"
 
 
-def thrust_to_weight(said: "Prediction") -> float:
-    """Average thrust of the motor over the weight on the pad. [1]"""
-    motor = said.found.motor
-    return motor.average_thrust / (((said.plan.dry_mass or 0.0) + motor.loaded_mass) * STANDARD_GRAVITY)
+def safety_in_brief(lines: "Sequence[Line]") -> str:
+    """The names of all checks, those that fail first: `✗ rail exit speed  ? ground wind, ceiling`."""
+    from fieldkit.plan.safety import MARKS
+
+    worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")
+    groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in worst_first)
+    return "\n".join(f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)
 
 
-def air_density(plan: Flight) -> float:
-    """Of the air at the pad that the forecast flies in. [kg/m^3]"""
-    from fieldkit.simulator.atmosphere import pad_air
-    from fieldkit.simulator.field import recorded
+def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
+    """The fields of a plan from what was typed, as the ledger keeps it; the motor's temperature beside them."""
+    values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
+    warm = texts.get(MOTOR_TEMPERATURE, "")
+    return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})
 
-    names = ("site_elevation", "temperature", "pressure", "humidity")
-    return float(pad_air(*(recorded([plan], name) for name in names)).density[0])
+
+def _plan_text(plan: Flight, name: str) -> str:
+    return plan.extra.get(name, "") if name == MOTOR_TEMPERATURE else answer_text(plan, name)
 
 
 PAGE = Page(4, "Next", NextScreen)

@@ -99,7 +99,7 @@ class CaptureScreen(PageScreen):
 
     def on_mount(self) -> None:
         """Keys go to the ports."""
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
         self._say("Enter captures; every byte is kept before anything is looked at")
 
     def on_unmount(self) -> None:

@@ -1,7 +1,6 @@
 """Setup: the motors, the rockets and sites of the ledger, and what was chosen for the app; edited where they stand."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -21,6 +20,7 @@ from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.fields import Form
+from fieldkit.tui.groups import Group, Kept, grouped
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Cells, Head, Table
 
@@ -30,39 +30,7 @@ if TYPE_CHECKING:
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
 
 
-@dataclass(frozen=True, slots=True)
-class Group:
-    """Flights that name the same thing: one build of a rocket, or one site. `last` is the latest of them."""
-
-    names: tuple[str, ...]
-    ids: tuple[str, ...]
-    last: Flight
-
-
-@dataclass(frozen=True, slots=True)
-class Kept:
-    """What the ledger names: builds of rockets with their mass and diameter, sites with their elevation."""
-
-    builds: tuple[Group, ...]
-    sites: tuple[Group, ...]
-
-
-def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
-    """Flights by some of their text fields, those flown last first; a group carries the last known numbers."""
-    groups: dict[tuple[str, ...], list[tuple[str, Flight]]] = {}
-    for id, flight in zip(ids, flights, strict=True):
-        key = tuple(str(getattr(flight, name)) for name in names)
-        if key[0]:
-            groups.setdefault(key, []).append((id, flight))
-    found = []
-    for key, members in groups.items():
-        known = {c: next((v for _, f in reversed(members) if (v := f.number(c)) is not None), None) for c in NUMBERS}
-        found.append(Group(key, tuple(id for id, _ in members), members[-1][1].with_changes(**known)))
-    order = {id: place for place, id in enumerate(ids)}
-    return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
-
-
-NUMBERS = ("dry_mass", "diameter", "site_elevation")
+RAIL = ("rail_length", "rail_angle")
 BUILD = (
     Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
     Question("config", "Configuration", "The name of this build."),
@@ -80,6 +48,7 @@ class ShelfScreen(PageScreen):
 
     NAME = "shelf"
     TITLE = "Setup"
+    LETTERS = ("search",)
     ABOUT = Help(
         "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
         "type / and a name to search it, i adds a .eng or .rse file of your own. Rockets and sites are those your "
@@ -89,13 +58,14 @@ class ShelfScreen(PageScreen):
             ("units", "SI: metres and grams. US: feet and ounces. mixed: feet, and grams. N changes them anywhere."),
             ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
             ("target", "The apogee that motors are compared against on the page Next."),
+            ("rail", "Length and tilt of the rail you usually have, for plans that name none."),
         ),
         ("fieldkit motors F24", "fieldkit motors --import FILE.eng", "fieldkit edit FLIGHT dry_mass=330g"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("left", "turn(-1)", "List before", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
-        Binding("slash", "search", "Search", key_display="/"),
+        Binding("slash", "search", "Search", key_display="/", priority=True),
         Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
     ]
     DEFAULT_CSS = """
@@ -123,13 +93,17 @@ class ShelfScreen(PageScreen):
     def on_mount(self) -> None:
         """Keys go to the table."""
         self.query_one(Input).cursor_blink = False
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
         """Read what the flights name."""
         self._show()
         self.ask(self._read, self._have)
         self._search_now()
+
+    def redraw(self) -> None:
+        """The list in front, in other units."""
+        self._show()
 
     def _read(self) -> Kept:
         flights = self.desk.ledger.flights()
@@ -208,10 +182,13 @@ class ShelfScreen(PageScreen):
 
         settings = self.desk.settings
         target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
+        ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]
+        rail = ", ".join(end for end in ends if end)
         rows = {
             "units": (settings.units, "SI, US, or mixed: feet and grams"),
             "theme": (settings.theme, "field, sun, night or terminal"),
             "target": (target, "what motors are compared against"),
+            "rail": (rail or "none", "yours, for plans that name none"),
             "ledger": (self.desk.name, "where flights are kept: --ledger, FIELDKIT_LEDGER"),
             "own motors": (str(motor_folder()), "your .eng and .rse files"),
             "settings": (str(settings_file()), "where these choices are kept"),
@@ -225,7 +202,7 @@ class ShelfScreen(PageScreen):
         self._kind = kind
         self.query_one(Table).by_hand = False
         self._show()
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     def action_turn(self, by: int) -> None:
         """The next list, or the one before."""
@@ -234,11 +211,11 @@ class ShelfScreen(PageScreen):
     def action_search(self) -> None:
         """Type a motor's name."""
         self.action_kind(0)
-        self.query_one(Input).focus()
+        self.set_focus(self.query_one(Input))
 
     @on(Input.Submitted)
     def _to_table(self) -> None:
-        self.query_one(Table).focus()
+        self.set_focus(self.query_one(Table))
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
@@ -299,8 +276,22 @@ class ShelfScreen(PageScreen):
             self.field_app.choose(theme=THEMES[(THEMES.index(settings.theme) + 1) % len(THEMES)])
         elif name == "target":
             self.field_app.ask_target()
+        elif name == "rail":
+            self._ask_rail()
         else:
             self.complain(f"{name} is not changed here; ? says how")
+
+    def _ask_rail(self) -> None:
+        """Length and tilt of the rail that is used where a plan names none."""
+        settings = self.desk.settings
+        questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
+        texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}
+        units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
+        self.app.push_screen(Form("Your usual rail", questions, texts, units), self._railed)
+
+    def _railed(self, values: dict[str, object] | None) -> None:
+        if values is not None:
+            self.field_app.choose("the usual rail is kept", **values)
 
     def action_import_motors(self) -> None:
         """Add the motors of a file."""

@@ -1,22 +1,20 @@
 """The report as one HTML document, nothing outside it: what files said is escaped, and no script would run."""
 
-from base64 import b64encode
-from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
 from fieldkit import __version__
-from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME
 from fieldkit.loop.desk import version_payload
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.words import climbs_in_words
 from fieldkit.loop.judged import Interval
-from fieldkit.loop.report.pictures import pictures, png, svg
-from fieldkit.safe_text import printable
+from fieldkit.report.html import embedded, rendered, save
+from fieldkit.report.loop.pictures import pictures, png, svg
 from fieldkit.simulator.effect import effects
 
 SUFFIXES = (".html", ".htm", ".png")
@@ -32,25 +30,12 @@ def write_page(found: Findings, path: Path) -> None:
     """Write the report to a file, as HTML or PNG by its name."""
     check_page(path)
     content = png(found) if path.suffix.lower() == ".png" else page(found).encode()
-    try:
-        path.write_bytes(content)
-    except OSError as error:
-        raise FieldkitError(f"{path}: cannot be written ({error.strerror})") from error
+    save(path, content)
 
 
 def page(found: Findings) -> str:
     """The report as an HTML document."""
-    from jinja2 import Environment, StrictUndefined
-
-    template = files("fieldkit.loop.report").joinpath("page.html").read_text(encoding="utf-8")
-    environment = Environment(
-        autoescape=True, undefined=StrictUndefined, trim_blocks=True, finalize=_printable, keep_trailing_newline=True
-    )
-    return environment.from_string(template).render(content(found))
-
-
-def _printable(value: Any) -> Any:
-    return printable(value) if type(value) is str else value
+    return rendered("loop/page.html", content(found))
 
 
 def content(found: Findings) -> dict[str, Any]:
@@ -70,7 +55,7 @@ def content(found: Findings) -> dict[str, Any]:
             for row in (*found.patterns, *found.readout_patterns)
             if row.p < 0.1
         ],
-        "pictures": {name: _embedded(svg(name, found)) for name in pictures(found)},
+        "pictures": {name: embedded(svg(name, found)) for name in pictures(found)},
         "climbs": [f"{_begun(line)}." for line in climbs_in_words(found.testimony)],
         "errors": [
             row
@@ -188,7 +173,3 @@ def _flights(diagnosis: Diagnosis) -> list[dict[str, str]]:
             }
         )
     return rows
-
-
-def _embedded(picture: bytes) -> str:
-    return f"data:image/svg+xml;base64,{b64encode(picture).decode()}"

@@ -1,31 +1,15 @@
-"""Files into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
+"""Files on their way into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
 
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, FIELDS, READOUTS, Flight
-from fieldkit.parsing import CheckMotor, Mapped, Rejected, read, read_together
-from fieldkit.reading import Choice
-
-if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger
-
-
-@dataclass(frozen=True, slots=True)
-class Receipt:
-    """What became of files: ids of the new flights, and what the flyer should know of the others."""
-
-    ids: tuple[str, ...]
-    duplicates: int
-    rejected: tuple[Rejected, ...]
-    notes: tuple[str, ...]
-    mapped: tuple[Mapped, ...] = ()
+from fieldkit.parsing import CheckMotor, Choice, Mapped, Rejected, read, read_together
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,21 +20,6 @@ class Gathered:
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
     mapped: tuple[Mapped, ...] = ()
-
-
-def bring_in(
-    ledger: "Ledger",
-    paths: Sequence[Path],
-    check_motor: CheckMotor,
-    *,
-    format: str | None = None,
-    defaults: Mapping[str, object] | None = None,
-    choices: Sequence[Choice] = (),
-    dry_run: bool = False,
-) -> Receipt:
-    """Import files as one command: `gather` and `take_in`."""
-    gathered = gather(paths, check_motor, format=format, defaults=defaults, choices=choices)
-    return take_in(ledger, gathered, dry_run=dry_run)
 
 
 def gather(
@@ -99,13 +68,6 @@ def gather(
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
     mapped = tuple(one for intake in intakes for one in intake.mapped)
     return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped)
-
-
-def take_in(ledger: "Ledger", gathered: Gathered, *, dry_run: bool = False) -> Receipt:
-    """Put what was gathered into a ledger, as one change."""
-    added = ledger.add(gathered.arrivals, dry_run=dry_run)
-    conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
-    return Receipt(added.new, added.duplicates, (*gathered.rejected, *conflicts), gathered.notes, gathered.mapped)
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:
@@ -167,8 +129,6 @@ def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
         return flight
     if not found[0].extra:
         return flight.with_changes(**(found[0].readouts() | flight.readouts()))
-    from fieldkit.recording import sd_header
-
-    typed = {sd_header(BY_NAME[name]) for name in flight.readouts()}
+    typed = {BY_NAME[name].sd_header for name in flight.readouts()}
     extra = {name: text for name, text in found[0].extra.items() if name not in typed} | dict(flight.extra)
     return flight.with_changes(**(found[0].readouts() | flight.readouts()), extra=extra)

@@ -1,50 +1,22 @@
-"""The pictures of the report. Each draws into axes that it is given; none opens a window.
+"""The pictures of the loop's report. Each draws into axes that it is given; none opens a window."""
 
-Colours are of Okabe and Ito, told apart by all eyes and in grey; names from files are never taken for markup.
-"""
-
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
-from io import BytesIO
-from typing import TYPE_CHECKING, Any
-from warnings import catch_warnings, filterwarnings
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from fieldkit.flight import BY_NAME
 from fieldkit.loop.findings import Findings
 from fieldkit.loop.marks import Mark
-from fieldkit.loop.report.axis import Axis, axis
 from fieldkit.loop.score import Forecasts
+from fieldkit.report.loop.axis import Axis, axis
+from fieldkit.report.style import AFTER, BEFORE, FAINT, INK, drawn, shortened, styled
 from fieldkit.shapes import Array, Flags, Float
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure, SubFigure
 
-INK, FAINT, GRID = "#1b1f24", "#6b7280", "#e5e7eb"
-BEFORE, AFTER, EXTRA = "#d55e00", "#0072b2", "#009e73"
-STYLE: Any = {
-    "font.size": 9,
-    "axes.titlesize": 10,
-    "axes.titleweight": "bold",
-    "axes.titlelocation": "left",
-    "axes.edgecolor": FAINT,
-    "axes.labelcolor": INK,
-    "axes.spines.top": False,
-    "axes.spines.right": False,
-    "axes.grid": True,
-    "grid.color": GRID,
-    "grid.linewidth": 0.8,
-    "axes.axisbelow": True,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
-    "text.parse_math": False,
-    "legend.frameon": False,
-    "svg.hashsalt": "fieldkit",
-    "figure.facecolor": "white",
-}
 NINE_OF_TEN = 1.645
 """Standard deviations on either side that hold nine of ten draws of a normal distribution. [1]"""
 Draw = Callable[["Figure | SubFigure", Findings], None]
@@ -77,7 +49,7 @@ def _residual_panel(
     panel.plot(place, miss, "o", color=colour, markersize=5)
     panel.set_xlabel(against.title)
     if against.names:
-        panel.set_xticks(range(len(against.names)), [_short(name) for name in against.names])
+        panel.set_xticks(range(len(against.names)), [shortened(name) for name in against.names])
         panel.set_xlim(-0.6, len(against.names) - 0.4)
 
 
@@ -128,7 +100,7 @@ def fingerprints(figure: "Figure | SubFigure", found: Findings) -> None:
     panels = figure.subplots(1, count, sharey=True, sharex=True, squeeze=False)[0]
     for panel, (trial, row) in zip(panels, found.fingerprints, strict=True):
         _fingerprint(panel, row)
-        panel.set_title(_short(str(trial.candidate.place), 30))
+        panel.set_title(shortened(str(trial.candidate.place), 30))
     panels[0].set_yticks(range(10), [BY_NAME[mark.readout].title.lower() for mark in found.fingerprints[0][1]])
     panels[0].invert_yaxis()
     reach = max(abs(end) for panel in panels for end in panel.dataLim.intervalx)
@@ -173,7 +145,7 @@ def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
     panel.text(need, -0.9, " enough for one alone", fontsize=7.5, color=BEFORE, va="bottom")
     for row, value in enumerate(whole):
         panel.text(max(min(value, ends[1]), 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT)
-    panel.set_yticks(rows, [_short(str(item.best.candidate.place), 34) for item in items])
+    panel.set_yticks(rows, [shortened(str(item.best.candidate.place), 34) for item in items])
     panel.invert_yaxis()
     panel.margins(x=0.12)
     panel.set_xlabel("log Bayes factor against the plain model [nat]")
@@ -203,10 +175,6 @@ def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
     panels[1].legend(loc="best", fontsize=8)
 
 
-def _short(text: str, most: int = 24) -> str:
-    return text if len(text) <= most else text[: most - 1] + "…"
-
-
 PICTURES: Mapping[str, tuple[Draw, tuple[float, float]]] = {
     "residuals": (residuals, (7.6, 3.0)),
     "forward": (forward, (7.6, 2.9)),
@@ -222,33 +190,22 @@ def pictures(found: Findings) -> list[str]:
     return [name for name in PICTURES if name != "missing_force" or found.testimony.flights]
 
 
-@contextmanager
-def _styled() -> Iterator[None]:
-    from matplotlib import rc_context
-
-    with rc_context({**STYLE}), catch_warnings():
-        filterwarnings("ignore", message="Glyph .* missing")  # a name in letters that the font lacks
-        yield
-
-
 def svg(name: str, found: Findings) -> bytes:
     """One picture as an SVG document, letters drawn as shapes."""
     from matplotlib.figure import Figure
 
     draw, size = PICTURES[name]
-    with _styled():
+    with styled():
         figure = Figure(figsize=size, layout="constrained")
         draw(figure, found)
-        out = BytesIO()
-        figure.savefig(out, format="svg", metadata={"Date": None, "Creator": "fieldkit"})
-    return out.getvalue()
+        return drawn(figure, "svg")
 
 
 def png(found: Findings) -> bytes:
     """All pictures below each other, as one PNG."""
     from matplotlib.figure import Figure
 
-    with _styled():
+    with styled():
         chosen = [PICTURES[name] for name in pictures(found)]
         sizes = [size for _, size in chosen]
         figure = Figure(figsize=(sizes[0][0], sum(high for _, high in sizes) + 0.5), layout="constrained")
@@ -256,6 +213,4 @@ def png(found: Findings) -> bytes:
         parts = figure.subfigures(len(sizes), 1, height_ratios=[high for _, high in sizes], squeeze=False)
         for part, (draw, _) in zip(parts[:, 0], chosen, strict=True):
             draw(part, found)
-        out = BytesIO()
-        figure.savefig(out, format="png", dpi=150, metadata={"Software": "fieldkit"})
-    return out.getvalue()
+        return drawn(figure, "png")

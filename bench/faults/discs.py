@@ -1,0 +1,97 @@
+"""Full discs and read-only file systems: a small tmpfs is mounted for them, which takes root."""
+
+import os
+import subprocess
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from bench.faults.ledgers import LOG, TABLE, Outcome, after, fieldkit, put, season, state
+
+SIZE = 1 << 20
+"""Of the mounted file system. [byte]"""
+PAGE = 4096
+"""Of a tmpfs: what is left free is a multiple of it. [byte]"""
+
+
+def can_mount() -> bool:
+    """Whether this process may mount a file system."""
+    return hasattr(os, "geteuid") and os.geteuid() == 0 and Path("/bin/mount").exists()
+
+
+@contextmanager
+def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
+    """A file system in memory of a size, mounted at a folder. Raises CalledProcessError where that is not allowed."""
+    folder.mkdir(parents=True, exist_ok=True)
+    subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)], check=True)
+    try:
+        yield folder
+    finally:
+        subprocess.run(["umount", str(folder)], check=True)
+
+
+def full_disc(folder: Path, step: int = 4) -> Outcome:
+    """Import onto a disc with 0, `step`, 2 `step`, ... free pages, until one import goes through with its backup."""
+    outcome = Outcome("full disc", "import")
+    arguments = ("import", str(TABLE), str(LOG), "--set", "rocket=Comet")
+    with mounted(folder / "small") as small:
+        template, file, filler = folder / "template.db", small / "ledger.db", small / "filler"
+        season(template)
+        put(template, file)
+        before = state(file)
+        assert fieldkit(file, *arguments)[0] == 0
+        states = (before, state(file))
+        for free in range(0, SIZE // PAGE, step):
+            _empty(small)
+            put(template, file)
+            _fill(filler, free * PAGE)
+            status, _, said = fieldkit(file, *arguments)
+            filler.unlink()
+            _judge(outcome, file, states, status, said, "the disk is full")
+            if not status and "warning" not in said:
+                break
+    return outcome
+
+
+def read_only(folder: Path) -> Outcome:
+    """Every kind of command on a file system that became read-only."""
+    outcome = Outcome("read-only file system", "flights, add, undo, import")
+    with mounted(folder / "fixed") as fixed:
+        file = fixed / "ledger.db"
+        season(file)
+        before = state(file)
+        subprocess.run(["mount", "-o", "remount,ro", str(fixed)], check=True)
+        for arguments in (
+            ("flights",),
+            ("undo",),
+            ("import", str(TABLE)),
+            ("add", "--rocket", "Astra", "--apogee", "100m"),
+        ):
+            status, out, said = fieldkit(file, *arguments)
+            if arguments == ("flights",):
+                outcome.saw("read", "" if not status and "Astra" in out else f"flights: {said}")
+            else:
+                _judge(outcome, file, (before, before), status, said, "the ledger is read-only")
+    return outcome
+
+
+def _judge(outcome: Outcome, file: Path, states: tuple[object, object], status: int, said: str, why: str) -> None:
+    """A command either did its work or says in one line why not, and the ledger is as the status says."""
+    name, wrong = after(file, states)  # type: ignore[arg-type]
+    if status and why not in said:
+        wrong = wrong or f"found {said!r}, expected {why!r}"
+    if status and len(said.strip().splitlines()) > 2:
+        wrong = wrong or f"found {len(said.splitlines())} lines"
+    if status and name == "after" and states[0] != states[1]:
+        wrong = wrong or "it was refused and is there"
+    outcome.saw("refused in a line" if status else "done, no room for a backup" if "warning" in said else "done", wrong)
+
+
+def _empty(small: Path) -> None:
+    subprocess.run(["find", str(small), "-mindepth", "1", "-delete"], check=True)
+
+
+def _fill(filler: Path, free: int) -> None:
+    """Take all room on a disc but so much. [byte]"""
+    room = os.statvfs(filler.parent)
+    filler.write_bytes(bytes(max(0, room.f_bavail * room.f_frsize - free)))

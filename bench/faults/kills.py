@@ -1,0 +1,272 @@
+"""Kill -9 at random moments: while a command writes, and anywhere in it.
+
+A command is the real one, run by `fieldkit.cli.main`. It goes on up to where it first takes the ledger to change it
+(before the backup that comes first), and from there it is forked, once a trial, on a fresh copy of the ledger: so a
+long computation before is done once, and every kill falls where there is something to lose. Other trials fork before
+the first line of the command. The moment of each SIGKILL is drawn evenly over 1.1 times what that part takes when
+it is left alone, as measured just before; a trial that was done by then is repeated and not counted.
+A SIGKILL takes the process and not the machine: what the system has taken over reaches the disc.
+"""
+
+import json
+import os
+import random
+import shutil
+import signal
+import statistics
+import time
+import tty
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, contextmanager, suppress
+from dataclasses import asdict, dataclass, field
+from pathlib import Path
+from typing import Any
+from unittest.mock import patch
+
+from bench.faults.ledgers import (
+    LOG,
+    STREAM,
+    TABLE,
+    Outcome,
+    State,
+    after,
+    at_home,
+    fieldkit,
+    old,
+    put,
+    raw_step,
+    season,
+    state,
+)
+from fieldkit.capture import captures, logs_in, read_capture
+from fieldkit.cli.main import main as run
+from fieldkit.errors import CaptureTrouble
+from fieldkit.ledger import opening
+from fieldkit.ledger.backups import folder_of
+from fieldkit.places import capture_folder
+
+MEASURED = 5
+"""Trials without a kill, whose median length the moments are drawn over. [1]"""
+LONG = 10.0
+"""A command that takes this long is measured once. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """A command, the ledger it finds, and how many of its kills come anywhere in it rather than while it writes."""
+
+    name: str
+    arguments: tuple[str, ...]
+    prepared: Callable[[Path], None]
+    anywhere: float = 1 / 3
+
+
+def _with_an_import(file: Path) -> None:
+    season(file)
+    assert fieldkit(file, "import", str(TABLE), str(LOG), "--set", "rocket=Comet")[0] == 0
+
+
+ADD = ("add", "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g", "--apogee", "935ft")
+CASES = (
+    Case("add", ADD, season),
+    Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
+    Case("capture", ("capture", "PORT", "--device", "micropeak", "--import", "--set", "rocket=Comet"), season, 1.0),
+    Case("undo", ("undo",), _with_an_import),
+    Case("migrate", ("history",), lambda file: old(file, "m001_flights")),
+    Case("loop", ("loop", "--effect", "motor_thrust"), season, 0.02),
+)
+
+
+def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
+    """Kill a command so many times, and look at the ledger after each; in a process of its own."""
+    if not trials:
+        return Outcome("kill -9", case.name)
+    reading, writing = os.pipe()
+    pid = os.fork()
+    if not pid:
+        os.close(reading)
+        _quiet()
+        with os.fdopen(writing, "w") as pipe:
+            json.dump(asdict(_kills(case, folder, trials, random.Random(seed))), pipe)
+        os._exit(0)
+    os.close(writing)
+    with os.fdopen(reading) as pipe:
+        said = pipe.read()
+    os.waitpid(pid, 0)
+    return Outcome(**json.loads(said)) if said else Outcome("kill", case.name, faults=["the bench itself died"])
+
+
+def _quiet() -> None:
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    for stream in (1, 2):
+        os.dup2(nowhere, stream)
+
+
+def _kills(case: Case, folder: Path, trials: int, rng: random.Random) -> Outcome:
+    folder.mkdir(parents=True, exist_ok=True)
+    anywhere = round(case.anywhere * trials)
+    with at_home(folder / "home"):
+        bench = _Bench(case, folder / "template.db", folder / "ledger.db", rng, Outcome("kill -9", case.name))
+        case.prepared(bench.template)
+        bench.learn()
+        bench.kill_anywhere(anywhere)
+        bench.kill_while_writing(trials - anywhere)
+    return bench.outcome
+
+
+class _Enough(BaseException):
+    """Leaves a command that was forked often enough."""
+
+
+@dataclass(slots=True)
+class _Bench:
+    """One case being tried; `states` are the ledger before and after its command."""
+
+    case: Case
+    template: Path
+    file: Path
+    rng: random.Random
+    outcome: Outcome
+    states: Sequence[State] = ()
+    lengths: list[float] = field(default_factory=list)
+
+    def learn(self) -> None:
+        """The states before and after the command."""
+        put(self.template, self.file)
+        before = state(self.file)
+        put(self.template, self.file)
+        with _unit(self.case) as arguments:
+            status, _, said = fieldkit(self.file, *arguments)
+        assert status == 0, said
+        self.states = (before, state(self.file))
+
+    def kill_anywhere(self, trials: int) -> None:
+        """Kill from the first line of the command on."""
+        for delay in self._moments(trials):
+            with _unit(self.case) as arguments:
+                if self._forked(delay):
+                    run(["--ledger", str(self.file), *arguments])
+                    os._exit(0)
+
+    def kill_while_writing(self, trials: int) -> None:
+        """Run the command up to its first change, and kill what follows."""
+        if not trials:
+            return
+        went_on = False
+
+        def gate() -> None:
+            nonlocal went_on
+            if went_on:
+                return
+            went_on = True
+            for delay in self._moments(trials):
+                if self._forked(delay):
+                    return
+            raise _Enough
+
+        put(self.template, self.file)
+        with _gated(gate), suppress(_Enough):
+            run(["--ledger", str(self.file), *self.case.arguments])
+            os._exit(0)
+
+    def _moments(self, trials: int) -> Iterator[float | None]:
+        """When to kill each trial, on a fresh ledger; None for those that are only measured. [s]"""
+        self.lengths.clear()
+        while len(self.lengths) < MEASURED and sum(self.lengths) < LONG:
+            self._fresh()
+            yield None
+        length = statistics.median(self.lengths)
+        wanted = self.outcome.tried + trials
+        while self.outcome.tried < wanted:
+            self._fresh()
+            yield self.rng.uniform(0.0, 1.1 * length)
+
+    def _fresh(self) -> None:
+        put(self.template, self.file)
+        shutil.rmtree(capture_folder(), ignore_errors=True)
+        if self.rng.random() < 0.5:  # else a backup is there already, and the command makes none
+            shutil.rmtree(folder_of(self.file), ignore_errors=True)
+
+    def _forked(self, delay: float | None) -> bool:
+        """Fork; True in the fork. The bench kills it after a delay and looks at what is left."""
+        pid = os.fork()
+        if not pid:
+            return True
+        began = time.monotonic()
+        if delay is not None:
+            time.sleep(delay)
+            os.kill(pid, signal.SIGKILL)
+        _, status = os.waitpid(pid, 0)
+        if delay is None:
+            self.lengths.append(time.monotonic() - began)
+        elif os.WIFSIGNALED(status):
+            self.outcome.saw(*self._look())
+        return False
+
+    def _look(self) -> tuple[str, str]:
+        hot = self.file.with_name(f"{self.file.name}-journal").exists()
+        step = raw_step(self.file)
+        name, wrong = after(self.file, self.states)
+        if self.case.name == "migrate" and not wrong:
+            name = "before" if step == "m001_flights" else "after"
+        name += ", rolled back by SQLite's journal" if hot else ""
+        return name, wrong or next(filter(None, map(_torn, captures(capture_folder()))), "")
+
+
+def _torn(file: Path) -> str:
+    """What is wrong with a capture whose program was killed: not all that was kept is what the unit sent."""
+    try:
+        raw = read_capture(file).raw
+        if raw:
+            logs_in(file)
+    except CaptureTrouble as error:
+        return str(error)
+    return "" if raw in STREAM.read_bytes() * 9 else f"{file.name}: holds bytes that were never sent"
+
+
+@contextmanager
+def _gated(gate: Callable[[], None]) -> Iterator[None]:
+    """Call `gate` whenever a command is about to change its ledger."""
+    keep, write = opening.keep_backup, opening.writing
+
+    def keeping(engine: Any, **options: Any) -> str:
+        engine.dispose()
+        gate()
+        return keep(engine, **options)
+
+    def writing(engine: Any, **options: Any) -> AbstractContextManager[Any]:
+        engine.dispose()
+        gate()
+        return write(engine, **options)
+
+    with patch.object(opening, "keep_backup", keeping), patch.object(opening, "writing", writing):
+        yield
+
+
+@contextmanager
+def _unit(case: Case) -> Iterator[list[str]]:
+    """A command's arguments; `PORT` among them becomes a terminal on which a logger says its record over and over."""
+    if "PORT" not in case.arguments:
+        yield list(case.arguments)
+        return
+    logger, terminal = os.openpty()
+    tty.setraw(terminal)
+    speaking = os.fork()
+    if not speaking:
+        _speak(logger)
+    try:
+        yield [os.ttyname(terminal) if one == "PORT" else one for one in case.arguments]
+    finally:
+        os.kill(speaking, signal.SIGKILL)
+        os.waitpid(speaking, 0)
+        os.close(logger)
+        os.close(terminal)
+
+
+def _speak(logger: int) -> None:
+    record = STREAM.read_bytes()
+    while True:
+        for start in range(0, len(record), 32):
+            os.write(logger, record[start : start + 32])
+            time.sleep(0.002)
+        time.sleep(3.0)

@@ -1,0 +1,169 @@
+"""The same on PostgreSQL: commands killed, and the server itself killed while they are in the middle of a change.
+
+A server of the bench's own runs on a free port of this computer, with its data in a scratch folder and
+synchronised to the disc as it is by default. Killing it is `pg_ctl stop -m immediate`, which ends every process of
+the server without a word to anybody, as a crash would; it recovers when it is started again.
+"""
+
+import os
+import random
+import shutil
+import signal
+import socket
+import statistics
+import subprocess
+import time
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from bench.faults.ledgers import LOG, TABLE, Outcome, State, fieldkit, state
+from fieldkit.cli.main import main as run
+from fieldkit.errors import LedgerError
+
+COMMANDS = {
+    "add": ("add", "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--apogee", "935ft"),
+    "import": ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"),
+    "undo": ("undo",),
+    "migrate": ("history",),
+}
+
+
+def binaries() -> Path | None:
+    """Where PostgreSQL's programs are, None where there are none."""
+    found = shutil.which("pg_ctl") or next(iter(sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_ctl"))[::-1]), None)
+    return Path(found).parent if found else None
+
+
+@dataclass(frozen=True, slots=True)
+class Server:
+    """A PostgreSQL server of our own."""
+
+    folder: Path
+    port: int
+
+    @property
+    def url(self) -> str:
+        """Of a ledger on it."""
+        return f"postgresql://postgres@127.0.0.1:{self.port}/postgres"
+
+    def start(self) -> None:
+        """Start it, and wait until it answers."""
+        options = f"-p {self.port} -c listen_addresses=127.0.0.1 -c unix_socket_directories=''"
+        self.call("pg_ctl", "-D", "data", "-l", "log", "-s", "-w", "-o", options, "start")
+
+    def kill(self) -> None:
+        """End it as a crash would."""
+        self.call("pg_ctl", "-D", "data", "-s", "-m", "immediate", "stop")
+
+    def call(self, program: str, *arguments: str) -> None:
+        """One of PostgreSQL's programs, as the user that it insists on."""
+        command = [str((binaries() or Path()) / program), *arguments]
+        if os.geteuid() == 0:  # it refuses to run as root
+            command = ["runuser", "-u", "postgres", "--", *command]
+        subprocess.run(command, cwd=self.folder, check=True, stdout=subprocess.DEVNULL)
+
+
+@contextmanager
+def server(folder: Path) -> Iterator[Server]:
+    """A server that runs until the end."""
+    folder.mkdir(parents=True)
+    if os.geteuid() == 0:
+        shutil.chown(folder, "postgres")
+    with socket.socket() as free:
+        free.bind(("127.0.0.1", 0))
+        ours = Server(folder, free.getsockname()[1])
+    ours.call("initdb", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8")
+    ours.start()
+    try:
+        yield ours
+    finally:
+        ours.kill()
+
+
+def _emptied(url: str) -> None:
+    import psycopg
+
+    with psycopg.connect(url, autocommit=True) as connection:
+        connection.execute("DROP SCHEMA public CASCADE")
+        connection.execute("CREATE SCHEMA public")
+
+
+def _prepared(name: str, url: str) -> None:
+    """The ledger that a command finds: two imports, or one at the first schema."""
+    _emptied(url)
+    assert fieldkit(url, "import", str(TABLE))[0] == 0
+    if name == "undo":
+        assert fieldkit(url, *COMMANDS["import"])[0] == 0
+    if name == "migrate":
+        _back_to_the_first_step(url)
+
+
+def _back_to_the_first_step(url: str) -> None:
+    """Take away what the later steps of the schema added."""
+    import psycopg
+
+    with psycopg.connect(url) as connection:
+        for index in ("flights_by_id", "flights_edited", "tags_by_tag", "predictions_by_flight"):
+            connection.execute(f"DROP INDEX {index}")
+        connection.execute("UPDATE alembic_version SET version_num = 'm001_flights'")
+
+
+def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: bool) -> Outcome:
+    """Kill a command, or the server below it, so often at random moments, and look at the ledger."""
+    rng, outcome = (
+        random.Random(seed),
+        Outcome("PostgreSQL", f"{name}, {'server' if of_the_server else 'command'} killed"),
+    )
+    _prepared(name, ours.url)
+    before = state(ours.url)
+    lengths = []
+    for _ in range(3):
+        _prepared(name, ours.url)
+        began = time.monotonic()
+        os.waitpid(_forked(ours.url, COMMANDS[name]), 0)
+        lengths.append(time.monotonic() - began)
+    done = state(ours.url)
+    while outcome.tried < trials:
+        _prepared(name, ours.url)
+        pid = _forked(ours.url, COMMANDS[name])
+        time.sleep(rng.uniform(0.0, 1.1 * statistics.median(lengths)))
+        if of_the_server:
+            ours.kill()
+            _, status = os.waitpid(pid, 0)
+            ours.start()
+        else:
+            os.kill(pid, signal.SIGKILL)
+            _, status = os.waitpid(pid, 0)
+        if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
+            continue  # it was done by then
+        outcome.saw(*_look(ours.url, (before, done), status))
+    return outcome
+
+
+def _forked(url: str, arguments: Sequence[str]) -> int:
+    pid = os.fork()
+    if pid:
+        return pid
+    nowhere = os.open(os.devnull, os.O_RDWR)
+    os.dup2(nowhere, 1)
+    os.dup2(nowhere, 2)
+    try:
+        status = run(["--ledger", url, *arguments])
+    except BaseException:
+        status = 99  # a traceback in a flyer's terminal
+    os._exit(status)
+
+
+def _look(url: str, states: tuple[State, State], status: int) -> tuple[str, str]:
+    """Which state the ledger is in, and what is wrong with it."""
+    if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 99:
+        return "traceback", "the command ended in a traceback when its server was gone"
+    try:
+        now = state(url)
+    except LedgerError as error:
+        return "lost", str(error)
+    if now == states[0]:
+        return "before", ""
+    return ("after", "") if now == states[1] else ("half", "neither as before nor as after the command")

@@ -1,0 +1,87 @@
+"""`fieldkit backups`: the copies of the ledger that are kept, and putting one back."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say
+
+if TYPE_CHECKING:
+    from fieldkit.ledger.backups import Backup
+
+app = typer.Typer()
+backups = typer.Typer(invoke_without_command=True)
+app.add_typer(backups, name="backups")
+
+
+@backups.callback()
+def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
+    """List the copies of the ledger that are kept, newest first; `backups restore` puts one back."""
+    if context.invoked_subcommand:
+        return
+    file, kept = _kept(context)
+    if json:
+        print_json({"backups": [_document(one) for one in kept]})
+    elif kept:
+        rows = [
+            (str(one.number), f"{one.at.astimezone():%Y-%m-%d %H:%M}", _flights(one), str(one.changes), _size(one))
+            for one in kept
+        ]
+        print_table(("no.", "made", "flights", "changes", "size"), rows, numbers=["no.", "flights", "changes", "size"])
+    else:
+        complain(f"no backup of {file} is kept yet; the first is made before the first change of a day")
+
+
+@backups.command()
+def restore(
+    context: typer.Context,
+    number: Annotated[
+        int | None, typer.Argument(help="As `backups` lists it; by default the newest.", show_default=False)
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
+) -> None:
+    """Put a copy in the ledger's place. What is there now is kept: a sound ledger as the newest copy."""
+    from fieldkit.errors import LedgerError
+    from fieldkit.ledger.backups import restore
+
+    file, kept = _kept(context)
+    chosen = next((one for one in kept if number in (None, one.number)), None)
+    if chosen is None:
+        known = ", ".join(str(one.number) for one in kept) or "none"
+        raise LedgerError(f"{file}: found no backup {number or ''}, expected one of: {known}")
+    when = f"{chosen.at.astimezone():%Y-%m-%d %H:%M}"
+    if not yes:
+        typer.confirm(
+            f"Put back backup {chosen.number} of {when}, with {_flights(chosen)} flights?", abort=True, err=True
+        )
+    left = restore(file, chosen)
+    say(f"the ledger is as it was at {when}, with {_flights(chosen)} flights")
+    if left:
+        complain(f"what was there is kept in {left}")
+
+
+def _kept(context: typer.Context) -> "tuple[Path, list[Backup]]":
+    """The ledger's file and its copies. Raises LedgerError for one that is not a file."""
+    from fieldkit.errors import LedgerError
+    from fieldkit.ledger import opening
+    from fieldkit.ledger.backups import backups
+
+    url = opening.location(context.find_root().obj)
+    file = opening.file_of(url)
+    if file is None:
+        raise LedgerError(f"{opening.name_of(url)}: is not a file of its own; back it up with what its server has")
+    return file, backups(file)
+
+
+def _flights(backup: "Backup") -> str:
+    return "?" if backup.flights is None else str(backup.flights)
+
+
+def _size(backup: "Backup") -> str:
+    return f"{backup.size / 1e6:.1f} MB"
+
+
+def _document(backup: "Backup") -> dict[str, object]:
+    about: dict[str, object] = {"number": backup.number, "at": backup.at.isoformat(), "file": str(backup.file)}
+    return about | {"flights": backup.flights, "changes": backup.changes, "bytes": backup.size}

@@ -1,0 +1,88 @@
+"""`fieldkit ork`: an OpenRocket design as the configuration that a rocket starts with."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, in_both_units, print_json, say, say_wrapped
+from fieldkit.cli.session import open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Start
+    from fieldkit.openrocket import Design
+
+app = typer.Typer()
+
+
+@app.command()
+def ork(
+    context: typer.Context,
+    file: Annotated[Path, typer.Argument(help="An OpenRocket design, .ork.", show_default=False)],
+    rocket: Annotated[str | None, typer.Option(help="By default the name in the file.", show_default=False)] = None,
+    config: Annotated[str, typer.Option(help="What this build is called, such as A.")] = "",
+    look: Annotated[bool, typer.Option("--look", help="Look only; keep nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Start a rocket from its OpenRocket design: mass without motor, diameter, length and Cd, until it has flown."""
+    from fieldkit.errors import BadValue
+    from fieldkit.intake import read_file
+    from fieldkit.ledger import Start
+    from fieldkit.openrocket import read_design
+
+    design = read_design(read_file(file), file.name)
+    name = rocket or design.name
+    if not name:
+        raise BadValue(f"{file.name}: found no name in it, expected --rocket with one")
+    start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, file.name)
+    kept = False
+    if not look:
+        with open_ledger(context) as ledger:
+            kept = ledger.keep_start(start)
+    if json:
+        print_json(_document(start, design, kept=kept))
+        return
+    say(f"{name} {config}".strip())
+    for line in _lines(start, design):
+        say_wrapped(line, " " * 12)
+    for note in design.notes:
+        complain(f"note: {note}")
+    if not look:
+        complain(_done(start) if kept else "it is kept already")
+
+
+def _lines(start: "Start", design: "Design") -> list[str]:
+    lines = []
+    if start.dry_mass is not None:
+        lines.append(f"  dry mass  {in_both_units('dry_mass', start.dry_mass)}, by {design.mass_by}")
+    if start.diameter is not None:
+        lines.append(f"  diameter  {in_both_units('diameter', start.diameter)}")
+    if start.length is not None:
+        lines.append(f"  length    {start.length * 1e3:.0f} mm ({start.length / 0.0254:.1f} in)")
+    lines.append(f"  Cd        {start.cd:.2f}, by {design.cd_by}" if start.cd else "  Cd        not in the file")
+    motors = dict.fromkeys(" ".join(filter(None, (one.maker, one.designation))) for one in design.motors)
+    return [*lines, f"  motors    {', '.join(motors)}"] if motors else lines
+
+
+def _done(start: "Start") -> str:
+    name = f'"{start.rocket}"' if " " in start.rocket else start.rocket
+    config = f" --config {start.config}" if start.config else ""
+    return f"kept; `fieldkit predict --rocket {name}{config} --motor M` starts from it, `fieldkit undo` takes it back"
+
+
+def _document(start: "Start", design: "Design", *, kept: bool) -> dict[str, object]:
+    from dataclasses import asdict
+
+    return {
+        "rocket": start.rocket,
+        "config": start.config,
+        "dry_mass_g": None if start.dry_mass is None else start.dry_mass * 1e3,
+        "diameter_mm": None if start.diameter is None else start.diameter * 1e3,
+        "length_mm": None if start.length is None else start.length * 1e3,
+        "cd": start.cd,
+        "mass_by": design.mass_by,
+        "cd_by": design.cd_by,
+        "motors": [asdict(one) for one in design.motors],
+        "notes": list(design.notes),
+        "kept": kept,
+    }

@@ -1,0 +1,163 @@
+"""What the commands that plan share: how a plan begins, the field it flies at, and how safety is printed."""
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from fieldkit.cli.options import FIELD
+from fieldkit.cli.screen import say, say_wrapped
+from fieldkit.cli.session import known_motors, open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
+    from fieldkit.ledger import Ledger
+    from fieldkit.ledger.sites import Site
+    from fieldkit.loop.predict import Prediction
+    from fieldkit.motors import Catalogue, Found
+    from fieldkit.plan.desk import Rocket
+    from fieldkit.plan.limits import Limit
+    from fieldkit.plan.safety import Line
+
+Given = Mapping[str, str | None]
+"""Options of a plan as typed, None where not given."""
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """A plan as it begins: the flight, what the ledger holds of its rocket, the motors known, site and thresholds."""
+
+    ledger: "Ledger"
+    motors: "Catalogue"
+    flight: "Flight"
+    rocket: "Rocket"
+    site: "Site"
+    limits: "dict[str, Limit]"
+
+    def motor(self) -> "Found":
+        """The motor of the plan, that of the rocket's last flight where not said. Raises UnknownMotor."""
+        last = self.ledger.latest(self.flight.rocket)
+        return self.motors.resolve(self.flight.motor or (last.motor if last else ""))
+
+    def safety(self, said: "Prediction") -> "list[Line]":
+        """Every safety line of a forecast."""
+        from fieldkit.plan.descent import fall_of
+        from fieldkit.plan.safety import safety_lines
+
+        return safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+
+
+@contextmanager
+def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
+    """A plan for a rocket that has flown, with its ledger open. Raises NoFlights, BadValue."""
+    from fieldkit.loop.desk import which_rocket
+    from fieldkit.plan.desk import rocket_of
+
+    motors = known_motors()
+    with open_ledger(context) as ledger:
+        name = which_rocket(ledger, given.get("rocket"))
+        flight = begun_plan(ledger, {**given, "rocket": name})
+        rocket = rocket_of(ledger, motors, name)
+        yield Plan(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
+
+
+def begun_plan(ledger: "Ledger", given: Given) -> "Flight":
+    """The flight that options describe; rocket, configuration, mass, rail and site are the last flown where not said.
+
+    Raises BadValue.
+    """
+    from fieldkit.entry import read_changes
+    from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+    from fieldkit.plan.desk import begun
+    from fieldkit.plan.safety import motor_temperature
+    from fieldkit.settings import read_settings
+
+    changes = {name: text for name, text in given.items() if text is not None and name not in dict(FIELD)}
+    last = ledger.latest(changes.get("rocket"))
+    plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
+    plan = plan.with_changes(**read_changes(plan, changes))
+    if given.get("motor_temperature"):
+        plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
+        motor_temperature(plan)
+    return begun(ledger, plan, read_settings())
+
+
+def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
+    """The site of a plan, with ceiling and size as given. Raises BadValue."""
+    from dataclasses import replace
+
+    from fieldkit.ledger.sites import site_of
+
+    known = site_of(ledger, plan.site)
+    ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
+    return replace(known, ceiling=ceiling or known.ceiling, size=size or known.size)
+
+
+def length(text: str | None, default: str = "m") -> float | None:
+    """A length typed with or without its unit, in m. Raises BadValue."""
+    from fieldkit.units import parse
+
+    return None if text is None else parse(text, "length", default)
+
+
+def own_limits() -> "dict[str, Limit]":
+    """The thresholds, with the flyer's own in their place."""
+    from fieldkit.places import data_folder
+    from fieldkit.plan.limits import limits
+
+    return limits(data_folder() / "limits.toml")
+
+
+def safety_of(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given) -> "list[list[Line]]":
+    """Every safety line of each of some forecasts."""
+    from fieldkit.loop.desk import flown
+    from fieldkit.plan.descent import fall_of
+    from fieldkit.plan.safety import safety_lines
+
+    limits = own_limits()
+    falls = {name: fall_of(flown(ledger, motors, name)) for name in {one.plan.rocket for one in said}}
+    return [safety_lines(one, field_of(ledger, one.plan, given), falls[one.plan.rocket], limits) for one in said]
+
+
+def about_plan(said: "Prediction", lines: "Sequence[Line]") -> dict[str, Any]:
+    """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
+    from fieldkit.plan.air import air_of, conditions
+    from fieldkit.plan.safety import DECIDES
+
+    return {
+        "conditions": conditions(said.plan),
+        "air": air_of(said.plan).json(),
+        "safety": [line.json() for line in lines],
+        "decides": DECIDES,
+    }
+
+
+def print_conditions(plan: "Flight") -> None:
+    """Print the air of a plan, and what else of the day acts on it."""
+    from fieldkit.plan.words import conditions_in_words
+
+    for text in conditions_in_words(plan):
+        say_wrapped(text, " " * 10)
+
+
+def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[Line]") -> None:
+    """Print what a plan comes to, and its conditions and safety lines below."""
+    for text in words:
+        say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
+    print_safety(plan, lines)
+
+
+_WIDTH = 79
+"""Of a line that is printed as it is, its columns kept. [letters]"""
+
+
+def print_safety(plan: "Flight", lines: "Sequence[Line]") -> None:
+    """Print the conditions of a plan and all safety lines, well or not, and who decides."""
+    from fieldkit.plan.safety import told
+
+    print_conditions(plan)
+    say("  safety")
+    for text in told(lines):
+        say_wrapped(f"    {text}", "  ")

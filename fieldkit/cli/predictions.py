@@ -1,0 +1,88 @@
+"""`fieldkit predictions`: what was foretold, what became of it, and what has changed since."""
+
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
+from fieldkit.cli.session import known_motors, open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
+    from fieldkit.ledger import Ledger
+    from fieldkit.loop.kept import Kept
+
+app = typer.Typer()
+
+
+@app.command()
+def predictions(
+    context: typer.Context,
+    rocket: Annotated[str | None, typer.Option(help="Of this rocket only.", show_default=False)] = None,
+    every: Annotated[bool, typer.Option("--all", help="Those too that were replaced, or lapsed unflown.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List the predictions kept: those still open, those that became stale and why, and those flown."""
+    from fieldkit.loop.desk import which_rocket
+    from fieldkit.loop.kept import kept, standing
+
+    with open_ledger(context) as ledger:
+        name = which_rocket(ledger, rocket) if rocket else None
+        found = kept(ledger, known_motors(), name)
+        where = ledger.name
+    shown = [one for one in found if every or one.state in ("open", "stale", "flown")]
+    if json:
+        print_json({"predictions": [one.json() for one in shown]})
+        return
+    if not found:
+        complain(f"no predictions kept in {where} yet; `fieldkit predict` makes one")
+        return
+    rockets = {one.made.rocket for one in found}
+    headers = ["no", "made", "flight", "motor", "apogee m", "90 %", "flown", "miss", ""]
+    rows = [_cells(one) for one in shown]
+    if len(rockets) > 1:
+        headers.insert(2, "rocket")
+        rows = [[*row[:2], one.made.rocket, *row[2:]] for row, one in zip(rows, shown, strict=True)]
+    print_table(headers, rows, numbers=["no", "apogee m", "90 %", "flown", "miss"])
+    for one in shown:
+        if one.stale:
+            say_wrapped(f"  {one.made.number}: {'; '.join(one.changes)}", "   ")
+    say(standing(found))
+
+
+def _cells(one: "Kept") -> list[str]:
+    low, middle, high = one.interval
+    payload = one.made.payload
+    flight = one.flight.flight_id if one.flight else one.made.flight_id
+    return [
+        str(one.made.number),
+        f"{one.made.at.astimezone():%Y-%m-%d}",
+        flight,
+        str(payload.get("motor", "")),
+        f"{middle:.0f}",
+        f"{low:.0f}-{high:.0f}",
+        "" if one.flown is None else f"{one.flown:.1f}",
+        "" if one.miss is None else f"{one.miss:+.1f}",
+        "flown, stale" if one.stale and one.state == "flown" else one.state,
+    ]
+
+
+def foretold(ledger: "Ledger", flight: "Flight") -> "Kept | None":
+    """The prediction that a flight is measured against; a ledger without any wakes nothing to say so."""
+    if not ledger.predictions(flight.rocket):
+        return None
+    from fieldkit.loop.kept import of_flight
+
+    return of_flight(ledger, known_motors(), flight)
+
+
+def say_foretold(said: "Kept | None") -> None:
+    """Print what was foretold for a flight beside what it flew, where something was."""
+    if said is None:
+        return
+    from fieldkit.loop.kept import in_words
+
+    first, *others = in_words(said)
+    say_wrapped(f"Prediction  {first}", " " * 12)
+    for line in others:
+        say_wrapped(f"{'':12}{line}")

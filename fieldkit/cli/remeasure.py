@@ -1,0 +1,121 @@
+"""`fieldkit remeasure`: the files of flights read again, with the parsers and the measuring of today."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say
+from fieldkit.cli.session import open_ledger
+
+if TYPE_CHECKING:
+    from fieldkit.flight import Flight
+    from fieldkit.intake import Remeasured
+
+app = typer.Typer()
+
+
+@app.command()
+def remeasure(
+    context: typer.Context,
+    flights: Annotated[
+        list[str] | None, typer.Argument(metavar="[FLIGHT...]", help="By default all.", show_default=False)
+    ] = None,
+    rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.", show_default=False)] = None,
+    dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would change, change nothing.")] = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Read the logs of flights again; what you typed or edited stays, and undo takes the rest back."""
+    from fieldkit.errors import FieldkitError
+    from fieldkit.intake import Remeasured, remeasured
+    from fieldkit.ledger import Renewal
+    from fieldkit.logs.mapping import remembered
+
+    choices, found, without, errors = list(remembered()), list[Remeasured](), 0, dict[str, str]()
+    with open_ledger(context) as ledger:
+        ids = flights or ledger.ids(ledger.flights(rocket))
+        with progress("reading logs again") as tell:
+            for place, id in enumerate(ids):
+                tell(id, place / len(ids))
+                try:
+                    one = remeasured(ledger, id, choices)
+                except FieldkitError as error:
+                    if flights and len(flights) == 1:
+                        raise
+                    errors[id] = str(error)
+                    continue
+                without += one is None
+                found += [one] if one else []
+        renewals = [Renewal(one.id, one.renewed, one.renewed_entered) for one in found]
+        changed = ledger.renew(renewals, dry_run=dry_run)
+    for id, text in errors.items():
+        complain(f"{id}: {text}")
+    if json:
+        print_json(_document(found, changed, without, errors, dry_run))
+    else:
+        _print(found, changed, without, dry_run)
+
+
+def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: bool) -> None:
+    from fieldkit.recording.words import TITLES
+
+    rows = []
+    for one in found:
+        for name, (old, new) in one.changes.items():
+            rows.append((one.id, TITLES[name], _figure(name, old, one.flight), _figure(name, new, one.renewed)))
+        if one.others and not one.changes:
+            rows.append((one.id, "what is told of it", "", ", ".join(one.others)))
+        for name in one.kept:
+            complain(f"note: {one.id}: {TITLES[name].lower()} was typed or edited, and stays")
+    if rows:
+        print_table(("flight", "", "there", "now"), rows)
+    done = "would change" if dry_run else "changed"
+    after = "" if dry_run or not changed else "; `fieldkit undo` takes it back"
+    say(f"{changed} {done}, {len(found) - changed} as before, {without} without samples{after}")
+
+
+def _figure(name: str, value: float | None, flight: "Flight") -> str:
+    """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash where there is none."""
+    from fieldkit.recording import measured_sd
+    from fieldkit.recording.words import spoken
+
+    return "-" if value is None else spoken(name, value, measured_sd(name, flight.extra) or 0.0)
+
+
+def _document(
+    found: "Sequence[Remeasured]", changed: int, without: int, errors: dict[str, str], dry_run: bool
+) -> dict[str, object]:
+    from fieldkit.recording.words import edge_header
+
+    return {
+        "flights": [
+            {
+                "flight": one.id,
+                "changes": {
+                    edge_header(name): {
+                        "there": _at_the_edge(name, old, one.flight),
+                        "now": _at_the_edge(name, new, one.renewed),
+                    }
+                    for name, (old, new) in one.changes.items()
+                },
+                "others": list(one.others),
+                "kept": [edge_header(name) for name in one.kept],
+            }
+            for one in found
+        ],
+        "changed": changed,
+        "without_samples": without,
+        "errors": [{"flight": id, "error": text} for id, text in errors.items()],
+        "dry_run": dry_run,
+    }
+
+
+def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
+    """A readout and its standard deviation in the unit of the flight table, None where there is none."""
+    from fieldkit.recording import measured_sd
+    from fieldkit.recording.words import at_the_edge
+
+    if value is None:
+        return None
+    sd = measured_sd(name, flight.extra)
+    return {"value": at_the_edge(name, value), "sd": None if sd is None else at_the_edge(name, sd)}

@@ -1,0 +1,31 @@
+"""`fieldkit report`: a flight card, a day or a rocket as pages for the log book."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import progress, say
+from fieldkit.cli.session import known_motors, open_ledger
+
+app = typer.Typer()
+
+
+@app.command()
+def report(
+    context: typer.Context,
+    what: Annotated[
+        str,
+        typer.Argument(metavar="FLIGHT|ROCKET|DAY", help="A flight's id, a rocket, or a day such as 2026-05-01."),
+    ],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .html, .pdf, .png or .md.", show_default=False)],
+) -> None:
+    """Write a flight card, or a day's or a rocket's report with what the loop finds, for the log book."""
+    from fieldkit.report.book import book
+    from fieldkit.report.write import check_report, write_report
+
+    check_report(out)
+    with open_ledger(context) as ledger, progress("report") as tell:
+        made = book(ledger, known_motors(), what, tell)
+        files = write_report(made, out)
+    say(f"{made.title}: {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")

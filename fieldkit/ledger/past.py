@@ -1,0 +1,92 @@
+"""How the ledger stood before a flight came in: the journal read backwards in memory, nothing is changed."""
+
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from sqlalchemy import Connection, select
+
+from fieldkit.flight import Flight
+from fieldkit.ledger.journal import Image
+from fieldkit.ledger.records import Past
+from fieldkit.ledger.rows import Row, flight_of
+from fieldkit.ledger.tables import active_versions, flights, journal, metadata, tags
+
+Rows = dict[str, dict[tuple[Any, ...], Row]]
+"""The rows of each table by their primary key."""
+
+
+def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
+    """How each flight's rocket stood just before the flight came in; as it stands now for one that never did."""
+    changes = list(_changes(connection))
+    came = _arrivals(changes)
+    rows = _rows(connection)
+    entries = {(row["rocket"], row["flight_id"]): row["entry"] for row in rows["flights"].values()}
+    moments = {n: came.get(entries.get((one.rocket, one.flight_id), 0)) for n, one in enumerate(wanted)}
+    found = {n: _past(rows, wanted[n].rocket) for n, moment in moments.items() if moment is None}
+    latest_first = sorted((moment, n) for n, moment in moments.items() if moment is not None)
+    for number, images in reversed(changes):
+        if not latest_first:
+            break
+        for image in reversed(images):
+            _apply(rows, image.swapped())
+        while latest_first and latest_first[-1][0] == number:
+            _, n = latest_first.pop()
+            found[n] = _past(rows, wanted[n].rocket)
+    return [found[n] for n in range(len(wanted))]
+
+
+def _changes(connection: Connection) -> Iterator[tuple[int, list[Image]]]:
+    """What each entry of the journal did to the tables, oldest first; an undo did its target backwards."""
+    known: dict[int, list[Image]] = {}
+    for row in connection.execute(select(journal).order_by(journal.c.number)):
+        if row.target is None:
+            known[row.number] = [Image(*image) for image in row.images]
+            yield row.number, known[row.number]
+        elif row.command == "undo":
+            yield row.number, [image.swapped() for image in reversed(known[row.target])]
+        else:
+            yield row.number, known[row.target]
+
+
+def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
+    """The change by which each flight, named by its entry, came in last."""
+    return {
+        image.after["entry"]: number
+        for number, images in changes
+        for image in images
+        if image.table == "flights" and image.before is None and image.after
+    }
+
+
+def _rows(connection: Connection) -> Rows:
+    held = (flights, tags, active_versions)
+    return {
+        table.name: {_key(table.name, row): dict(row) for row in connection.execute(select(table)).mappings()}
+        for table in held
+    }
+
+
+def _key(table: str, row: Any) -> tuple[Any, ...]:
+    return tuple(row[column.name] for column in metadata.tables[table].primary_key)
+
+
+def _apply(rows: Rows, image: Image) -> None:
+    held = rows.get(image.table)
+    if held is None:
+        return
+    if image.after is None:
+        held.pop(_key(image.table, image.before), None)
+        return
+    key = _key(image.table, image.after)
+    held[key] = image.after if image.before is None else held[key] | image.after
+
+
+def _past(rows: Rows, rocket: str) -> Past:
+    own = [row for row in rows["flights"].values() if row["rocket"] == rocket]
+    own.sort(key=lambda row: (row["date_time"] is None, row["date_time"] or "", row["entry"]))
+    labels: dict[int, list[str]] = {row["entry"]: [] for row in own}
+    for (entry, _), row in sorted(rows["tags"].items()):
+        if entry in labels:
+            labels[entry].append(row["tag"])
+    used = rows["active_versions"].get((rocket,))
+    return Past(tuple(flight_of(row, labels[row["entry"]]) for row in own), used["number"] if used else 0)

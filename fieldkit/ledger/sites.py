@@ -1,0 +1,51 @@
+"""Launch sites: what the flights say of them, and what the flyer saved beside the flights: size and ceiling."""
+
+from dataclasses import dataclass
+
+from fieldkit.errors import BadValue
+from fieldkit.ledger.ledger import Ledger
+
+SITES = "sites"
+"""Name under which the ledger keeps them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Site:
+    """A launch site: elevation of the pad above sea level, the field's shorter side, and the ceiling above the pad
+    that its waiver or its owner sets; None where not known. [m]"""
+
+    name: str = ""
+    elevation: float | None = None
+    size: float | None = None
+    ceiling: float | None = None
+
+
+def sites(ledger: Ledger) -> list[Site]:
+    """Every site that flights name or that was saved, the last used first."""
+    saved = ledger.draft(SITES) or {}
+    names = dict.fromkeys([*ledger.names("site"), *saved])
+    flown = {flight.site: flight.site_elevation for flight in ledger.flights() if flight.site_elevation is not None}
+    return [Site(name, **{"elevation": flown.get(name)} | saved.get(name, {})) for name in names if name]
+
+
+def site_of(ledger: Ledger, name: str) -> Site:
+    """What is known of a site; nothing but its name where it is new."""
+    saved = (ledger.draft(SITES) or {}).get(name, {})
+    if not name or "elevation" in saved:
+        return Site(name, **saved)
+    return next((site for site in sites(ledger) if site.name == name), Site(name))
+
+
+def keep_site(
+    ledger: Ledger, name: str, elevation: float | None = None, size: float | None = None, ceiling: float | None = None
+) -> Site:
+    """Save what is given of a site, and leave the rest as it is. Raises BadValue for a size that is none."""
+    given = {"elevation": elevation, "size": size, "ceiling": ceiling}
+    changes = {key: value for key, value in given.items() if value is not None}
+    for key in ("size", "ceiling"):
+        if key in changes and changes[key] <= 0:
+            raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than nothing")
+    saved = ledger.draft(SITES) or {}
+    saved[name] = saved.get(name, {}) | changes
+    ledger.keep_draft(SITES, saved)
+    return site_of(ledger, name)

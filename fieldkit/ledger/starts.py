@@ -1,0 +1,26 @@
+"""Starting configurations: one for each rocket and configuration, the last that was kept."""
+
+from dataclasses import asdict
+
+from sqlalchemy import Connection, and_, select
+
+from fieldkit.ledger.journal import Pen
+from fieldkit.ledger.records import Start
+from fieldkit.ledger.tables import configurations
+
+
+def keep(pen: Pen, start: Start) -> bool:
+    """Keep a starting configuration in place of what was there; False where it is there already."""
+    there = starts(pen.connection, start.rocket)
+    if start in there:
+        return False
+    named = and_(configurations.c.rocket == start.rocket, configurations.c.config == start.config)
+    pen.delete(configurations, named)
+    pen.insert(configurations, [asdict(start)])
+    return True
+
+
+def starts(connection: Connection, rocket: str) -> list[Start]:
+    """The starting configurations of a rocket, by name."""
+    query = select(configurations).where(configurations.c.rocket == rocket).order_by(configurations.c.config)
+    return [Start(**row) for row in connection.execute(query).mappings()]

@@ -1,1 +1,0 @@
-"""A closed loop as a page to keep, print or send: one file, pictures inside."""

@@ -1,0 +1,240 @@
+"""The parts of a design: their sizes, and what each weighs by its geometry and material, overrides first.
+
+Lengths are in m, masses in kg, densities in kg/m^3 (bulk), kg/m^2 (surface) and kg/m (line), as the files have them.
+Source: the elements of OpenRocket's saved designs, https://openrocket.readthedocs.io.
+"""
+
+import math
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+
+if TYPE_CHECKING:
+    from xml.etree.ElementTree import Element
+
+AIRFRAME = ("nosecone", "bodytube", "transition")
+"""Parts that follow each other along the body."""
+STEPS = 200
+"""Slices of a nose cone or transition, whose volume is summed. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Size:
+    """A part of the airframe: its length and the radius at either end. [m]"""
+
+    length: float
+    fore: float
+    aft: float
+
+
+def number(part: "Element", name: str, otherwise: float = 0.0) -> float:
+    """A number of a part, which must be finite; the figure behind `auto` where the file keeps it."""
+    text = (part.findtext(name) or "").split()
+    try:
+        value = float(text[-1]) if text else otherwise
+    except ValueError:
+        return otherwise
+    return value if math.isfinite(value) else otherwise
+
+
+def children(part: "Element") -> "list[Element]":
+    """The parts that are on or in a part."""
+    inside = part.find("subcomponents")
+    return [] if inside is None else list(inside)
+
+
+def name_of(part: "Element") -> str:
+    """What the designer calls a part."""
+    return (part.findtext("name") or part.tag).strip()
+
+
+def airframe(stage: "Element") -> "list[Element]":
+    """The parts of a stage that follow each other."""
+    return [part for part in children(stage) if part.tag in AIRFRAME]
+
+
+def sizes(parts: "list[Element]") -> list[Size]:
+    """Lengths and radii; a radius that is `auto` and not kept is that of the nearest neighbour with one."""
+    ends = [list(_ends(part)) for part in parts]
+    flat = [radius for pair in ends for radius in pair]
+    for place, radius in enumerate(flat):
+        if radius is None:
+            near = sorted((abs(other - place), r) for other, r in enumerate(flat) if r is not None)
+            ends[place // 2][place % 2] = near[0][1] if near else 0.0
+    return [
+        Size(number(part, "length"), fore or 0.0, aft or 0.0) for part, (fore, aft) in zip(parts, ends, strict=True)
+    ]
+
+
+def _ends(part: "Element") -> tuple[float | None, float | None]:
+    if part.tag == "bodytube":
+        radius = _radius(part, "radius")
+        return radius, radius
+    if part.tag == "nosecone":
+        tip = _radius(part, "foreradius") if (part.findtext("isflipped") or "") == "true" else 0.0
+        return (tip, 0.0) if tip else (0.0, _radius(part, "aftradius"))
+    return _radius(part, "foreradius"), _radius(part, "aftradius")
+
+
+def _radius(part: "Element", name: str) -> float | None:
+    """A radius, None for one that is automatic and not kept."""
+    value = number(part, name, -1.0)
+    return value if value >= 0 else None
+
+
+def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
+    """What a part and all in it weigh; parts whose mass cannot be told are named in `unknown`. [kg]"""
+    own, below = _override(part)
+    if own is not None and below:
+        return own
+    inside = sum(mass(one, None, unknown) for one in children(part) if one.tag not in AIRFRAME)
+    if part.tag == "stage":
+        parts = airframe(part)
+        inside += sum(mass(one, of, unknown) for one, of in zip(parts, sizes(parts), strict=True))
+    return (own if own is not None else _own_mass(part, size, unknown)) + inside
+
+
+def _override(part: "Element") -> tuple[float | None, bool]:
+    """The mass that the designer weighed, if any, and whether it is of everything inside too."""
+    if part.findtext("overridemass") is None:
+        return None, False
+    below = part.findtext("overridesubcomponentsmass") or part.findtext("overridesubcomponents") or "false"
+    return number(part, "overridemass"), below.strip() == "true"
+
+
+def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
+    volume = VOLUMES.get(part.tag)
+    if size is not None:
+        return _density(part, "material") * _shell(part, size)
+    if volume is not None:
+        return _density(part, "material") * volume(part) * _instances(part)
+    if part.tag in OTHERS:
+        return OTHERS[part.tag](part)
+    if part.tag not in WEIGHTLESS:
+        unknown.append(name_of(part))
+    return 0.0
+
+
+def _density(part: "Element", name: str) -> float:
+    material = part.find(name)
+    try:
+        value = float(material.get("density", "0")) if material is not None else 0.0
+    except ValueError:
+        return 0.0
+    return value if math.isfinite(value) else 0.0
+
+
+def _instances(part: "Element") -> float:
+    return max(number(part, "instancecount", 1.0), 1.0)
+
+
+def _shell(part: "Element", size: Size) -> float:
+    """Volume of the wall of a tube, nose or transition, and of the shoulders of the last two. [m^3]"""
+    filled = (part.findtext("thickness") or "").strip() == "filled"
+    wall = math.inf if filled else number(part, "thickness")
+    along = (np.arange(STEPS) + 0.5) / STEPS
+    outer = size.fore + (size.aft - size.fore) * _profile(part, along)
+    slope = np.gradient(outer, size.length / STEPS) if size.length else 0.0 * outer
+    inner = np.maximum(outer - wall * np.sqrt(1 + slope**2), 0.0)
+    body = float(np.pi * (outer**2 - inner**2).mean() * size.length)
+    return body + sum(_ring(part, f"{end}shoulder") for end in ("fore", "aft"))
+
+
+def _profile(part: "Element", x: Float[Array, "step"]) -> Float[Array, "step"]:
+    """How far the radius has gone from one end to the other; 0 to 1.
+
+    Source: Crowell, The Descriptive Geometry of Nose Cones, 1996.
+    """
+    shape = (part.findtext("shape") or "conical").strip()
+    bent = number(part, "shapeparameter", 1.0)
+    if shape == "ellipsoid":
+        return np.asarray(np.sqrt(1 - (1 - x) ** 2))
+    if shape == "ogive":
+        length, radius = number(part, "length", 1.0), abs(number(part, "aftradius", 0.1) or 0.1)
+        rho = (radius**2 + length**2) / (2 * radius)
+        return np.asarray(
+            np.clip((np.sqrt(np.maximum(rho**2 - (length * (1 - x)) ** 2, 0)) + radius - rho) / radius, 0, 1)
+        )
+    if shape == "power":
+        return np.asarray(x ** (bent or 1.0))
+    if shape == "parabolic":
+        return np.asarray((2 * x - bent * x**2) / (2 - bent))
+    if shape == "haack":
+        angle = np.arccos(1 - 2 * x)
+        return np.asarray(np.sqrt(np.maximum(angle - np.sin(2 * angle) / 2 + bent * np.sin(angle) ** 3, 0) / np.pi))
+    return x
+
+
+def _ring(part: "Element", name: str) -> float:
+    """Volume of a shoulder. [m^3]"""
+    outer, wall, length = (number(part, f"{name}{what}") for what in ("radius", "thickness", "length"))
+    ring = math.pi * (outer**2 - max(outer - wall, 0.0) ** 2) * length
+    capped = (part.findtext(f"{name}capped") or "") == "true"
+    return ring + (math.pi * max(outer - wall, 0.0) ** 2 * wall if capped else 0.0)
+
+
+def _tube(part: "Element") -> float:
+    """Volume of an inner tube, coupler, ring, bulkhead or lug, by either pair of its radii. [m^3]"""
+    outer = number(part, "outerradius") or number(part, "radius")
+    wall = number(part, "thickness")
+    inner = number(part, "innerradius") if part.find("innerradius") is not None else max(outer - wall, 0.0)
+    solid = part.tag == "bulkhead"
+    return math.pi * (outer**2 - (0.0 if solid else inner**2)) * number(part, "length")
+
+
+def _fins(part: "Element") -> float:
+    """Volume of a set of fins, their tabs left out. [m^3]"""
+    root, tip, height = (number(part, name) for name in ("rootchord", "tipchord", "height"))
+    if part.tag == "trapezoidfinset":
+        area = (root + tip) / 2 * height
+    elif part.tag == "ellipticalfinset":
+        area = math.pi / 4 * root * height
+    else:
+        points = [(float(p.get("x", 0)), float(p.get("y", 0))) for p in part.iterfind("finpoints/point")]
+        area = abs(sum(a[0] * b[1] - b[0] * a[1] for a, b in zip(points, [*points[1:], *points[:1]], strict=True))) / 2
+    return area * number(part, "thickness") * max(number(part, "fincount", 1.0), 1.0)
+
+
+def _tube_fins(part: "Element") -> float:
+    return _tube(part) * max(number(part, "fincount", 1.0), 1.0)
+
+
+def _parachute(part: "Element") -> float:
+    cloth = math.pi / 4 * number(part, "diameter") ** 2 * _density(part, "material")
+    return cloth + number(part, "linecount") * number(part, "linelength") * _density(part, "linematerial")
+
+
+def _streamer(part: "Element") -> float:
+    return number(part, "striplength") * number(part, "stripwidth") * _density(part, "material")
+
+
+def _cord(part: "Element") -> float:
+    return number(part, "cordlength") * _density(part, "material")
+
+
+VOLUMES: "dict[str, Callable[[Element], float]]" = {
+    **dict.fromkeys(("innertube", "tubecoupler", "centeringring", "bulkhead", "engineblock", "launchlug"), _tube),
+    **dict.fromkeys(("trapezoidfinset", "ellipticalfinset", "freeformfinset"), _fins),
+    "tubefinset": _tube_fins,
+}
+"""Parts of one bulk material, and their volume. [m^3]"""
+OTHERS: "dict[str, Callable[[Element], float]]" = {
+    "masscomponent": lambda part: number(part, "mass"),
+    "parachute": _parachute,
+    "streamer": _streamer,
+    "shockcord": _cord,
+}
+"""Parts that weigh otherwise. [kg]"""
+WEIGHTLESS = ("stage", "railbutton", "podset", "parallelstage")
+"""Parts without a mass of their own; a rail button is a gram or two."""
+
+
+def everything(part: "Element") -> "Iterator[Element]":
+    """A part and all that is in it."""
+    yield part
+    for one in children(part):
+        yield from everything(one)

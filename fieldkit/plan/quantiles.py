@@ -1,0 +1,23 @@
+"""Distributions as three numbers: 5, 50 and 95 %."""
+
+import math
+
+import numpy as np
+
+from fieldkit.shapes import Array, Float
+
+Three = tuple[float, float, float]
+"""5, 50 and 95 %; nan where there is nothing to tell."""
+
+
+def three(draws: Float[Array, "draw"]) -> Three:
+    """Quantiles of the draws that have a value."""
+    known = draws[np.isfinite(draws)]
+    low, middle, high = np.quantile(known, (0.05, 0.5, 0.95)) if known.size else (math.nan,) * 3
+    return float(low), float(middle), float(high)
+
+
+def named(quantiles: Three) -> dict[str, float | None]:
+    """Ready for JSON, None for nan."""
+    values = (value if math.isfinite(value) else None for value in quantiles)
+    return dict(zip(("p05", "p50", "p95"), values, strict=True))

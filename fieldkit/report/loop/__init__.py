@@ -1,0 +1,1 @@
+"""A closed loop as a page: one file, pictures inside."""

@@ -1,0 +1,81 @@
+"""How every picture and page on paper looks, and how it becomes a file.
+
+Colours are of Okabe and Ito, told apart by all eyes and in grey; names from files are never taken for markup.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from io import BytesIO
+from typing import TYPE_CHECKING, Any
+from warnings import catch_warnings, filterwarnings
+
+from fieldkit.safe_text import printable
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+INK, FAINT, GRID = "#1b1f24", "#6b7280", "#e5e7eb"
+BEFORE, AFTER, EXTRA = "#d55e00", "#0072b2", "#009e73"
+STYLE: Any = {
+    "font.size": 9,
+    "axes.titlesize": 10,
+    "axes.titleweight": "bold",
+    "axes.titlelocation": "left",
+    "axes.edgecolor": FAINT,
+    "axes.labelcolor": INK,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.grid": True,
+    "grid.color": GRID,
+    "grid.linewidth": 0.8,
+    "axes.axisbelow": True,
+    "text.color": INK,
+    "xtick.color": INK,
+    "ytick.color": INK,
+    "text.parse_math": False,
+    "legend.frameon": False,
+    "svg.hashsalt": "fieldkit",
+    "figure.facecolor": "white",
+}
+A4 = (8.27, 11.69)
+"""Width and height of a page. [inch]"""
+METADATA: dict[str, dict[str, Any]] = {
+    "svg": {"Date": None, "Creator": "fieldkit"},
+    "png": {"Software": "fieldkit"},
+    "pdf": {"Creator": "fieldkit", "Producer": "fieldkit", "CreationDate": None},
+}
+"""What files say of themselves: nothing that differs from one run to the next."""
+
+
+@contextmanager
+def styled() -> Iterator[None]:
+    """Draw in this style."""
+    from matplotlib import rc_context
+
+    with rc_context({**STYLE}), catch_warnings():
+        filterwarnings("ignore", message="Glyph .* missing")  # a name in letters that the font lacks
+        yield
+
+
+def drawn(figure: "Figure", kind: str, dpi: int = 150) -> bytes:
+    """A figure as a file of one kind: svg (letters as shapes), png or pdf."""
+    out = BytesIO()
+    figure.savefig(out, format=kind, dpi=dpi, metadata=METADATA[kind])
+    return out.getvalue()
+
+
+def bound(pages: Sequence["Figure"]) -> bytes:
+    """Figures as the pages of one PDF."""
+    from matplotlib.backends.backend_pdf import PdfPages
+
+    out = BytesIO()
+    with PdfPages(out, metadata=METADATA["pdf"]) as book:
+        for page in pages:
+            book.savefig(page)
+    return out.getvalue()
+
+
+def shortened(text: str, most: int = 24) -> str:
+    """A name from a file as a picture has room for it."""
+    text = printable(text)
+    return text if len(text) <= most else text[: most - 1] + "…"

@@ -1,0 +1,40 @@
+"""Flights that name the same thing: the builds of rockets and the sites of a ledger."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.flight import Flight
+
+NUMBERS = ("dry_mass", "diameter", "site_elevation")
+
+
+@dataclass(frozen=True, slots=True)
+class Group:
+    """Flights that name the same thing: one build of a rocket, or one site. `last` is the latest of them."""
+
+    names: tuple[str, ...]
+    ids: tuple[str, ...]
+    last: Flight
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """What the ledger names: builds of rockets with their mass and diameter, sites with their elevation."""
+
+    builds: tuple[Group, ...]
+    sites: tuple[Group, ...]
+
+
+def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
+    """Flights by some of their text fields, those flown last first; a group carries the last known numbers."""
+    groups: dict[tuple[str, ...], list[tuple[str, Flight]]] = {}
+    for id, flight in zip(ids, flights, strict=True):
+        key = tuple(str(getattr(flight, name)) for name in names)
+        if key[0]:
+            groups.setdefault(key, []).append((id, flight))
+    found = []
+    for key, members in groups.items():
+        known = {c: next((v for _, f in reversed(members) if (v := f.number(c)) is not None), None) for c in NUMBERS}
+        found.append(Group(key, tuple(id for id, _ in members), members[-1][1].with_changes(**known)))
+    order = {id: place for place, id in enumerate(ids)}
+    return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))

@@ -1,0 +1,77 @@
+"""Forecasts trust neither the simulator nor the device further than the flights bear out."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.loop.model import OBSERVED, base_model, doubted, shown
+from fieldkit.loop.predict import Prediction, predict
+from fieldkit.motors import Found, catalogue
+
+MOTORS = ("F24", "F39", "E35")
+PLAN = Flight("plan", "Test", "A", "F24", dry_mass=0.322, diameter=0.066, delay=10.0)
+Flown = list[tuple[Flight, Found]]
+
+
+def season(off: dict[str, float], count: int = 3) -> Flown:
+    """Flights as the model flies them at its prior mean, readouts multiplied by what is `off`: by readout, or the
+    apogee by motor."""
+    plans = [replace(PLAN, flight_id=str(i), motor=motor) for i, motor in enumerate(MOTORS * count)]
+    found = [catalogue().resolve(plan.motor) for plan in plans]
+    model = base_model(plans, found)
+    readings = shown(model, np.array([[term.mean for term in model.terms]]), {})
+    rng = np.random.default_rng(4)
+    flown = []
+    for row, plan in enumerate(plans):
+        values = {
+            name: float(readings[name][0, row] * off.get(name, 1.0) * np.exp(0.01 * rng.normal())) for name in OBSERVED
+        }
+        values["apogee"] *= off.get(plan.motor, 1.0)
+        flown.append((plan.with_changes(**values), found[row]))
+    return flown
+
+
+def next_on(motor: str, flown: Flown) -> Prediction:
+    (said,) = predict(flown, [(replace(PLAN, motor=motor), catalogue().resolve(motor))])
+    return said
+
+
+def mean_apogee(motor: str, flown: Flown) -> float:
+    return float(np.mean([flight.apogee for flight, _ in flown if flight.motor == motor and flight.apogee]))
+
+
+def test_a_motor_on_which_the_simulator_is_wrong_is_forecast_from_its_own_flights() -> None:
+    flown = season({"F24": 1.25})
+    for motor in MOTORS:
+        assert np.median(next_on(motor, flown).apogee) == pytest.approx(mean_apogee(motor, flown), rel=0.05)
+
+
+def test_a_rocket_never_flown_is_forecast_from_its_priors() -> None:
+    low, middle, high = next_on("F24", []).apogee_quantiles()
+    assert 0 < 1.3 * low < middle < high / 1.3
+
+
+def test_where_motors_disagree_a_new_one_is_less_sure() -> None:
+    def width(motor: str, flown: Flown) -> float:
+        low, _, high = next_on(motor, flown).apogee_quantiles()
+        return float(np.log(high / low))
+
+    alike, apart = season({}), season({"F24": 1.25, "E35": 0.85})
+    assert width("F52", apart) > 1.5 * width("F39", apart)
+    assert width("F52", apart) > 1.25 * width("F52", alike)
+
+
+def test_a_device_that_reads_speed_and_coast_wrong_does_not_lead_apogees_astray() -> None:
+    flown = season({"top_speed": 0.8, "coast_to_apogee": 1.1, "peak_accel": 0.6})
+    for motor in MOTORS:
+        assert np.median(next_on(motor, flown).apogee) == pytest.approx(mean_apogee(motor, flown), rel=0.04)
+
+
+def test_only_what_forecasts_doubt_has_a_scale_of_its_own() -> None:
+    plain = base_model([PLAN], [catalogue().resolve("F24")])
+    doubt = doubted(plain)
+    assert {term.rough for term in plain.terms} == {""}
+    assert {str(term.bends) for term in doubt.terms if term.rough == "reading"} == set(OBSERVED) - {"apogee"}
+    assert [term.name for term in doubt.terms if term.rough == "scatter"] == ["apogee of AeroTech F24W"]

@@ -1,0 +1,192 @@
+"""OpenRocket designs: facts of their XML as a starting configuration, and files that are damaged, or mean harm.
+
+Every design here is written for these tests from what is known of the format.
+"""
+
+import gzip
+import io
+import json
+import math
+import zipfile
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, Start
+from fieldkit.loop.desk import predict_plans
+from fieldkit.motors import catalogue
+from fieldkit.openrocket import archive, read_design
+
+NOSE = """<nosecone><name>Nose</name><material type="bulk" density="1000.0">Plastic</material><length>0.2</length>
+<thickness>0.002</thickness><shape>conical</shape><aftradius>0.033</aftradius></nosecone>"""
+FINS = """<trapezoidfinset><name>Fins</name><fincount>3</fincount><material type="bulk" density="600">Ply</material>
+<thickness>0.003</thickness><rootchord>0.1</rootchord><tipchord>0.06</tipchord><height>0.08</height></trapezoidfinset>"""
+WEIGHT = "<masscomponent><name>Altimeter</name><mass>0.1</mass></masscomponent>"
+MOTOR = """<innertube><name>Mount</name><material type="bulk" density="700">Paper</material><length>0.07</length>
+<outerradius>0.0125</outerradius><thickness>0.0005</thickness><motormount>
+<motor configid="a"><manufacturer>AeroTech</manufacturer><designation>F24W</designation><delay>4.0</delay></motor>
+<motor configid="b"><manufacturer>AeroTech</manufacturer><designation>E30T</designation><delay>7.0</delay></motor>
+</motormount></innertube>"""
+TUBE = """<bodytube><name>Body</name>{override}<material type="bulk" density="700.0">Paper</material>
+<length>0.6</length><thickness>0.001</thickness><radius>{radius}</radius>
+<subcomponents>{inside}</subcomponents></bodytube>"""
+SIMULATION = """<simulations><simulation status="{status}"><name>Sim 1</name><flightdata maxaltitude="240">
+<databranch name="Stage" types="Time,Altitude,Total velocity,Mass,Motor mass,Drag coefficient,Reference area">
+<event time="1.0" type="burnout"/><event time="5.0" type="apogee"/>
+<datapoint>0,0,0,0.5,0.1,0.9,0.00342119</datapoint><datapoint>1,40,80,0.46,0.06,0.7,0.00342119</datapoint>
+<datapoint>2,110,60,0.46,0.06,0.5,0.00342119</datapoint><datapoint>3,160,30,0.46,0.06,0.6,0.00342119</datapoint>
+<datapoint>4,190,NaN,0.46,0.06,0.6,0.00342119</datapoint><datapoint>5,200,0,0.46,0.06,3.0,0.00342119</datapoint>
+</databranch></flightdata></simulation></simulations>"""
+
+
+def design(inside: str = FINS + WEIGHT + MOTOR, override: str = "", rest: str = "", radius: str = "auto 0.033") -> str:
+    tube = TUBE.format(inside=inside, override=override, radius=radius)
+    return (
+        '<?xml version="1.0" encoding="utf-8"?><openrocket version="1.8" creator="OpenRocket 22.02"><rocket>'
+        '<name>Skylark</name><motorconfiguration configid="a" default="true"><name>Field</name></motorconfiguration>'
+        f"<subcomponents><stage><name>Sustainer</name><subcomponents>{NOSE}{tube}</subcomponents></stage>"
+        f"</subcomponents></rocket>{rest}</openrocket>"
+    )
+
+
+def packed(xml: str, kind: str) -> bytes:
+    if kind == "gzip":
+        return gzip.compress(xml.encode())
+    if kind == "plain":
+        return xml.encode()
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("decals/red.png", b"\x89PNG")
+        archive.writestr("rocket.ork", xml)
+    return out.getvalue()
+
+
+def by_hand() -> float:
+    """The parts' masses by the formulas of a cone, a tube and three fins. [kg]"""
+    wall = 0.002 * math.hypot(0.2, 0.033) / 0.2
+    cone = math.pi * 0.2 / 3 * (0.033**2 - (0.033 - wall) ** 2 * (1 - wall / 0.033))
+    tube = math.pi * (0.033**2 - 0.032**2) * 0.6
+    fins = 3 * (0.1 + 0.06) / 2 * 0.08 * 0.003
+    mount = math.pi * (0.0125**2 - 0.012**2) * 0.07
+    return 1000 * cone + 700 * tube + 600 * fins + 700 * mount + 0.1
+
+
+@pytest.mark.parametrize("kind", ["zip", "gzip", "plain"])
+def test_a_design_is_read_however_it_is_packed(kind: str) -> None:
+    found = read_design(packed(design(), kind), "skylark.ork")
+    assert found.name == "Skylark"
+    assert found.diameter == pytest.approx(0.066)
+    assert found.length == pytest.approx(0.8)
+    assert found.dry_mass == pytest.approx(by_hand(), rel=0.002)
+    assert found.mass_by == "the sum of its parts"
+    assert found.cd is None
+    assert "no Cd" in found.notes[0]
+    assert [(one.configuration, one.designation) for one in found.motors] == [("Field", "F24W"), ("", "E30T")]
+
+
+def test_a_simulation_in_the_file_says_mass_and_drag() -> None:
+    found = read_design(design(rest=SIMULATION.format(status="uptodate")).encode(), "skylark.ork")
+    assert found.dry_mass == pytest.approx(0.4)
+    assert found.cd == pytest.approx((0.5 * 60**2 + 0.6 * 30**2) / (60**2 + 30**2), rel=1e-5)
+    assert "Sim 1" in found.mass_by
+    old = read_design(design(rest=SIMULATION.format(status="outdated")).encode(), "skylark.ork")
+    assert old.dry_mass == pytest.approx(by_hand(), rel=0.002)
+    assert any("older than the design" in note for note in old.notes)
+
+
+def test_what_was_weighed_stands_over_what_was_computed() -> None:
+    whole = "<overridemass>0.2</overridemass><overridesubcomponentsmass>true</overridesubcomponentsmass>"
+    alone = "<overridemass>0.2</overridemass>"
+    nose = read_design(design(inside="", override=whole).encode(), "a.ork").dry_mass
+    assert nose is not None
+    assert read_design(design(override=whole).encode(), "a.ork").dry_mass == nose
+    inside = read_design(design(inside=WEIGHT, override=alone).encode(), "a.ork").dry_mass
+    assert inside == pytest.approx(nose + 0.1)
+    older = whole.replace("subcomponentsmass", "subcomponents")
+    assert read_design(design(override=older).encode(), "a.ork").dry_mass == nose
+
+
+def test_a_radius_that_is_automatic_is_that_of_the_neighbour() -> None:
+    assert read_design(design(radius="auto").encode(), "a.ork").diameter == pytest.approx(0.066)
+
+
+def test_parts_that_are_not_known_are_named_and_left_out() -> None:
+    odd = read_design(design(inside="<warpdrive><name>Flux\u202e</name></warpdrive>").encode(), "a.ork")
+    assert any("Flux<U+202E>" in note for note in odd.notes)
+
+
+BOMB = '<!DOCTYPE x [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;">]><openrocket><rocket>&b;</rocket></openrocket>'
+DAMAGED = {
+    "empty": (b"", "broken XML"),
+    "cut off": (design()[:900].encode(), "row"),
+    "a cut zip": (packed(design(), "zip")[:300], "zip that cannot be unpacked"),
+    "a cut gzip": (packed(design(), "gzip")[:200], "gzip that ends early"),
+    "an empty zip": (b"PK\x05\x06" + bytes(18), "without rocket.ork"),
+    "entities": (BOMB.encode(), "document type"),
+    "another XML": (b"<svg/>", "expected <openrocket>"),
+    "no parts": (b"<openrocket><rocket><name>x</name></rocket></openrocket>", "no nose cone"),
+    "an encoding": (b'<?xml version="1.0" encoding="martian"?><openrocket/>', "skylark.ork"),
+    "no end of parts": (
+        design("<bulkhead><subcomponents>" * 3000 + "</subcomponents></bulkhead>" * 3000).encode(),
+        "without end",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", DAMAGED)
+def test_a_damaged_file_is_named_in_one_line(what: str) -> None:
+    content, why = DAMAGED[what]
+    with pytest.raises(DamagedLog, match=why) as caught:
+        read_design(content, "skylark.ork")
+    assert str(caught.value).startswith("skylark.ork")
+    assert "\n" not in str(caught.value)
+
+
+@pytest.mark.parametrize("kind", ["zip", "gzip", "plain"])
+def test_what_unpacks_to_too_much_is_refused(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(archive, "MOST", 2**20)
+    content = packed(" " * (2**20 + 1), kind)
+    with pytest.raises(DamagedLog, match="unpacks to more than 1 MiB"):
+        read_design(content, "bomb.ork")
+
+
+def test_figures_beyond_belief_are_left_out() -> None:
+    found = read_design(design(radius="33").encode(), "a.ork")
+    assert found.diameter is None
+    assert any(note.startswith("diameter: found 66") for note in found.notes)
+
+
+def test_a_rocket_starts_from_its_design_until_it_has_flown(tmp_path: Path) -> None:
+    start = Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork")
+    plan = Flight(rocket="Skylark", config="A", motor="F24-4W")
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert ledger.keep_start(start)
+        assert not ledger.keep_start(start)
+        (from_design,) = predict_plans(ledger, catalogue(), [plan])
+        ledger.undo()
+        assert ledger.starts("Skylark") == []
+        (anyone,) = predict_plans(ledger, catalogue(), [plan.with_changes(dry_mass=0.4, diameter=0.066)])
+    assert (from_design.plan.dry_mass, from_design.plan.diameter) == (0.4, 0.066)
+    assert from_design.cd.mean() == pytest.approx(1.0, rel=0.1)
+    assert from_design.cd.std() < anyone.cd.std()
+
+
+def test_the_command_keeps_it_and_says_what_it_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, ledger = tmp_path / "skylark.ork", str(tmp_path / "ledger.db")
+    file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))
+    assert main(["--ledger", ledger, "ork", str(file), "--config", "A"]) == 0
+    said = capsys.readouterr()
+    assert "dry mass  400 g" in said.out
+    assert "Cd        0.52" in said.out
+    assert "kept" in said.err
+    assert main(["--ledger", ledger, "ork", str(file), "--look", "--rocket", "Lark", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["rocket"], document["kept"], document["diameter_mm"]) == ("Lark", False, pytest.approx(66.0))
+    with Ledger.open(ledger) as opened:
+        assert opened.flights() == []
+        assert [one.config for one in opened.starts("Skylark")] == ["A"]
+    assert main(["--ledger", ledger, "ork", str(tmp_path / "none.ork")]) == 1
+    assert "none.ork" in capsys.readouterr().err

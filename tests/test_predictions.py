@@ -1,0 +1,200 @@
+"""Predictions kept: what each was made from, what makes it stale, and the flight that it is measured against."""
+
+import json
+import shutil
+from collections.abc import Callable, Iterator, Sequence
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, models
+from fieldkit.loop.desk import predict_plans
+from fieldkit.loop.kept import Kept, by_flight, in_words, kept
+from fieldkit.loop.made_from import digest, model_parts, plan_parts
+from fieldkit.motors import catalogue
+
+PAST = [
+    Flight(
+        str(n), "Astra", "A", motor, datetime(2026, 5, n), dry_mass=0.32, diameter=0.066, apogee=apogee, top_speed=80.0
+    )
+    for n, (motor, apogee) in enumerate([("F24-4W", 250.0), ("F24-4W", 246.0), ("F39-6T", 240.0)], start=1)
+]
+MOMENT = "2026-06-01T09:00:00+00:00"
+PLAN = Flight("4", "Astra", "A", "F24-4W", wind=2.0)
+FLOWN = PAST[0].with_changes(flight_id="4", date_time=datetime(2026, 6, 2, 11), wind=2.0, apogee=255.0)
+
+
+@pytest.fixture(scope="module")
+def said(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Three flights of May and a prediction of a fourth, said on the first of June."""
+    file = tmp_path_factory.mktemp("said") / "ledger.db"
+    with Ledger.open(file) as ledger, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(models, "now", lambda: MOMENT)
+        ledger.add(PAST)
+        predict_plans(ledger, catalogue(), [PLAN])
+    return file
+
+
+@pytest.fixture
+def ledger(said: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Ledger]:
+    """A copy of that ledger, on the same day."""
+    monkeypatch.setattr(models, "now", lambda: MOMENT)
+    with Ledger.open(shutil.copy(said, tmp_path / "ledger.db")) as ledger:
+        yield ledger
+
+
+def only(ledger: Ledger) -> Kept:
+    (one,) = kept(ledger, catalogue())
+    return one
+
+
+def test_a_prediction_keeps_what_it_was_made_from(ledger: Ledger) -> None:
+    made = only(ledger).made
+    parts = made.payload["made_from"]
+    assert parts["mass"] == {"dry_mass_g": "320"}
+    assert parts["configuration"] == {"config": "A", "diameter_mm": "66"}
+    assert parts["motor"]["motor"] == "AeroTech F24W"
+    assert parts["conditions"]["wind_mps"] == "2"
+    assert parts["model"]["version"] == "0"
+    assert set(parts["flights"]) == {"1", "2", "3"}
+    assert len(made.digest) == 64
+    assert only(ledger).state == "open"
+
+
+CHANGES: dict[str, tuple[Callable[[Ledger], object], str]] = {
+    "tag": (lambda ledger: ledger.tag("2", "off_axis"), "flight 2 is tagged"),
+    "edit": (lambda ledger: ledger.edit("1", apogee=261.0), "flight 1 was edited"),
+    "remove": (lambda ledger: ledger.remove("3"), "flight 3 is gone"),
+    "model": (
+        lambda ledger: ledger.keep_version("Astra", {"effects": []}),
+        "the plain model gave way to model version 1",
+    ),
+    "flight": (lambda ledger: ledger.add([FLOWN.with_changes(flight_id="9")]), "flight 9 came in since"),
+    "plan": (
+        lambda ledger: ledger.add([PLAN.with_changes(dry_mass=0.33, diameter=0.066, wind=4.0)]),
+        "dry mass was 320 g, is 330 g; wind was 2 m/s, is 4 m/s",
+    ),
+}
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_change_makes_it_stale_says_which_and_undo_takes_that_back(ledger: Ledger, change: str) -> None:
+    alter, why = CHANGES[change]
+    alter(ledger)
+    one = only(ledger)
+    assert (one.state, "; ".join(one.changes)) == ("stale", why)
+    ledger.undo()
+    assert only(ledger).state == "open"
+
+
+def test_what_the_model_does_not_read_makes_nothing_stale(ledger: Ledger) -> None:
+    ledger.edit("1", notes="drifted")
+    ledger.tag("2", "my own mark")
+    assert only(ledger).state == "open"
+
+
+def test_each_thing_that_a_prediction_is_made_from_gives_it_another_digest() -> None:
+    def made(plan: Flight, history: Sequence[Flight] = PAST, version: int = 0) -> str:
+        return digest(plan_parts(plan, catalogue().resolve(plan.motor)) | model_parts(history, "field", version))
+
+    whole = PLAN.with_changes(dry_mass=0.32, diameter=0.066)
+    changed = {"dry_mass": 0.33, "config": "B", "motor": "F39-6T", "wind": 3.0}
+    digests = [made(whole), *(made(whole.with_changes(**{name: value})) for name, value in changed.items())]
+    digests += [made(whole, PAST[:2]), made(whole, version=1)]
+    assert len(set(digests)) == 7
+    assert made(whole.with_changes(notes="a new shock cord", flight_id="9")) == digests[0]
+
+
+def test_the_flight_is_paired_and_what_comes_later_is_no_fault_of_the_prediction(ledger: Ledger) -> None:
+    ledger.add([FLOWN])
+    ledger.tag("1", "weak_launch")
+    ledger.keep_version("Astra", {"effects": []})
+    ledger.add([FLOWN.with_changes(flight_id="5")])
+    one = only(ledger)
+    assert (one.state, one.stale, one.flown) == ("flown", False, 255.0)
+    assert one.miss == pytest.approx(255.0 - one.interval[1])
+    assert any("flown 255.0 m" in line and "of the interval" in line for line in in_words(one))
+
+
+def test_what_changed_before_the_flight_came_in_stays_said(ledger: Ledger) -> None:
+    ledger.tag("1", "weak_launch")
+    ledger.add([FLOWN])
+    ledger.untag("1", "weak_launch")
+    assert only(ledger).changes == ("flight 1 is tagged",)
+
+
+def test_a_change_taken_back_in_time_is_none(ledger: Ledger) -> None:
+    ledger.tag("1", "weak_launch")
+    ledger.undo()
+    ledger.redo()
+    ledger.undo()
+    ledger.add([FLOWN])
+    assert not only(ledger).stale
+
+
+def test_a_flight_on_another_mass_says_so_and_weather_that_nobody_foretold_does_not(ledger: Ledger) -> None:
+    ledger.add([FLOWN.with_changes(dry_mass=0.34, temperature=300.0)])
+    assert only(ledger).changes == ("dry mass was 320 g, is 340 g",)
+
+
+def test_a_prediction_made_of_a_flight_that_is_known_is_none_of_it(ledger: Ledger) -> None:
+    ledger.add([FLOWN])
+    predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=2.5)])
+    one = by_flight(kept(ledger, catalogue()))["Astra", "4"]
+    assert one.made.number == 1
+
+
+def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledger) -> None:
+    loose = PLAN.with_changes(flight_id="")
+    predict_plans(ledger, catalogue(), [loose.with_changes(dry_mass=mass) for mass in (0.33, 0.34, 0.35)])
+    ledger.add([FLOWN.with_changes(flight_id="7", dry_mass=0.34)])
+    one = by_flight(kept(ledger, catalogue()))["Astra", "7"]
+    assert one.made.payload["made_from"]["mass"] == {"dry_mass_g": "340"}
+    assert one.changes == ()
+
+
+def test_a_date_without_a_time_is_the_whole_day_and_two_weeks_are_the_limit(ledger: Ledger) -> None:
+    predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])
+    dates = {"6": datetime(2026, 6, 1), "7": datetime(2026, 6, 1) + timedelta(days=16)}
+    ledger.add([FLOWN.with_changes(flight_id=name, date_time=when) for name, when in dates.items()])
+    assert set(by_flight(kept(ledger, catalogue()))) == {("Astra", "6")}
+
+
+def test_of_predictions_that_name_a_flight_the_last_stands(ledger: Ledger) -> None:
+    predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=5.0)])
+    assert [one.state for one in kept(ledger, catalogue())] == ["replaced", "open"]
+
+
+def test_predictions_of_an_older_fieldkit_are_paired_without_a_verdict(ledger: Ledger) -> None:
+    apogee = {"mean": 250.0, "sd": 9.0, "p05": 235.0, "p50": 250.0, "p95": 265.0}
+    ledger.keep_prediction({"motor": "F24-4W", "apogee_m": apogee}, digest="old", rocket="Astra", flight_id="8")
+    ledger.add([FLOWN.with_changes(flight_id="8")])
+    one = by_flight(kept(ledger, catalogue()))["Astra", "8"]
+    assert (one.state, one.changes, one.miss) == ("flown", (), pytest.approx(5.0))
+
+
+def test_the_commands_show_foretold_against_flown(
+    ledger: Ledger, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("FIELDKIT_LEDGER", ledger.name)
+    table = tmp_path / "day.csv"
+    table.write_text("flight_id,rocket,config,motor,dry_mass_g,apogee_m\n4,Astra,A,F24-4W,330,255\n")
+    assert main(["import", str(table)]) == 0
+    said = " ".join(capsys.readouterr().out.split())
+    assert "4: foretold 2026-06-01" in said
+    assert "stale by then: dry mass was 320 g, is 330 g" in said
+    assert main(["show", "4"]) == 0
+    assert "flown 255.0 m" in capsys.readouterr().out
+    assert main(["predictions"]) == 0
+    out = capsys.readouterr().out
+    assert "flown, stale" in out
+    assert max(map(len, out.splitlines())) <= 80
+    assert main(["predictions", "--json"]) == 0
+    (document,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert document["changes"] == ["dry mass was 320 g, is 330 g"]
+    assert document["flown"]["apogee_m"] == 255.0
+    assert "made_from" not in document
