@@ -44,6 +44,9 @@ GUESSED_DIAMETER = 0.15
 SLOW, FAST = 0.3, 0.7
 """Mach numbers between which a coast is compared."""
 SOUND = 335.0
+"""Speed that Mach numbers are of. [m/s]"""
+NOISY = 0.1
+"""Of the drag, above which what no term explains would hide one. [1]"""
 
 
 def main() -> None:
@@ -123,13 +126,21 @@ def told(one: FlightForce) -> list[str]:
         + (f" (or {', '.join(found.also)})" if found.also else "")
         for found in one.law.terms
     ]
-    lines = [f"## {one.flight_id}", "", f"Alone, which decides nothing: {'; '.join(terms) or 'nothing is missing'}."]
+    said = "; ".join(terms) or nothing(one)
+    lines = [f"## {one.flight_id}", "", f"Alone, which decides nothing: {said}."]
     lines += ["", "| phase | s from lift-off | m/s | missing m/s² | ± |", "|---|---|---|---|---|"]
     return lines + [
         f"| {phase} | {p.time_from_liftoff:.2f} | {p.speed:.1f} | {p.force:+.2f} | {p.sd:.2f} |"
         for p in one.points
         for phase in ["boost" if p.burning else "coast"]
     ]
+
+
+def nothing(one: FlightForce) -> str:
+    """What it means that a flight asks for no term: nothing is missing, or what scatters would hide it."""
+    left, drag = one.law.left, float(one.missing.drag.max())
+    said = f"{left:.2g} m/s² are left beside a drag of {drag:.2g} m/s² at the most"
+    return f"too noisy to say, {said}" if left > NOISY * drag else f"nothing is missing, {said}"
 
 
 if __name__ == "__main__":

@@ -4,7 +4,7 @@ Nothing is integrated: thrust and drag are computed from the measured speed and 
 to that moment.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -35,7 +35,7 @@ class Track:
 
     def part(self, rows: Flags) -> "Track":
         """Some of its samples."""
-        return Track(*(getattr(self, name)[rows] for name in SAMPLED), self.window)
+        return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED})
 
 
 SAMPLED = tuple(name for name in Track.__dataclass_fields__ if name != "window")
@@ -44,7 +44,7 @@ SAMPLED = tuple(name for name in Track.__dataclass_fields__ if name != "window")
 
 def track_of(measured: Forces) -> Track:
     """The climb of which forces were measured."""
-    return Track(*(getattr(measured, name) for name in SAMPLED), measured.window or 0.0)
+    return Track(**{name: getattr(measured, name) for name in SAMPLED}, window=measured.window or 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

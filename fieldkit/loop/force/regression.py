@@ -67,6 +67,19 @@ class Regression:
         inverse = np.linalg.pinv(basis.T @ basis)
         return inverse @ (basis.T @ self.wanted), np.sqrt(np.diag(inverse) * scatter)
 
+    def luck(self, names: Sequence[str], lucks: Mapping[str, float]) -> Float[Array, "term"]:
+        """Standard deviations of these terms' coefficients that come of the luck of a flight, given by name.
+
+        Coefficients are linear in the force: what differs by a standard deviation along a column moves them by that
+        much of what they make of the column.
+        """
+        patterns = [sd * self.columns[name] for name, sd in lucks.items() if name in self.columns]
+        if not patterns:
+            return np.zeros(len(names))
+        basis = np.stack([self.columns[name] for name in names], axis=-1)
+        moved = np.linalg.pinv(basis) @ np.stack(patterns, axis=-1)
+        return np.asarray(np.linalg.norm(moved, axis=-1))
+
 
 def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = ()) -> Regression:
     """The regression of a missing force on those terms that act somewhere along its climb.

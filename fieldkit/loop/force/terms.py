@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.loop.force.climb import Missing
+from fieldkit.loop.model import SCATTER
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.effect import effects
 from fieldkit.simulator.state import State
@@ -13,24 +14,30 @@ from fieldkit.simulator.state import State
 
 @dataclass(frozen=True, slots=True)
 class Term:
-    """One physical term of the library: what it is, the effect it stands for (empty for none), and its unit."""
+    """One physical term of the library: what it is, the effect it stands for (empty for none), and its unit.
+
+    `luck` is the standard deviation by which single flights differ in it anyway, in its unit.
+    """
 
     name: str
     effect: str
     unit: str
     column: Callable[[Missing], Float[Array, "time"]]
+    luck: float = 0.0
 
 
 def library() -> list[Term]:
     """Terms that a climb could show: those below, and the effects of the shelf that act as a force."""
+    luck = {kind.bends: kind.sd for kind in SCATTER}
     fixed = [
-        Term("drag", "", "share of Cd", lambda m: -m.drag),
-        Term("thrust", "motor_thrust", "share of the thrust", lambda m: m.thrust),
+        Term("drag", "", "share of Cd", lambda m: -m.drag, luck["drag"]),
+        Term("thrust", "motor_thrust", "share of the thrust", lambda m: m.thrust, luck["thrust"]),
         Term(
             "longer burn",
             "thrust_curve",
             "share of the burn time",
             lambda m: -(m.thrust + m.track.time_from_liftoff * m.steepness),
+            luck["stretch"],
         ),
         Term("rail", "rail_friction", "m/s^2", lambda m: np.where(m.track.height < m.rocket.rail_length, -1.0, 0.0)),
         Term("constant", "", "m/s^2", lambda m: np.ones(len(m.force))),
