@@ -5,6 +5,7 @@ installed wheel inside it; in both they are mounted as `fieldkit.parsers` and `f
 nobody else's `models` is ever taken for ours.
 """
 
+import json
 import sys
 from collections.abc import Mapping
 from functools import cache
@@ -59,6 +60,13 @@ def trained() -> list[str]:
     """The names of the trained ensembles, in alphabetical order: each is a folder with a `card.json`."""
     folder = shelf_folder("models") / "trained"
     return sorted(card.parent.name for card in folder.glob("*/card.json"))
+
+
+def trained_digests() -> dict[str, str]:
+    """The digest of each trained ensemble's graph by name, as its card has it; nothing is loaded or checked."""
+    folder = shelf_folder("models") / "trained"
+    cards = {name: json.loads((folder / name / "card.json").read_text(encoding="utf-8")) for name in trained()}
+    return {name: str(card["digests"]["ensemble.onnx"]) for name, card in cards.items()}
 
 
 def trained_folder(name: str) -> Path:

@@ -1,4 +1,4 @@
-"""What the README says is so: its commands run, its paths exist, its examples work, CI runs what it shows."""
+"""What README and manual say is so: commands run, paths exist, examples work, pages follow from the program."""
 
 import re
 import shlex
@@ -7,28 +7,46 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from typer.core import TyperGroup
+from typer.main import get_command
 
-from fieldkit.cli.main import main
+from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
+from tools.manual import pages
 
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
+PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}
+RUN = ("start", "predictions", "installing")
+"""Pages whose commands are run, each as a session of its own; those of others are examples of the sessions, too,
+but for the journal's, whose flights are not ours to ship."""
 TO_BE_MADE = {"parsers/skylark.py", "models/effects/sticky_altimeter.py", ".venv/bin"}
-"""Paths of the README that a reader makes."""
+"""Paths that a reader makes."""
+MADE = {"flights.csv", "flights.json", "card.pdf"}
+"""Files that the examples write."""
 
 
-def blocks(language: str) -> list[str]:
-    """The fenced blocks of the README in a language."""
-    return re.findall(rf"^```{language}\n(.*?)^```$", README, flags=re.MULTILINE | re.DOTALL)
+def blocks(language: str, page: str = README) -> list[str]:
+    """The fenced blocks of a page in a language."""
+    return re.findall(rf"^```{language}\n(.*?)^```$", page, flags=re.MULTILINE | re.DOTALL)
 
 
-def quoted() -> Iterator[str]:
-    """Everything in the README's running text that is set as code."""
-    text = re.sub(r"^```.*?^```$", "", README, flags=re.MULTILINE | re.DOTALL)
-    yield from re.findall(r"`([^`]+)`", text)
+def quoted(page: str) -> Iterator[str]:
+    """Everything in a page's running text that is set as code."""
+    text = re.sub(r"^```.*?^```$", "", page, flags=re.MULTILINE | re.DOTALL)
+    yield from (" ".join(code.split()) for code in re.findall(r"`([^`]+)`", text))
 
 
 SETUP, TESTS, *EXAMPLES = [block.strip() for block in blocks("sh")]
+
+
+def lines_of(name: str) -> list[str]:
+    """The command lines of a session: the README's, a page's, or a file of examples."""
+    if name.endswith(".sh"):
+        text = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    else:
+        text = "".join(block + "\n" for block in EXAMPLES) if name == "README" else "".join(blocks("sh", PAGES[name]))
+    return [line for line in text.splitlines() if line and not line.startswith("#")]
 
 
 @pytest.fixture
@@ -41,29 +59,79 @@ def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.mark.usefixtures("at_the_root")
-def test_the_examples_run_one_after_the_other(tmp_path: Path) -> None:
-    lines = [line for block in EXAMPLES for line in block.splitlines()]
-    assert len(lines) >= 10
+@pytest.mark.parametrize("name", ["README", *RUN, "examples.sh"])
+def test_the_examples_run_one_after_the_other(name: str, tmp_path: Path) -> None:
+    lines = lines_of(name)
+    assert lines
     for line in lines:
         program, *arguments = shlex.split(line)
         assert program == "fieldkit"
-        arguments = [str(tmp_path / one) if one in ("flights.csv", "card.pdf") else one for one in arguments]
+        arguments = [str(tmp_path / one) if one in MADE else one for one in arguments]
         assert main(arguments) == 0, line
 
 
-def test_every_command_that_is_mentioned_exists(capsys: pytest.CaptureFixture[str]) -> None:
-    commands = {words[1] for text in quoted() if (words := text.split())[0] == "fieldkit" and len(words) > 1}
-    assert len(commands) >= 5
-    for command in commands - {"COMMAND"}:
-        assert main([command, "--help"]) == 0, command
-    capsys.readouterr()
+@pytest.mark.parametrize("line", lines_of("examples-long.sh"))
+def test_the_long_examples_are_written_right(line: str) -> None:
+    assert main([*shlex.split(line)[1:], "--help"]) == 0
 
 
-def test_every_path_that_is_mentioned_exists() -> None:
-    words = {word for text in quoted() for word in text.split()}
-    words |= set(re.findall(r"\]\(([^)]+)\)", README))
-    paths = {word for word in words if re.fullmatch(r"\.?[\w]+(/[\w.]+)+/?|[\w]+\.(md|toml)", word)}
-    assert len(paths) >= 12
+@pytest.mark.parametrize("name", sorted(set(PAGES) - {*RUN, "commands", "journal"}))
+def test_what_other_pages_run_is_in_a_session(name: str) -> None:
+    shown = {*lines_of("examples.sh"), *lines_of("examples-long.sh")}
+    assert {line for line in lines_of(name) if line.startswith("fieldkit ")} <= shown
+
+
+def test_every_command_has_an_example() -> None:
+    commands = re.findall(r"^## `fieldkit (\w+)`", PAGES["commands"], flags=re.MULTILINE)
+    shown = {shlex.split(line)[1] for name in ("examples.sh", "examples-long.sh") for line in lines_of(name)}
+    assert len(commands) >= 30
+    assert set(commands) == shown
+
+
+def test_the_pages_that_follow_from_the_program_are_as_it_is_now() -> None:
+    for path, text in pages():
+        assert path.read_text(encoding="utf-8") == text, f"python tools/manual.py writes {path.name} anew"
+
+
+def test_the_first_page_leads_to_all_others_as_the_site_does() -> None:
+    linked = re.findall(r"\]\((\w[\w-]*)\.md\)", PAGES["index"])
+    assert sorted(["index", *linked]) == sorted(PAGES)
+    assert re.findall(r"- ([\w-]+)\.md$", (ROOT / "mkdocs.yml").read_text(), flags=re.MULTILINE) == ["index", *linked]
+
+
+@pytest.mark.parametrize("page", ["", "phys", *PAGES])
+def test_the_manual_is_in_the_terminal(page: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["docs", *([page] if page else [])]) == 0
+    printed = capsys.readouterr().out
+    text = PAGES["physics" if page == "phys" else page or "index"]
+    title = re.findall(r"^# (.*)$", text, flags=re.MULTILINE)[0]
+    assert title.replace("`", "") in " ".join(printed.split())
+
+
+def test_a_page_that_is_not_there_is_answered_with_those_that_are(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["docs", "weather"]) == 1
+    assert "found 'weather', expected one of index, start, predictions" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_every_command_and_option_that_is_mentioned_exists(page: str) -> None:
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    for text in quoted(page):
+        program, *words = text.split()
+        if program != "fieldkit" or not words or not re.fullmatch(r"[a-z]+", words[0]):
+            continue
+        command = group.commands[words[0]]
+        known = {option for parameter in command.params for option in parameter.opts} | {"--help"}
+        assert isinstance(command, TyperGroup) or {word for word in words if word.startswith("--")} <= known, text
+
+
+@pytest.mark.parametrize("page", [README, *PAGES.values()], ids=["README", *PAGES])
+def test_every_path_that_is_mentioned_exists(page: str) -> None:
+    words = {word for text in quoted(page) for word in text.split()}
+    words |= set(re.findall(r"\]\((docs/[^)#]+)\)", page))
+    tops = {path.name for path in ROOT.iterdir()}
+    paths = {word for word in words if re.fullmatch(r"\.?[\w]+(/[\w.-]+)+/?", word) and word.split("/")[0] in tops}
     for path in paths - TO_BE_MADE:
         assert (ROOT / path).exists(), path
 
@@ -78,8 +146,8 @@ def test_the_first_command_ends_in_the_demo() -> None:
     assert SETUP.endswith("fieldkit demo")
 
 
-def test_the_logger_of_the_readme_is_read() -> None:
-    parser, _ = blocks("python")
+def test_the_logger_of_the_manual_is_read() -> None:
+    parser, _ = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(parser, "skylark.py", "exec"), module)
     skylark = module["PARSER"]
@@ -91,8 +159,8 @@ def test_the_logger_of_the_readme_is_read() -> None:
         skylark.read(b"SKYLARK 2\n0.00,0\n0.05\n")
 
 
-def test_the_effect_of_the_readme_bends_the_reading() -> None:
-    _, effect = blocks("python")
+def test_the_effect_of_the_manual_bends_the_reading() -> None:
+    _, effect = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(effect, "sticky_altimeter.py", "exec"), module)
     sticky = module["EFFECT"]

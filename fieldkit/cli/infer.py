@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from fieldkit.cli.completing import flight_ids
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table
 from fieldkit.cli.session import known_motors, open_ledger
 
@@ -22,7 +23,8 @@ class Which(StrEnum):
 def infer(
     context: typer.Context,
     flights: Annotated[
-        list[str] | None, typer.Argument(metavar="[FLIGHT]...", help="By default all.", show_default=False)
+        list[str] | None,
+        typer.Argument(metavar="[FLIGHT]...", help="By default all.", show_default=False, autocompletion=flight_ids),
     ] = None,
     model: Annotated[Which, typer.Option(help="The ensemble to ask.")] = Which.field,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, say, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
@@ -108,7 +109,9 @@ def export(
     context: typer.Context,
     file: Annotated[Path | None, typer.Argument(help="The file to write; without one, the screen.")] = None,
     format: Annotated[Form | None, typer.Option(help="By default what the file's name says, or csv.")] = None,
-    rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.")] = None,
+    rocket: Annotated[
+        str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
+    ] = None,
 ) -> None:
     """Write flights as a table or as JSON, to be imported again or opened in a spreadsheet."""
     import json

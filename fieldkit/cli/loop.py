@@ -5,6 +5,7 @@ from typing import Annotated
 
 import typer
 
+from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, print_table, say_report
 from fieldkit.cli.session import known_motors, open_ledger
 
@@ -14,7 +15,9 @@ app = typer.Typer()
 @app.command()
 def loop(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="By default the one flown last.", show_default=False)] = None,
+    rocket: Annotated[
+        str | None, typer.Option(help="By default the one flown last.", show_default=False, autocompletion=rocket_names)
+    ] = None,
     effect: Annotated[
         str | None,
         typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
@@ -65,7 +68,9 @@ def loop(
 @app.command()
 def model(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="By default the one flown last.", show_default=False)] = None,
+    rocket: Annotated[
+        str | None, typer.Option(help="By default the one flown last.", show_default=False, autocompletion=rocket_names)
+    ] = None,
     use: Annotated[
         int | None, typer.Option(min=0, help="Predict with this version from now on; 0 is the plain model.")
     ] = None,

@@ -38,6 +38,7 @@ GROUPS = (
     "paper",
     "study",
     "train",
+    "docs",
 )
 """Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
 
@@ -51,8 +52,11 @@ app = typer.Typer(
 def _version(wanted: bool) -> None:
     if wanted:
         from fieldkit import __version__
+        from fieldkit.shelf import trained_digests
 
         typer.echo(f"fieldkit {__version__}")
+        for name, digest in trained_digests().items():
+            typer.echo(f"ensemble {name} sha256:{digest}")
         raise typer.Exit
 
 
@@ -68,7 +72,10 @@ def options(
         ),
     ] = None,
     version: Annotated[
-        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say which fieldkit this is.")
+        bool,
+        typer.Option(
+            "--version", callback=_version, is_eager=True, help="Say which fieldkit and which ensembles these are."
+        ),
     ] = False,
 ) -> None:
     """From the altimeter's readouts to the next apogee. Without a command, the app."""

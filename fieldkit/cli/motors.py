@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.screen import complain, print_json, print_table, say
 from fieldkit.cli.session import known_motors, open_ledger
@@ -28,10 +29,19 @@ def motors(
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
     ] = None,
     shortlist_for: Annotated[
-        str | None, typer.Option(metavar="ROCKET", help="Put what is found on this rocket's shortlist.")
+        str | None,
+        typer.Option(
+            metavar="ROCKET", help="Put what is found on this rocket's shortlist.", autocompletion=rocket_names
+        ),
     ] = None,
     fit: Annotated[
-        str | None, typer.Option(metavar="ROCKET", help="Fly each motor that fits this rocket.", rich_help_panel=GUIDE)
+        str | None,
+        typer.Option(
+            metavar="ROCKET",
+            help="Fly each motor that fits this rocket.",
+            rich_help_panel=GUIDE,
+            autocompletion=rocket_names,
+        ),
     ] = None,
     target: Annotated[str | None, typer.Option(help="Apogee wanted: 250m, 800ft.", rich_help_panel=GUIDE)] = None,
     class_: Annotated[str, typer.Option("--class", help="D, or D-F.", rich_help_panel=GUIDE)] = "",

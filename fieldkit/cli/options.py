@@ -7,12 +7,15 @@ from typing import Annotated, Any
 import typer
 
 from fieldkit import flight
+from fieldkit.cli.completing import config_names, motor_names, rocket_names
 
 TEXTS = tuple(name for name in flight.TEXT_COLUMNS if name != "log")
 SETUP, CONDITIONS, READOUTS = (
     tuple(column.header for column in columns) for columns in (flight.SETUP, flight.CONDITIONS, flight.READOUTS)
 )
 """Columns of the flight table that are options of commands."""
+COMPLETED = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
+"""What the shell offers for an option."""
 
 
 def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: Iterable[str], panel: str) -> None:
@@ -50,7 +53,9 @@ def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) 
 
 
 def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Parameter:
-    option: Any = typer.Option(*flags, help=text, rich_help_panel=panel, show_default=False)
+    option: Any = typer.Option(
+        *flags, help=text, rich_help_panel=panel, show_default=False, autocompletion=COMPLETED.get(name)
+    )
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, option]
     )

@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import foretold, say_foretold
 from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
@@ -16,7 +17,10 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 FlightId = Annotated[
-    str, typer.Argument(metavar="FLIGHT", help="Its flight_id, or rocket/flight_id.", show_default=False)
+    str,
+    typer.Argument(
+        metavar="FLIGHT", help="Its flight_id, or rocket/flight_id.", show_default=False, autocompletion=flight_ids
+    ),
 ]
 Tags = Annotated[list[str], typer.Argument(metavar="TAG...", help="Such as weak_launch.", show_default=False)]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
@@ -25,7 +29,9 @@ AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
 @app.command()
 def flights(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="Flights of this rocket only.")] = None,
+    rocket: Annotated[
+        str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
+    ] = None,
     tag: Annotated[str | None, typer.Option(help="Flights with this tag only.")] = None,
     json: AsJson = False,
 ) -> None:
@@ -162,7 +168,7 @@ def untag(context: typer.Context, flight: FlightId, tags: Tags) -> None:
 @app.command()
 def remove(
     context: typer.Context,
-    flights: Annotated[list[str], typer.Argument(metavar="FLIGHT...", show_default=False)],
+    flights: Annotated[list[str], typer.Argument(metavar="FLIGHT...", show_default=False, autocompletion=flight_ids)],
 ) -> None:
     """Take flights out of the ledger; undo brings them back."""
     with open_ledger(context) as ledger:

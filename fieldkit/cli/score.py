@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
 
@@ -22,7 +23,9 @@ EVALUATION = "forward in time: each flight from the earlier ones of its rocket"
 @app.command()
 def score(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="By default every rocket.", show_default=False)] = None,
+    rocket: Annotated[
+        str | None, typer.Option(help="By default every rocket.", show_default=False, autocompletion=rocket_names)
+    ] = None,
     out: Annotated[
         Path | None,
         typer.Option(metavar="FILE", help="Draw the calibration too: .png, .svg or .pdf.", show_default=False),

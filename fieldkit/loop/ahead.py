@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.choice import BETTER, ODDS, Ranked, choose, choose_in_folds, may_leave, rank
+from fieldkit.loop.choice import ODDS, Ranked, choose, choose_in_folds, rank, stands
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.fit import Fit, leave_one_out, solve
 from fieldkit.loop.model import Data
@@ -80,8 +80,8 @@ def _at(diagnosis: Diagnosis, flight: int) -> tuple[Forecasts, Forecasts, str]:
 
 def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: Array, seen: Flags) -> bool:
     """Whether it is an effect, and the whole choice, made anew in every fold, forecasts well enough."""
-    after, before = (score(forecasts, truth, seen).mae for forecasts in (choose_in_folds(ranking, plain), plain))
-    return bool(chosen.effect) and bool(after <= may_leave(chosen.weight) / BETTER * before)
+    after, before = (score(forecasts, truth, seen) for forecasts in (choose_in_folds(ranking, plain), plain))
+    return bool(chosen.effect) and stands(chosen, after, before)
 
 
 def _plain(diagnosis: Diagnosis, data: Data, flight: int) -> Trial:

@@ -28,6 +28,9 @@ SURER = 0.02
 itself known to a tenth only, and an effect may show best in readouts that are no apogee. [1/nat]"""
 MOST = 1.15
 """The same, however sure. [1]"""
+NOISE = 1.1
+"""Error on flights left out with the whole choice made anew without each, over that of the plain model, up to which a
+choice stands: the error of twenty flights is known to a tenth only. [1]"""
 PATTERN_SHARE = 0.1
 """Share of the prior odds that patterns without an explanation have beside the effects. [1]"""
 
@@ -180,6 +183,15 @@ def steady_evidence(
 def may_leave(weight: Array | float) -> Array:
     """The error that an effect of this log posterior odds may leave, over that of the model without it. [1]"""
     return np.clip(BETTER + SURER * np.asarray(weight), None, MOST)
+
+
+def stands(chosen: Ranked, after: Score, before: Score) -> bool:
+    """Whether a choice holds where all of it is made anew without each flight: `after` are the errors then.
+
+    Without its most telling flight an effect may fall short of being chosen, and just that flight is then forecast by
+    the plain model; so this may cost what chance does, and what evidence as sure as this may leave.
+    """
+    return after.mae <= max(NOISE, float(may_leave(chosen.weight)) / BETTER) * before.mae
 
 
 def probability(options: Sequence[Ranked]) -> float:

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.errors import UnknownEffect
 from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
-from fieldkit.loop.choice import BETTER, Ranked, choose, choose_in_folds, confidence, may_leave, probability, rank
+from fieldkit.loop.choice import Ranked, choose, choose_in_folds, confidence, probability, rank, stands
 from fieldkit.loop.fit import Fit, fit
 from fieldkit.loop.model import Data, Model
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
@@ -188,7 +188,7 @@ def _firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
 
 def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, before: Score) -> _Verdict:
     """What is said of the option chosen, if it forecasts flights not seen well enough when all is done without them."""
-    if chosen is None or after.mae > may_leave(chosen.weight) / BETTER * before.mae:
+    if chosen is None or not stands(chosen, after, before):
         return _rejected(options)
     if "" in chosen.effects:
         place = chosen.accepted[0].candidate.place.where
@@ -198,10 +198,13 @@ def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, bef
 
 
 def _accepted(options: Sequence[Ranked], chosen: Ranked) -> _Verdict:
-    """The verdict for an option, and the effects that these flights cannot tell from those in it."""
+    """The verdict for an option, and the effects that these flights cannot tell from those in it; then, of two at
+    once, whole verdicts that could stand in its place."""
     alike = [item for item in options if len(item.effects) == len(chosen.effects) and "" not in item.effects]
-    near = [name for item in alike if item.weight > chosen.weight - APART for name in item.effects]
-    also = tuple(dict.fromkeys(name for name in near if name not in chosen.effects))
+    near = [item.effects for item in alike if item.weight > chosen.weight - APART]
+    other = [name for effects in near for name in effects if name not in chosen.effects]
+    joined = ["+".join(effects) for effects in near if len(effects) > 1 and set(effects) != set(chosen.effects)]
+    also = tuple(dict.fromkeys([*other, *joined]))
     sure = confidence(chosen, options)
     return _Verdict("+".join(chosen.effects), sure, _because(chosen.accepted), also, chosen.accepted)
 

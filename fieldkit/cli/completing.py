@@ -1,0 +1,72 @@
+"""What the shell offers after a TAB, from the flyer's own ledger and the motors known here.
+
+A TAB changes nothing and complains of nothing: without a ledger, or with a damaged one, there is nothing to offer.
+"""
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import typer
+
+from fieldkit.errors import FieldkitError
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+
+MOST = 60
+"""Motors that are offered at most."""
+
+
+def rocket_names(context: typer.Context, incomplete: str) -> list[str]:
+    """Rockets of the ledger."""
+    return _flown(context, "rocket", incomplete)
+
+
+def config_names(context: typer.Context, incomplete: str) -> list[str]:
+    """Configurations of the ledger."""
+    return _flown(context, "config", incomplete)
+
+
+def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
+    """Ids of the ledger's flights, as commands take them."""
+    ledger = _ledger(context)
+    if ledger is None:
+        return []
+    with ledger:
+        return [id for id in ledger.ids(ledger.flights()) if id.startswith(incomplete)]
+
+
+def motor_names(context: typer.Context, incomplete: str) -> list[str]:
+    """Motors flown before, then those of the catalogue with the delays they are sold with."""
+    from math import isfinite
+
+    from fieldkit.motors.own import known_motors
+    from fieldkit.places import motor_folder
+
+    motors, _ = known_motors(motor_folder())
+    sold = (f"{motor.designation}-{delay:g}" for motor in motors.motors for delay in motor.delays if isfinite(delay))
+    fitting = sorted({name for name in sold if name.startswith(incomplete)})
+    return list(dict.fromkeys([*_flown(context, "motor", incomplete), *fitting]))[:MOST]
+
+
+def _flown(context: typer.Context, field: str, incomplete: str) -> list[str]:
+    ledger = _ledger(context)
+    if ledger is None:
+        return []
+    with ledger:
+        return [name for name in ledger.names(field) if name.startswith(incomplete)]
+
+
+def _ledger(context: typer.Context) -> "Ledger | None":
+    """The ledger that the half-typed command names, None where it is not there: a TAB makes none."""
+    from fieldkit.ledger import Ledger
+    from fieldkit.ledger.opening import location
+
+    where = context.find_root().params.get("ledger")
+    try:
+        url = location(where)
+        if url.get_backend_name() == "sqlite" and not Path(str(url.database)).is_file():
+            return None
+        return Ledger.open(where)
+    except FieldkitError:
+        return None

@@ -1,0 +1,56 @@
+"""`fieldkit docs`: the manual in the terminal, page by page; it is installed with the program."""
+
+import re
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import print_table, say
+
+app = typer.Typer()
+
+
+def page_names(incomplete: str = "") -> list[str]:
+    """Pages of the manual that begin so, in the order in which its first page lists them."""
+    linked = re.findall(r"\]\((\w[\w-]*)\.md\)", _text("index"))
+    return [name for name in dict.fromkeys(["index", *linked]) if name.startswith(incomplete)]
+
+
+@app.command()
+def docs(
+    page: Annotated[
+        str, typer.Argument(metavar="[PAGE]", help="Its name or how it begins.", autocompletion=page_names)
+    ] = "",
+) -> None:
+    """Print a page of the manual, or without one list the pages."""
+    from rich.console import Console
+    from rich.markdown import Markdown
+
+    from fieldkit.errors import BadValue
+
+    if not page:
+        print_table(("page", ""), [(name, _title(name)) for name in page_names()])
+        say()
+        say("fieldkit docs PAGE prints one, such as: fieldkit docs start")
+        return
+    found = [page] if page in page_names() else page_names(page)
+    if len(found) != 1:
+        raise BadValue(f"page: found {page!r}, expected one of {', '.join(found or page_names())}")
+    Console(highlight=False).print(Markdown(_readable(_text(found[0]))))
+
+
+def _text(name: str) -> str:
+    from fieldkit.shelf import shelf_folder
+
+    return Path(shelf_folder("docs") / f"{name}.md").read_text(encoding="utf-8")
+
+
+def _title(name: str) -> str:
+    return next(line.removeprefix("# ") for line in _text(name).splitlines() if line.startswith("# "))
+
+
+def _readable(text: str) -> str:
+    """A page without its pictures, and with links to other pages as the names by which to ask for them."""
+    text = re.sub(r"^!\[[^]]*\]\([^)]*\)\n", "", text, flags=re.MULTILINE)
+    return re.sub(r"\[([^]]+)\]\(([\w-]+)\.md(?:#[\w-]+)?\)", r"\1 (`fieldkit docs \2`)", text)

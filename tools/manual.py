@@ -1,0 +1,182 @@
+"""Writes the pages of the manual that follow from the program: `python tools/manual.py`.
+
+`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the shelf of effects, `models.md` from the
+cards of the trained ensembles. A test compares them with what is there.
+"""
+
+import html
+import math
+import re
+import shlex
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any
+
+from typer.cli import get_docs_for_click
+from typer.core import TyperGroup
+from typer.main import get_command
+
+from fieldkit.cli.main import app
+from fieldkit.inference.ensemble import read_card
+from fieldkit.shelf import trained, trained_digests, trained_folder
+from fieldkit.simulator.effect import Effect, Prior, effects
+
+ROOT = Path(__file__).parents[1]
+DOCS = ROOT / "docs"
+SESSIONS = (DOCS / "examples.sh", DOCS / "examples-long.sh")
+"""Examples: what the tests run as it stands, and what stays open or computes for long."""
+WRITTEN_BY = "This page is written by `python tools/manual.py`."
+
+
+def examples() -> dict[str, list[str]]:
+    """The lines of the example sessions by command: remarks and command lines, in their order."""
+    found: dict[str, list[str]] = {}
+    remarks: list[str] = []
+    for line in (line for file in SESSIONS for line in file.read_text(encoding="utf-8").splitlines()[1:]):
+        if line.startswith("#"):
+            remarks.append(line)
+        elif line:
+            found.setdefault(shlex.split(line)[1], []).extend([*remarks, line])
+            remarks = []
+    return found
+
+
+def commands() -> str:
+    """Every command: what it does, examples, options."""
+    group = get_command(app)
+    assert isinstance(group, TyperGroup)
+    context = group.context_class(group, info_name="fieldkit")
+    shown = examples()
+    heads, parts = [], []
+    for name, command in group.commands.items():
+        text = html.unescape(get_docs_for_click(obj=command, ctx=context, name=f"fieldkit {name}", indent=1))
+        usage = re.compile(r"(\*\*Usage\*\*:\n\n```console\n.*?```\n)", flags=re.DOTALL)
+        lines = "\n".join(shown.get(name, []))
+        example = f"\n**Examples**:\n\n```sh\n{lines}\n```\n" if lines else ""
+        parts.append(usage.sub(lambda block: block[1] + example, text, count=1).strip())  # noqa: B023  # called here
+        heads.append(f"| [`{name}`](#fieldkit-{name}) | {_first_sentence(command.help or '')} |")
+    return f"""# Every command
+
+Commands that answer take `--json`; `fieldkit COMMAND --help` says the same as this page. The examples are one session,
+`docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or compute for long are in
+`docs/examples-long.sh`. {WRITTEN_BY}
+
+| command | does |
+|---|---|
+{chr(10).join(heads)}
+
+{(chr(10) * 2).join(parts)}
+"""
+
+
+def _first_sentence(text: str) -> str:
+    return " ".join(text.split("\n\n")[0].split()).replace("|", "\\|")
+
+
+def effect_table() -> str:
+    """Every effect of the shelf: what it is, its parameter, what is believed of it beforehand, its source."""
+    rows = [_effect_row(name, effect) for name, effect in effects().items()]
+    return f"""# The effects
+
+What the plain model may lack. Each is a file in `models/effects/`, found by itself ([how to add one](extending.md));
+each has one strength, which is zero where the effect is not there. [The physics](physics.md) has the equations that
+they bend, [the loop](loop.md) how one is chosen. Priors are normal distributions, cut off at their bounds; where what
+is fitted is the square of the strength, it is the square that the prior speaks of. {WRITTEN_BY}
+
+| effect | what it is | strength | prior | one for | bends | source |
+|---|---|---|---|---|---|---|
+{chr(10).join(rows)}
+
+## Which flight tells one from another
+
+| effect | what a flyer sees | what would tell |
+|---|---|---|
+{chr(10).join(f"| `{name}` | {effect.explains} | {effect.tell_apart} |" for name, effect in effects().items())}
+"""
+
+
+def _effect_row(name: str, effect: Effect) -> str:
+    bends = {"the set-up": effect.setup, "the flight": effect.acceleration, "the reading": effect.reading}
+    strength = f"({effect.unit})²" if effect.squared else effect.unit
+    one_for = f"a {effect.per}" if effect.per and not effect.everywhere else f"all, or a {effect.per}"
+    cells = (
+        f"`{name}`",
+        f"{effect.title}{f', a form of `{effect.form_of}`' if effect.form_of else ''}",
+        strength,
+        _prior(effect.prior),
+        one_for if effect.per else "all flights",
+        " and ".join(what for what, does in bends.items() if does is not None),
+        effect.source,
+    )
+    return f"| {' | '.join(cells)} |"
+
+
+def _prior(prior: Prior) -> str:
+    low = f", at least {prior.low:g}" if math.isfinite(prior.low) else ""
+    high = f", at most {prior.high:g}" if math.isfinite(prior.high) else ""
+    return f"{prior.mean:g} ± {prior.sd:g}{low}{high}"
+
+
+CARD = ("recipe", "physics", "command", "seed", "n_train", "members", "features", "outputs")
+"""What of a card its page lists first, where it is there."""
+
+
+def model_cards() -> str:
+    """The trained ensembles: what each was trained on, with what, and by which command."""
+    parts = [_card(name, read_card(trained_folder(name))) for name in trained()]
+    return f"""# The trained ensembles
+
+Networks that give drag and thrust from what an altimeter showed. Each is one ONNX graph, never a pickle, whose digest
+its card pins: a graph that differs is refused. `fieldkit --version` prints the digests. They were trained on simulated
+flights alone, of no real flyer. How good the field ensemble is, on what readouts, and where it is not, stands in
+[its verdict](field-ensemble.md); what it is for and what not, at the end of this page. {WRITTEN_BY}
+
+{(chr(10) * 2).join(parts)}
+
+## What they are for, and what not
+
+For model rockets on certified single-use and reloadable motors up to class I, one stage, one motor, below the speed
+of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight unlike those of the training is
+answered with a warning, or not at all. Cd here is that of the altimeter's whole flight, on the frontal area of the
+body, fins and base included. Forecasts are advice: at the field the range safety officer decides.
+"""
+
+
+def _card(name: str, card: Mapping[str, Any]) -> str:
+    first = [f"| {key} | {_told(card[key])} |" for key in CARD if key in card]
+    priors = [f"| {key} | {_told(law)} |" for key, law in card["priors"].items()]
+    return f"""## `{name}`
+
+| | |
+|---|---|
+{chr(10).join(first)}
+| sha256 | `{trained_digests()[name]}` |
+
+| prior of | |
+|---|---|
+{chr(10).join(priors)}"""
+
+
+def _told(value: Any) -> str:
+    if isinstance(value, Mapping):
+        return ", ".join(f"{key} {item}" for key, item in value.items())
+    if isinstance(value, list):
+        return ", ".join(f"`{item}`" for item in value)
+    return f"`{value}`" if "--" in str(value) else str(value)
+
+
+def pages() -> Iterator[tuple[Path, str]]:
+    """Every page that this writes, with its text."""
+    for name, text in {"commands": commands(), "effects": effect_table(), "models": model_cards()}.items():
+        yield DOCS / f"{name}.md", text
+
+
+def main() -> None:
+    """Write the pages."""
+    for path, text in pages():
+        path.write_text(text, encoding="utf-8")
+        print(path)
+
+
+if __name__ == "__main__":
+    main()
