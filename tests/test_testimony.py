@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.loop.force import logs
 from fieldkit.loop.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
 from fieldkit.loop.force.law import missing_force
 from fieldkit.loop.force.regression import Regression, regression
@@ -135,6 +136,14 @@ def test_without_a_log_nothing_is_said() -> None:
     assert document(silent)["flights"] == document(silent)["law"] == []
 
 
+def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
+    silent = Witness((), (("F1", logs.OLDER), ("F2", logs.OLDER), ("F3", "no heights")), (), "")
+    assert list(climbs_in_words(silent)) == [
+        f"2 logs without a missing force, F1 and 1 more: {logs.OLDER}",
+        "1 log without a missing force, F3: no heights",
+    ]
+
+
 def test_a_single_log_says_that_it_decides_nothing() -> None:
     (line,) = climbs_in_words(Witness((one(),), (), (), ""))
     assert "base drag" in line
@@ -164,14 +173,16 @@ def log(seed: int) -> tuple[str, dict[str, float]]:
     return "\n".join([head, *rows, ""]), readouts
 
 
-def test_the_loop_reports_the_missing_force_of_kept_logs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+def test_the_loop_reports_the_missing_force_of_the_latest_logs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logs, "MOST", 3)
     rows = ["flight_id,rocket,motor,dry_mass_g,diameter_mm,log,apogee_m,top_speed_mps,coast_to_apogee_s"]
     for number in range(4):
         text, readouts = log(number)
-        name = f"f{number}.csv" if number else ""
+        name = f"f{number}.csv"
         rows.append(f"F{number},Comet,F24-4W,322,66,{name}," + ",".join(f"{value:.2f}" for value in readouts.values()))
-        if name:
-            (tmp_path / name).write_text(text)
+        (tmp_path / name).write_text(text)
     (tmp_path / "flights.csv").write_text("\n".join(rows) + "\n")
     command = ["--ledger", str(tmp_path / "ledger.db")]
     assert main([*command, "import", str(tmp_path / "flights.csv")]) == 0
@@ -180,6 +191,7 @@ def test_the_loop_reports_the_missing_force_of_kept_logs(tmp_path: Path, capsys:
     assert main([*command, "loop", "--look", "--json", "--report", str(page)]) == 0
     said = json.loads(capsys.readouterr().out)["missing_force"]
     assert [flight["flight_id"] for flight in said["flights"]] == ["F1", "F2", "F3"]
+    assert said["silent"] == [{"flight_id": "F0", "why": logs.OLDER}]
     assert said["law"][0]["effect"] == "base_drag"
     assert said["law"][0]["flights"] == 3
     assert {point["phase"] for point in said["flights"][0]["points"]} == {"boost", "coast"}
