@@ -10,6 +10,7 @@ import time
 from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib import import_module
 from io import StringIO
 from pathlib import Path
 
@@ -256,7 +257,7 @@ def test_a_fault_in_a_parser_loses_nothing(
     def faulty(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr("fieldkit.intake.read_together", faulty)
+    monkeypatch.setattr(import_module("fieldkit.intake.gather"), "read_together", faulty)
     with played(devices.mawd(HEIGHTS)) as wire, pytest.raises(ZeroDivisionError):
         main(["capture", wire.name, "--device", "mawd"])
     monkeypatch.undo()

@@ -91,7 +91,9 @@ def test_plans_say_what_predictions_say(path: str, rocket: Rocket, plan: Flight,
         plans = [plan.with_changes(motor=name) for name in names]
         predicted = np.array([one.apogee_quantiles() for one in predict_plans(ledger, motors, plans, keep=False)])
     made = forecasts(rocket, [(one, motors.resolve(one.motor)) for one in plans], draws=600)
-    assert np.array([one.apogee_quantiles() for one in made]) == pytest.approx(predicted, rel=0.04)
+    made_of = np.array([one.apogee_quantiles() for one in made])
+    assert made_of[:, 1] == pytest.approx(predicted[:, 1], rel=0.02)
+    assert made_of == pytest.approx(predicted, rel=0.07)
 
 
 def test_the_guide_tells_every_check_of_every_motor(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit import replay
 from fieldkit.cli.main import main
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
@@ -53,7 +52,6 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     shelf = {**parsers(), "lark": LARK}
     monkeypatch.setattr(recognition, "parsers", lambda: shelf)
-    monkeypatch.setattr(replay, "parsers", lambda: shelf)
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
 

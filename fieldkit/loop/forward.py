@@ -177,7 +177,7 @@ def tally(rows: Sequence[Forecast]) -> tuple[list[Tally], float]:
     """The errors of the forecasts and of their rivals on the same flights, and the share in the 90 % interval."""
     truth = np.array([row.flown for row in rows])
     ways = {"fieldkit": "p50", "certified motor, no flights": "certified", "the flight before": "persistence"}
-    ways |= {"certified, scaled to earlier flights": "scaled"}
+    ways |= {"scaled to earlier flights": "scaled"}
     errors = {name: np.array([getattr(row, field) for row in rows]) - truth for name, field in ways.items()}
     repeats = np.array([row.repeated for row in rows]) - truth
     if np.isfinite(repeats).any():
