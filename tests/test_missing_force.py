@@ -5,8 +5,11 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fieldkit.loop.missing_force import Law, Rocket, Track, beside_model, law, library, missing_force, track_of
+from fieldkit.loop.force.climb import Rocket, Track, beside_model, track_of
+from fieldkit.loop.force.law import Law, law, missing_force
+from fieldkit.loop.force.terms import library
 from fieldkit.motors import catalogue
+from fieldkit.recording import Forces
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.atmosphere import pad_air
 
@@ -29,14 +32,13 @@ def climb(rocket: Rocket, term: str, strength: float) -> Track:
         model = beside_model(track, rocket)
         push = model.thrust - model.drag
         if term:
-            column = next(one.column for one in library(model) if one.name == term)
+            column = next(one.column for one in library() if one.name == term)
             moved = Track(time, track.height, track.speed, push, track.push_sd, burning)
             push = push + strength * column(beside_model(moved, rocket))
         net = np.where(time < 0.15, np.maximum(push - 9.80665, 0.0), push - 9.80665)
         speed = np.maximum(integral(net), -5.0)
         track = Track(time, np.maximum(integral(speed), 0.0), speed, push, track.push_sd, burning)
-    up = slice(0, int(np.argmax((speed <= 0) & (time > 1))))
-    return Track(*(getattr(track, name)[up] for name in Track.__dataclass_fields__))
+    return track.part(np.arange(len(time)) < np.argmax((speed <= 0) & (time > 1)))
 
 
 def integral(rate: Float[Array, "time"]) -> Float[Array, "time"]:
@@ -49,6 +51,24 @@ def noisy(track: Track, seed: int, *, smooth: int = 1) -> Track:
     noise = np.convolve(rng.normal(0, NOISE, len(track.push) + smooth - 1), np.ones(smooth) / np.sqrt(smooth), "valid")
     speed = track.speed + rng.normal(0, 0.3, len(track.speed))
     return Track(track.time_from_liftoff, track.height, speed, track.push + noise, track.push_sd, track.burning)
+
+
+def forces(track: Track, *, smoothed: bool = False) -> Forces:
+    """A climb as it is measured in a log, with an accelerometer or from heights."""
+    none = np.full(len(track.speed), np.nan)
+    return Forces(
+        track.time_from_liftoff,
+        track.height,
+        track.speed,
+        np.full(len(track.speed), 0.3),
+        track.push,
+        track.push_sd,
+        track.burning,
+        none,
+        none,
+        None if smoothed else track.window,
+        "acceleration",
+    )
 
 
 def found(rocket: Rocket, term: str, strength: float, seed: int = 1, smooth: int = 1) -> Law:
@@ -109,8 +129,7 @@ def test_smoothed_samples_count_for_less() -> None:
 
 
 def test_measured_forces_are_taken_as_they_come() -> None:
-    measured = noisy(climb(SLOW, "base drag", 0.4), 1)
-    assert law(missing_force(track_of(measured), SLOW)).effects == ("base_drag",)
+    assert law(missing_force(track_of(forces(noisy(climb(SLOW, "base drag", 0.4), 1))), SLOW)).effects == ("base_drag",)
 
 
 def test_a_guard_leaves_out_the_moment_of_burnout() -> None:

@@ -10,8 +10,11 @@ from hypothesis import strategies as st
 
 from fieldkit.flight import READOUTS, Series
 from fieldkit.recording import Recorded, columns, measure, measured_sd
+from fieldkit.recording.channels import Heights
 from fieldkit.recording.compare import compare
+from fieldkit.recording.forces import forces
 from fieldkit.recording.measure import NO_APOGEE, NO_FLIGHT, NO_HEIGHT, NO_LANDING, NO_LIFTOFF
+from fieldkit.recording.records import Climb
 from fieldkit.standard_air import height_pressure, pressure_height
 from tests.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 
@@ -206,6 +209,16 @@ def test_drag_area_is_measured_in_the_coast() -> None:
         thrust = np.interp(forces.time_from_liftoff, truth.time, truth.felt)
         middle = forces.burning & (forces.time_from_liftoff > 0.5) & (forces.time_from_liftoff < 1.9)
         assert np.abs(forces.push[middle] - thrust[middle]).max() < 0.15 * thrust.max()
+
+
+def test_above_the_air_there_is_no_drag_area() -> None:
+    time, one = np.arange(0.0, 10.0), np.ones(10)
+    for height, shown in ((1e3, True), (1e6, False)):
+        climb = Climb(time, height * one, one, 100 * one, one, -20 * one, one, time < 0, "pressure")
+        found = forces(climb, None, Heights(time, height * one, True, 1.0, "pressure"), 0.0, np.inf)
+        assert found is not None
+        assert np.all(np.isfinite(found.drag_area) == shown)
+        assert np.all(np.isfinite(found.drag_area_sd) == shown)
 
 
 @pytest.mark.slow

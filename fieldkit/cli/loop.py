@@ -35,6 +35,7 @@ def loop(
     from fieldkit.cli.screen import progress
     from fieldkit.loop.desk import close_loop, loop_document, which_rocket
     from fieldkit.loop.findings import findings
+    from fieldkit.loop.force.logs import kept_logs
     from fieldkit.loop.words import report
 
     if page is not None:
@@ -50,10 +51,11 @@ def loop(
                 known_motors(),
                 name,
                 accept=not look,
-                progress=lambda text, share: tell(text, 0.7 * share),
+                progress=lambda text, share: tell(text, 0.6 * share),
                 given=given,
             )
-            found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share))
+            logs = kept_logs(ledger, diagnosis, lambda text, share: tell(text, 0.6 + 0.1 * share))
+            found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share), logs)
     if page is not None:
         write_page(found, page)
         complain(f"report written to {page}")

@@ -15,6 +15,7 @@ from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
 from fieldkit.loop.findings import Compared, Findings
+from fieldkit.loop.force.testimony import document as testimony_document
 from fieldkit.loop.forward import Forecast
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.made_from import digest, model_parts, plan_parts
@@ -337,6 +338,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
             {"effect": str(trial.candidate.place), "readouts": [finite(asdict(mark)) for mark in row]}
             for trial, row in found.fingerprints
         ],
+        "missing_force": finite(testimony_document(found.testimony)),
     }
 
 

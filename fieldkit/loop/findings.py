@@ -1,16 +1,18 @@
 """All that is reported of a closed loop, computed once: the terminal, the JSON and the page show the same figures."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 from fieldkit.loop.ahead import Ahead, ahead
 from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.loop.force.testimony import Witness, testify
 from fieldkit.loop.judged import Interval, Judged, gain, judge
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.marks import Mark, marks
 from fieldkit.loop.residual import Pattern, Spread, patterns, readout_patterns, spreads
 from fieldkit.loop.telling import Advice, Explanation, telling
 from fieldkit.loop.trial import Trial
+from fieldkit.recording import Recorded
 
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
 FORWARD = (
@@ -38,7 +40,8 @@ class Findings:
 
     `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are
     those of the accepted effects, else of the likeliest. `tests` would tell the accepted effect from those that
-    it cannot be told from. `unexplained` is there where the verdict is.
+    it cannot be told from. `unexplained` is there where the verdict is. `testimony` is what logs of the climb say,
+    which had no part in the verdict.
     """
 
     rocket: str
@@ -52,10 +55,16 @@ class Findings:
     fingerprints: tuple[tuple[Trial, tuple[Mark, ...]], ...]
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
+    testimony: Witness
 
 
-def findings(rocket: str, diagnosis: Diagnosis, tell: Callable[[str, float], None] | None = None) -> Findings:
-    """Everything that is reported of a diagnosis."""
+def findings(
+    rocket: str,
+    diagnosis: Diagnosis,
+    tell: Callable[[str, float], None] | None = None,
+    logs: Mapping[str, Recorded | str] | None = None,
+) -> Findings:
+    """Everything that is reported of a diagnosis; `logs` as `fieldkit.loop.force.logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis, tell)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
@@ -78,6 +87,7 @@ def findings(rocket: str, diagnosis: Diagnosis, tell: Callable[[str, float], Non
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
         unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
+        testimony=testify(diagnosis, logs or {}),
     )
 
 

@@ -212,14 +212,14 @@ def shown(
     grounded = flown.lift_off == 0
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
     for name in OBSERVED:
-        bias = _sum(model, values, name)
+        bias = bent(model, values, name)
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
     return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS} | {"true": flown.apogee}
 
 
-def _sum(model: Model, values: Array, bends: str) -> Array:
-    """Everything that bends one thing, added up. [draw flight]"""
+def bent(model: Model, values: Float[Array, "draw term"], bends: str) -> Float[Array, "draw flight"]:
+    """Everything that bends one thing, added up."""
     weights = [
         (index, term.weight)
         for index, term in enumerate(model.terms)
@@ -233,7 +233,7 @@ def _sum(model: Model, values: Array, bends: str) -> Array:
 
 def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tuple[Setup, list[tuple[Effect, Array]]]:
     def bend(what: str) -> Array:
-        return np.asarray(_sum(model, values, what) + scatter.get(what, 0.0))
+        return np.asarray(bent(model, values, what) + scatter.get(what, 0.0))
 
     setup = field_setup(model.flights, model.found, model.area * np.exp(bend("drag")), np.exp(bend("thrust")))
     setup = setup.with_changes(

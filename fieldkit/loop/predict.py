@@ -20,7 +20,7 @@ from fieldkit.loop.fit import (
     scale_grid,
     term_sds,
 )
-from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, doubted, observe, shown
+from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, observe, shown
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
@@ -215,8 +215,8 @@ def fly_ahead(
         "true_apogee": np.nan_to_num(readings["true"] * lean),
         "eject": readings["apogee_to_eject"],
         "coast": readings["coast_to_apogee"],
-        "cd": np.exp(_bent(part, values, "drag") + scatter["drag"]),
-        "alpha": np.exp(_bent(part, values, "thrust") + scatter["thrust"]),
+        "cd": np.exp(bent(part, values, "drag") + scatter["drag"]),
+        "alpha": np.exp(bent(part, values, "thrust") + scatter["thrust"]),
         **{name: readings[name] for name in ("top_speed", "duration", *EXTRAS)},
     }
     return [
@@ -239,16 +239,6 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
         for name, effect in effects().items()
         if effect.needs and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
-
-
-def _bent(model: Model, values: Array, what: str) -> Array:
-    return np.asarray(
-        sum(
-            values[:, i, None] * term.weight
-            for i, term in enumerate(model.terms)
-            if isinstance(term.bends, str) and term.bends == what
-        )
-    )
 
 
 def _drawn(

@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 from fieldkit.loop.findings import Findings
+from fieldkit.loop.force.words import climbs_in_words
 from fieldkit.loop.predict import Prediction
 from fieldkit.units import FOOT
 
@@ -56,6 +57,8 @@ def report(found: Findings) -> Iterator[str]:
             yield f"  {place:34.34}{item.log_bayes:+8.1f}{item.steady:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield from _verdict(found)
+    for line in climbs_in_words(found.testimony):
+        yield f"  {line}"
     yield ""
     yield from _errors(found)
 

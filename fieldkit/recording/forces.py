@@ -10,10 +10,14 @@ from fieldkit.standard_air import GRAVITY, standard_density
 
 _SLOWEST = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
+_THINNEST = 1e-4
+"""In thinner air, from some 60 km up, there is no drag to tell. [kg/m^3]"""
 _FUSED, _DERIVED, _DISTURBED = 0.02, 0.015, 0.03
 """Error of a top speed, to it: with an accelerometer, from heights, from heights near the speed of sound. [1]"""
 _TRANSONIC = 270.0
 """From about Mach 0.8 on, shocks disturb the pressure in the airframe. [m/s]"""
+_MOST = 0.9
+"""Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
 _SCALE = 0.02
 """Of an accelerometer's error, to the acceleration. [1]"""
 
@@ -47,23 +51,37 @@ def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float
     flown = climb.time <= free
     if flown.sum() < 5:
         return None
+    window = None
+    if push is not None and not push.vertical:
+        felt_there = flown & (climb.time >= push.time[0]) & (climb.time <= push.time[-1])
+        if felt_there.sum() >= _MOST * flown.sum():
+            flown, window = felt_there, 2 * max(0.05, 1.5 * float(np.median(np.diff(push.time))))
     time = climb.time[flown]
-    if push is not None and not push.vertical and push.time[0] <= time[0] and push.time[-1] >= time[-1]:
+    if push is not None and window:
         total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (push.felt[1:] + push.felt[:-1]) / 2)))
-        half = max(0.05, 1.5 * float(np.median(np.diff(push.time))))
-        after, before = np.interp(time + half, push.time, total), np.interp(time - half, push.time, total)
-        felt = (after - before) / (2 * half)
+        after, before = (np.interp(time + half, push.time, total) for half in (window / 2, -window / 2))
+        felt = (after - before) / window
         felt_sd, source = np.hypot(0.3, _SCALE * np.abs(felt)), push.source
     else:
         felt, felt_sd, source = climb.acceleration[flown] + GRAVITY, climb.acceleration_sd[flown], climb.source
     speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
-    coasting = ~burning & (speed > _SLOWEST)
-    dynamic = 0.5 * standard_density(climb.height[flown] + pad_elevation) * speed**2
-    with np.errstate(divide="ignore", invalid="ignore"):
-        area = np.where(coasting, -felt / dynamic, np.nan)
-        area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
+    density = standard_density(climb.height[flown] + pad_elevation)
+    shows = ~burning & (speed > _SLOWEST) & (density > _THINNEST)
+    dynamic = np.where(shows, 0.5 * density * speed**2, np.nan)
+    area = -felt / dynamic
+    area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
     return Forces(
-        time - climb.time[0], climb.height[flown], speed, speed_sd, felt, felt_sd, burning, area, area_sd, source
+        time - climb.time[0],
+        climb.height[flown],
+        speed,
+        speed_sd,
+        felt,
+        felt_sd,
+        burning,
+        area,
+        area_sd,
+        window,
+        source,
     )
 
 

@@ -50,6 +50,8 @@ class Forces:
     `push` is thrust less drag over mass [m/s^2], that is acceleration with gravity taken out: what an axial
     accelerometer feels. While the rocket coasts it is drag alone, and `drag_area` is Cd·A over mass [m^2/kg], by
     the density of the standard atmosphere at that height; nan while burning and where the rocket is too slow to say.
+    `window` is how long the push of an axial accelerometer was averaged [s]; None where smoothed heights were made
+    into it.
     """
 
     time_from_liftoff: Float[Array, "time"]
@@ -61,6 +63,7 @@ class Forces:
     burning: Flags
     drag_area: Float[Array, "time"]
     drag_area_sd: Float[Array, "time"]
+    window: float | None
     source: str
 
 

@@ -19,6 +19,8 @@ Parts = list[str | tuple[str, str]]
 
 def verdict(found: "Findings", system: str) -> Content:
     """What is missing, how sure that is, and the error on flights not seen, before and after."""
+    from fieldkit.loop.force.words import climbs_in_words
+
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
     if found.unexplained is not None:
@@ -29,6 +31,7 @@ def verdict(found: "Findings", system: str) -> Content:
     if diagnosis.also:
         parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
         parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
+    parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
     parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]

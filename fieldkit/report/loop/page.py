@@ -11,9 +11,10 @@ from fieldkit.flight import BY_NAME
 from fieldkit.loop.desk import version_payload
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.findings import Compared, Findings
+from fieldkit.loop.force.words import climbs_in_words
 from fieldkit.loop.judged import Interval
 from fieldkit.report.html import embedded, rendered, save
-from fieldkit.report.loop.pictures import PICTURES, png, svg
+from fieldkit.report.loop.pictures import pictures, png, svg
 from fieldkit.simulator.effect import effects
 
 SUFFIXES = (".html", ".htm", ".png")
@@ -54,7 +55,8 @@ def content(found: Findings) -> dict[str, Any]:
             for row in (*found.patterns, *found.readout_patterns)
             if row.p < 0.1
         ],
-        "pictures": {name: embedded(svg(name, found)) for name in PICTURES},
+        "pictures": {name: embedded(svg(name, found)) for name in pictures(found)},
+        "climbs": [f"{_begun(line)}." for line in climbs_in_words(found.testimony)],
         "errors": [
             row
             for title, compared in (("left out", found.left_out), ("forward in time", found.forward))

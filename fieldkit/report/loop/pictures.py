@@ -153,13 +153,41 @@ def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
     panel.grid(axis="y", visible=False)
 
 
+def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
+    """The push that logs felt less the model's, along each climb: against time, and against speed."""
+    panels = figure.subplots(1, 2, sharey=True)
+    for number, one in enumerate(found.testimony.flights):
+        for burning, mark, colour in ((True, "^", BEFORE), (False, "o", AFTER)):
+            points = [point for point in one.points if point.burning is burning]
+            phase = "motor burning" if burning else "coasting"
+            for panel, name in zip(panels, ("time_from_liftoff", "speed"), strict=True):
+                panel.errorbar(
+                    [getattr(point, name) for point in points],
+                    [point.force for point in points],
+                    yerr=[NINE_OF_TEN * point.sd for point in points],
+                    fmt=f"{mark}-", color=colour, markersize=4, linewidth=0.8, alpha=0.75,
+                    label=phase if number == 0 else None,
+                )  # fmt: skip
+    for panel, title in zip(panels, ("time from lift-off [s]", "speed [m/s]"), strict=True):
+        panel.axhline(0, color=INK, linewidth=1)
+        panel.set_xlabel(title)
+    panels[0].set_ylabel("missing force per mass [m/s²]")
+    panels[1].legend(loc="best", fontsize=8)
+
+
 PICTURES: Mapping[str, tuple[Draw, tuple[float, float]]] = {
     "residuals": (residuals, (7.6, 3.0)),
     "forward": (forward, (7.6, 2.9)),
     "fingerprints": (fingerprints, (7.6, 3.6)),
     "ladder": (ladder, (7.6, 3.7)),
+    "missing_force": (missing_force, (7.6, 2.9)),
 }
 """Each picture and its size. [inch]"""
+
+
+def pictures(found: Findings) -> list[str]:
+    """Names of the pictures that there is something to show in."""
+    return [name for name in PICTURES if name != "missing_force" or found.testimony.flights]
 
 
 def svg(name: str, found: Findings) -> bytes:
@@ -178,10 +206,11 @@ def png(found: Findings) -> bytes:
     from matplotlib.figure import Figure
 
     with styled():
-        sizes = [size for _, size in PICTURES.values()]
+        chosen = [PICTURES[name] for name in pictures(found)]
+        sizes = [size for _, size in chosen]
         figure = Figure(figsize=(sizes[0][0], sum(high for _, high in sizes) + 0.5), layout="constrained")
         figure.suptitle(f"{found.rocket}: {found.diagnosis.effect}", fontsize=13, weight="bold", x=0.02, ha="left")
         parts = figure.subfigures(len(sizes), 1, height_ratios=[high for _, high in sizes], squeeze=False)
-        for part, (draw, _) in zip(parts[:, 0], PICTURES.values(), strict=True):
+        for part, (draw, _) in zip(parts[:, 0], chosen, strict=True):
             draw(part, found)
         return drawn(figure, "png")

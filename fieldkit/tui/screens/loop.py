@@ -193,6 +193,7 @@ class LoopScreen(PageScreen):
     def _look(self, rocket: str) -> "Findings":
         from fieldkit.loop.desk import close_loop
         from fieldkit.loop.findings import findings
+        from fieldkit.loop.force.logs import kept_logs
 
         def tell(start: float, part: float) -> Callable[[str, float], None]:
             def told(text: str, share: float) -> None:
@@ -200,8 +201,9 @@ class LoopScreen(PageScreen):
 
             return told
 
-        diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.7))
-        return findings(rocket, diagnosis, tell(0.7, 0.3))
+        diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.6))
+        logs = kept_logs(self.desk.ledger, diagnosis, tell(0.6, 0.1))
+        return findings(rocket, diagnosis, tell(0.7, 0.3), logs)
 
     @on(Told)
     def _told(self, message: Told) -> None:

@@ -1,0 +1,147 @@
+"""What the published logs say of the force along a climb: `python tools/real_forces.py LOGS OUT.md`.
+
+LOGS is the folder of recordings with their SOURCES.md. For each log that bears a climb: whether the push was felt, what
+is known of rocket and motor, and so whether a missing force can be had; where mass and motor are known, the law that
+this one flight asks for, beside a drag of its own. Of every coast, drag area over mass, which needs neither.
+"""
+
+import argparse
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
+from fieldkit.loop.force.flights import FlightForce, flight_force, rocket_of
+from fieldkit.motors import catalogue
+from fieldkit.parsing import read_recordings
+from fieldkit.recording import Forces, Recorded, measure
+
+
+@dataclass(frozen=True)
+class Known:
+    """What SOURCES.md or the file of conditions says of the rocket of a log, and what stands against using it."""
+
+    motor: str = ""
+    dry_mass: float | None = None
+    diameter: float | None = None
+    caveat: str = ""
+
+
+KNOWN = {
+    "raven_fip_variant__ndrt_2020": Known("Cesaroni L1395", 18.998, None, "whether the mass holds the motor case"),
+    "generic__ncsu_firm_jackpot_launch_1": Known("AeroTech L1390G", 16.848, 0.1524, "air brakes opened in the coast"),
+    "featherweight_gps__adventurer": Known("J510W"),
+    "altos_csv__2012-05-28": Known(caveat="its boost returns after the coast"),
+    "entacore_aim_xtra": Known("E190 / H148R", None, None, "two stages"),
+}
+"""By how a file's name begins."""
+CD = 0.5
+"""Where the law begins; each flight has a drag of its own. [1]"""
+GUESSED_DIAMETER = 0.15
+"""Where none is known, as a place to begin. [m]"""
+SLOW, FAST = 0.3, 0.7
+"""Mach numbers between which a coast is compared."""
+SOUND = 335.0
+"""Speed that Mach numbers are of. [m/s]"""
+NOISY = 0.1
+"""Of the drag, above which what no term explains would hide one. [1]"""
+
+
+def main() -> None:
+    """Write the page."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("logs", type=Path)
+    parser.add_argument("out", type=Path)
+    arguments = parser.parse_args()
+    rows, laws = [], []
+    for path in sorted(arguments.logs.iterdir()):
+        said = recorded(path)
+        if said is None:
+            continue
+        known = next((one for start, one in KNOWN.items() if path.name.startswith(start)), Known())
+        shown = judged(path.stem, said, known)
+        why = shown if isinstance(shown, str) else "usable" + (f", but {known.caveat}" if known.caveat else "")
+        push, area = (said.forces.source, drag_area(said.forces)) if said.forces else ("none", "")
+        mass = f"{known.dry_mass:.3f} kg" if known.dry_mass else "unknown"
+        rows.append(f"| {path.stem} | {push} | {known.motor or 'unknown'} | {mass} | {area} | {why} |")
+        if isinstance(shown, FlightForce):
+            laws += ["", *told(shown)]
+    arguments.out.write_text("\n".join([*HEAD, *rows, *laws, ""]), encoding="utf-8")
+
+
+HEAD = [
+    "# The force along real climbs",
+    "",
+    "Computed by `python tools/real_forces.py LOGS docs/real-forces.md`, LOGS being a folder of published recordings.",
+    "A missing force needs the mass of the rocket and the motor; drag area over mass in the coast needs none of them:",
+    "median and central 80 % between Mach 0.3 and 0.7, or above 30 m/s where the coast is slower. A law needs two",
+    "flights of one rocket, and no two of these are of one rocket or by one logger; `top_shot` and `juno3` are one",
+    "flight each by two loggers, `hedy` one logger's raw and filtered files. Where heights alone were recorded, the",
+    "push is their second derivative, and the spread is that of smoothing.",
+    "",
+    "| log | push from | motor | mass without motor | Cd·A/m [cm²/kg] | missing force |",
+    "|---|---|---|---|---|---|",
+]
+
+
+def recorded(path: Path) -> Recorded | None:
+    """The flight in a log, or None where the file is no log of heights over time."""
+    try:
+        readings = [one for one in read_recordings(path.read_bytes(), path.name) if one.describes == "flight"]
+    except FieldkitError:
+        return None
+    return measure(readings[0].clocks, readings[0].events) if readings else None
+
+
+def judged(name: str, said: Recorded, known: Known) -> FlightForce | str:
+    """The missing force of a log, or why there is none."""
+    if said.forces is None:
+        return "; ".join(said.notes) or "no climb from lift-off"
+    lacking = [what for what, there in (("motor", known.motor), ("mass", known.dry_mass)) if not there]
+    if lacking:
+        return f"{' and '.join(lacking)} unknown" + (f"; {known.caveat}" if known.caveat else "")
+    flight = Flight(name, "", "", known.motor, dry_mass=known.dry_mass)
+    area = CD * np.pi / 4 * (known.diameter or GUESSED_DIAMETER) ** 2
+    return flight_force(name, said, rocket_of(flight, catalogue().resolve(known.motor).motor, area))
+
+
+def drag_area(forces: Forces) -> str:
+    """Drag area over mass in the coast, in square centimetres a kilogram."""
+    coast = np.isfinite(forces.drag_area)
+    mach = forces.speed / SOUND
+    rows = coast & (mach > SLOW) & (mach < FAST)
+    rows = rows if rows.sum() >= 5 else coast & (forces.speed > 30)
+    if rows.sum() < 5:
+        return "coast too short"
+    low, middle, high = 1e4 * np.quantile(forces.drag_area[rows], (0.1, 0.5, 0.9))
+    return f"{middle:.2f} ({low:.2f} to {high:.2f})"
+
+
+def told(one: FlightForce) -> list[str]:
+    """The law that one flight asks for, and the points behind it."""
+    terms = [
+        f"{found.term.name} {found.value:+.3f} ± {found.sd:.3f} {found.term.unit}"
+        + (f" (or {', '.join(found.also)})" if found.also else "")
+        for found in one.law.terms
+    ]
+    said = "; ".join(terms) or nothing(one)
+    lines = [f"## {one.flight_id}", "", f"Alone, which decides nothing: {said}."]
+    lines += ["", "| phase | s from lift-off | m/s | missing m/s² | ± |", "|---|---|---|---|---|"]
+    return lines + [
+        f"| {phase} | {p.time_from_liftoff:.2f} | {p.speed:.1f} | {p.force:+.2f} | {p.sd:.2f} |"
+        for p in one.points
+        for phase in ["boost" if p.burning else "coast"]
+    ]
+
+
+def nothing(one: FlightForce) -> str:
+    """What it means that a flight asks for no term: nothing is missing, or what scatters would hide it."""
+    left, drag = one.law.left, float(one.missing.drag.max())
+    said = f"{left:.2g} m/s² are left beside a drag of {drag:.2g} m/s² at the most"
+    return f"too noisy to say, {said}" if left > NOISY * drag else f"nothing is missing, {said}"
+
+
+if __name__ == "__main__":
+    main()
