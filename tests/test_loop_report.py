@@ -319,6 +319,7 @@ def test_a_page_is_written_by_the_name_of_its_file(found: Findings, tmp_path: Pa
         check_page(tmp_path / "page.pdf")
 
 
+@pytest.mark.slow
 def test_the_command_writes_the_page_and_the_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     ledger, target = str(tmp_path / "ledger.db"), tmp_path / "astra.html"
     table = Path(__file__).parents[1] / "fieldkit" / "data" / "reference_flights.csv"

@@ -173,6 +173,7 @@ def log(seed: int) -> tuple[str, dict[str, float]]:
     return "\n".join([head, *rows, ""]), readouts
 
 
+@pytest.mark.slow
 def test_the_loop_reports_the_missing_force_of_the_latest_logs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
