@@ -262,9 +262,10 @@ def main() -> None:
     parser.add_argument("--timeout", type=float, default=180.0, help="seconds for one call")
     parser.add_argument("--scenario", nargs="*", help="only these")
     parser.add_argument("--limit", type=int, help="only the first so many sets of each scenario")
+    parser.add_argument("--first", type=int, help="only the first so many sets of all")
     parser.add_argument("--out", type=Path, help="where the results go as JSON")
     given = parser.parse_args()
-    labels = json.loads((given.sets / "labels.json").read_text())
+    labels = json.loads((given.sets / "labels.json").read_text())[: given.first]
     seen: Counter[str] = Counter()
     chosen = []
     for label in labels:
