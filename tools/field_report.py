@@ -248,8 +248,9 @@ def journal() -> Iterator[str]:
     yield from prose(*told)
     yield from prose(
         "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by:",
-        "that much is in no simulator's power. The law that stands for a diameter where there is none was set looking",
-        "at these flights, so to that extent this is in-sample.",
+        "that much is in no simulator's power. The law that stands for a diameter where there is none, and how far",
+        "forecasts doubt the simulator and the device, were set looking at these flights: to that extent this is",
+        "in-sample.",
     )
     warned = found["guard"]
     which = ", ".join(f"{name} {count}" for name, count in warned["by_readout"].items())
