@@ -185,6 +185,7 @@ COMMANDS: dict[str, list[str]] = {
     "redo": [],
     "history": [],
     "backups": [],
+    "docs": ["start"],
     "motors": ["F24"],
     "model": [],
     "simulate": ["--motor", "F24-4W", "--dry-mass", "322g", "--diameter", "66mm", "--cd", "0.6"],
