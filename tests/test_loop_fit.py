@@ -10,7 +10,8 @@ import pytest
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
-from fieldkit.loop.fit import Fit, _log_inside, fit, leave_one_out, scale_grid, solve, term_sds
+from fieldkit.loop.fit import fit
+from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.model import (
     LOGARITHMIC,
     OBSERVED,
@@ -24,6 +25,7 @@ from fieldkit.loop.model import (
     reading_sd,
     shown,
 )
+from fieldkit.loop.posterior import Fit, Growing, _log_inside, scale_grid, solve, term_sds
 from fieldkit.loop.tangent import Tangent
 from fieldkit.motors import catalogue
 
@@ -162,14 +164,14 @@ def test_leaving_a_flight_out_is_solving_without_it(flight: int) -> None:
     slope = result.tangent.slope[flight, 0]
     mean = result.tangent.values[flight, 0] + (rest.mean - result.tangent.at) @ slope
     np.testing.assert_allclose(left.mean[:, flight], mean, atol=1e-9)
-    spread = np.einsum("t,stu,u->s", slope, np.linalg.inv(rest.precision), slope)
-    full = np.einsum("t,stu,u->s", slope, np.linalg.inv(result.precision), slope)
+    spread = np.einsum("t,stu,u->s", slope, rest.covariance, slope)
+    full = np.einsum("t,stu,u->s", slope, result.covariance, slope)
     own = left.variance[:, flight] - spread
     assert np.all(full <= spread)
     assert np.all(own > 0)
     assert np.all(np.diff(own.reshape(6, 3), axis=0) > 0), "more scatter, more spread"
-    evidence = rest.log_weight - _log_inside(rest.model, rest.mean, rest.precision)
-    other = left.log_weight[:, flight] - _log_inside(result.model, result.mean, result.precision)
+    evidence = rest.log_weight - _log_inside(rest.model, rest.mean, rest.covariance)
+    other = left.log_weight[:, flight] - _log_inside(result.model, result.mean, result.covariance)
     np.testing.assert_allclose(evidence - evidence[0], other - other[0], atol=1e-7)
 
 
@@ -197,6 +199,20 @@ def test_forecasts_of_flights_left_out_are_calibrated() -> None:
         error.append((result.data.values[:, 0] - mean) / sd)
     assert calibrated(np.array(error)[:, 0], 0.5)
     assert calibrated(np.array(error), 0.9)
+
+
+@pytest.mark.parametrize("flight", [0, 3, 7])
+def test_a_growing_fit_is_that_of_the_flights_before(flight: int) -> None:
+    result = fits()[0]
+    upto, near = slice(flight + 1), result.tangent
+    part = Tangent(near.at, near.values[upto], near.slope[upto], near.scatter_slope[upto])
+    whole = without(result.data, flight)
+    data = Data(whole.values[upto], whole.sd[upto], whole.seen[upto], whole.trust[upto])
+    anew, grown = solve(result.model.part(upto), data, part), Growing(result).before(flight, data)
+    np.testing.assert_allclose(grown.mean, anew.mean, atol=1e-9)
+    np.testing.assert_allclose(grown.covariance, anew.covariance, atol=1e-12)
+    np.testing.assert_allclose(grown.log_weight, anew.log_weight, atol=1e-7)
+    np.testing.assert_allclose(leave_one_out(grown).mean, leave_one_out(anew).mean, atol=1e-9)
 
 
 # Evidence
@@ -251,7 +267,7 @@ def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(scale
     gain = prior @ slope.T @ np.linalg.inv(covariance)
     expected = np.array([term.mean for term in model.terms]) + gain @ (seen - mean)
     np.testing.assert_allclose(result.mean[scale], expected, atol=1e-9)
-    np.testing.assert_allclose(np.linalg.inv(result.precision[scale]), prior - gain @ slope @ prior, atol=1e-9)
+    np.testing.assert_allclose(result.covariance[scale], prior - gain @ slope @ prior, atol=1e-9)
 
 
 def test_what_was_not_seen_teaches_nothing() -> None:

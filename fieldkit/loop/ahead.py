@@ -12,10 +12,10 @@ import numpy as np
 
 from fieldkit.loop.choice import ODDS, Ranked, choose, choose_in_folds, rank, stands
 from fieldkit.loop.diagnose import Diagnosis
-from fieldkit.loop.fit import Fit, leave_one_out, solve
+from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.model import Data
+from fieldkit.loop.posterior import Growing
 from fieldkit.loop.score import Forecasts, forecasts_of, score
-from fieldkit.loop.tangent import Tangent
 from fieldkit.loop.trial import Trial, by_effect
 from fieldkit.shapes import Array, Flags
 
@@ -42,40 +42,66 @@ def ahead(diagnosis: Diagnosis, tell: Callable[[str, float], None] | None = None
     """Forecasts of a diagnosed history forward in time."""
     teach = diagnosis.data.seen[:, 0]
     count = len(teach)
-    before, after, chosen = [], [], []
     known = np.concatenate([[0], np.cumsum(teach)[:-1]])
     judged = teach & (known >= FEWEST)
+    past = _Past(diagnosis)
+    rows = []
     for flight in range(count):
         if tell:
             tell("forward in time", flight / count)
-        plain, picked, name = _at(diagnosis, flight) if judged[flight] else (_nothing(), _nothing(), "")
-        before.append(plain)
-        after.append(picked)
-        chosen.append(name)
-    return Ahead(_joined(before), _joined(after), judged, tuple(chosen))
+        rows.append(past.said_of(flight) if judged[flight] else (_nothing(), _nothing(), ""))
+    before, after, chosen = zip(*rows, strict=True) if rows else ((), (), ())
+    return Ahead(_joined(before), _joined(after), judged, chosen)
 
 
 def _nothing() -> Forecasts:
     return Forecasts(np.zeros((1, 1)), np.ones((1, 1)), np.ones((1, 1)))
 
 
-def _at(diagnosis: Diagnosis, flight: int) -> tuple[Forecasts, Forecasts, str]:
-    """What was to be said of a flight when it had not flown, without and with an effect, and which."""
-    data = _known(diagnosis.data, flight)
-    truth, seen = data.values[:, 0], data.seen[:, 0]
-    base = _plain(diagnosis, data, flight)
-    plain = forecasts_of(base.left_out)
-    trials = [
-        trial
-        for item in diagnosis.ranking
-        for trial in item.trials
-        if any(term.weight[:flight][seen[:flight]].any() for term in trial.candidate.terms)
-    ]
-    ranking = rank(_tried(trials, base, data, flight), base, truth, seen)
-    chosen = choose(ranking)
-    if chosen is None or not _stands(chosen, ranking, plain, truth, seen):
-        return _last(plain), _last(plain), ""
-    return _last(plain), _last(chosen.forecasts), chosen.effect
+class _Past:
+    """Everything that was tried on a history, as it stood at each of its flights."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self._data, self._plain = diagnosis.data, diagnosis.base
+        self._base = Growing(diagnosis.base.fit)
+        self._trials = [(trial.candidate, Growing(trial.fit)) for item in diagnosis.ranking for trial in item.trials]
+
+    def said_of(self, flight: int) -> tuple[Forecasts, Forecasts, str]:
+        """What was to be said of a flight when it had not flown, without and with an effect, and which."""
+        data = _known(self._data, flight)
+        truth, seen = data.values[:, 0], data.seen[:, 0]
+        fitted = self._base.before(flight, data)
+        base = Trial(self._plain.candidate, fitted, leave_one_out(fitted))
+        plain = forecasts_of(base.left_out)
+        ranking = rank(self._tried(base, data, flight), base, truth, seen)
+        chosen = choose(ranking)
+        if chosen is None or not _stands(chosen, ranking, plain, truth, seen):
+            return _last(plain), _last(plain), ""
+        return _last(plain), _last(chosen.forecasts), chosen.effect
+
+    def _tried(self, base: Trial, data: Data, flight: int) -> list[Trial]:
+        """The trials on the flights before; what is hopeless gets the plain forecasts, and so helps nothing."""
+        seen = data.seen[:flight, 0]
+        acting = [
+            (candidate, growing.before(flight, data))
+            for candidate, growing in self._trials
+            if any(term.weight[:flight][seen].any() for term in candidate.terms)
+        ]
+        families = by_effect([candidate for candidate, _ in acting])
+        weight = {
+            id(candidate): fitted.log_evidence + candidate.log_share - base.log_evidence for candidate, fitted in acting
+        }
+        best = {name: max(weight[id(candidate)] for candidate in family) for name, family in families.items()}
+        least = float(np.log(max(len(families), 1) / ODDS)) - NEGLIGIBLE
+        possible = np.logaddexp.reduce(list(weight.values())) > least
+        found = []
+        for candidate, fitted in acting:
+            top = best[candidate.effect]
+            if weight[id(candidate)] < top - NEGLIGIBLE:
+                continue
+            worth = possible and top > least
+            found.append(Trial(candidate, fitted, leave_one_out(fitted) if worth else base.left_out))
+        return found
 
 
 def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: Array, seen: Flags) -> bool:
@@ -84,44 +110,12 @@ def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: 
     return bool(chosen.effect) and stands(chosen, after, before)
 
 
-def _plain(diagnosis: Diagnosis, data: Data, flight: int) -> Trial:
-    fitted = _refit(diagnosis.base.fit, data, flight)
-    return Trial(diagnosis.base.candidate, fitted, leave_one_out(fitted))
-
-
-def _tried(trials: Sequence[Trial], base: Trial, data: Data, flight: int) -> list[Trial]:
-    """The trials on the flights before; what is hopeless gets the plain forecasts, and so helps nothing."""
-    fits = [_refit(trial.fit, data, flight) for trial in trials]
-    families = by_effect([trial.candidate for trial in trials])
-    weight = {
-        id(trial.candidate): fitted.log_evidence + trial.candidate.log_share - base.log_evidence
-        for trial, fitted in zip(trials, fits, strict=True)
-    }
-    best = {name: max(weight[id(candidate)] for candidate in family) for name, family in families.items()}
-    least = float(np.log(len(families) / ODDS)) - NEGLIGIBLE
-    possible = np.logaddexp.reduce(list(weight.values())) > least
-    found = []
-    for trial, fitted in zip(trials, fits, strict=True):
-        top = best[trial.candidate.effect]
-        if weight[id(trial.candidate)] < top - NEGLIGIBLE:
-            continue
-        worth = possible and top > least
-        found.append(Trial(trial.candidate, fitted, leave_one_out(fitted) if worth else base.left_out))
-    return found
-
-
 def _known(data: Data, flight: int) -> Data:
     """What was known before a flight: the readouts of those before it."""
     upto = slice(flight + 1)
     seen = data.seen[upto].copy()
     seen[-1] = False
     return Data(np.where(seen, data.values[upto], 0.0), np.where(seen, data.sd[upto], 1.0), seen, data.trust[upto])
-
-
-def _refit(fitted: Fit, data: Data, flight: int) -> Fit:
-    upto, near = slice(flight + 1), fitted.tangent
-    part = Tangent(near.at, near.values[upto], near.slope[upto], near.scatter_slope[upto])
-    return solve(fitted.model.part(upto), data, part)
 
 
 def _last(forecasts: Forecasts) -> Forecasts:

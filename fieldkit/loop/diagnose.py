@@ -11,8 +11,9 @@ import numpy as np
 from fieldkit.errors import UnknownEffect
 from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
 from fieldkit.loop.choice import Ranked, choose, choose_in_folds, confidence, probability, rank, stands
-from fieldkit.loop.fit import Fit, fit
+from fieldkit.loop.fit import fit
 from fieldkit.loop.model import Data, Model
+from fieldkit.loop.posterior import Fit
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_all
 from fieldkit.simulator.effect import Effect

@@ -12,8 +12,8 @@ import numpy as np
 
 from fieldkit.flight import READOUTS
 from fieldkit.loop.diagnose import Diagnosis
-from fieldkit.loop.fit import Fit
 from fieldkit.loop.model import OBSERVED, compared, shown
+from fieldkit.loop.posterior import Fit
 from fieldkit.loop.trial import Trial
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.field import recorded
@@ -76,11 +76,10 @@ def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "fl
     """What the plain model cannot follow of a shift, in expected standard deviations of each readout."""
     best = int(np.argmax(plain.log_weight))
     usable = plain.data.seen & np.isfinite(plain.tangent.values)
-    slope = np.where(usable[..., None], plain.tangent.slope, 0.0)
+    slope, noise = plain.told.slope, plain.told.noise[best]
     shift = np.where(usable, shift, 0.0)
-    noise = plain.noise[best]
-    weighed = np.linalg.solve(noise, slope)
-    offset = np.linalg.solve(plain.precision[best], np.einsum("fot,fo->t", weighed, shift))
+    pull = np.einsum("fot,fop,fp->t", slope, plain.told.sharpness[best], shift)
+    offset = plain.covariance[best] @ pull
     return np.asarray((shift - slope @ offset) / np.sqrt(np.diagonal(noise, axis1=1, axis2=2)))
 
 

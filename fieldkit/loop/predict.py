@@ -11,16 +11,10 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
-from fieldkit.loop.fit import (
-    Fit,
-    apogee_scale,
-    fit_robustly,
-    leave_one_out,
-    own_reading_sd,
-    scale_grid,
-    term_sds,
-)
+from fieldkit.loop.fit import fit_robustly
+from fieldkit.loop.left_out import leave_one_out, own_reading_sd
 from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, observe, shown
+from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid, term_sds
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
 from fieldkit.motors import Found
@@ -271,7 +265,7 @@ def _sampled(
 ) -> tuple[Float[Array, "draw term"], Int[Integers, "draw"]]:
     """Draws of a model's terms within their bounds, and the pair of scales that each goes with."""
     which = rng.choice(len(result.weights), size=draws, p=result.weights)
-    roots = np.linalg.cholesky(np.linalg.inv(result.precision))
+    roots = np.linalg.cholesky(result.covariance)
     values = result.mean[which] + np.einsum("dtu,du->dt", roots[which], rng.normal(size=(draws, result.mean.shape[1])))
     lows, highs = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
     return np.clip(values, lows, highs), which

@@ -7,8 +7,9 @@ import numpy as np
 
 from fieldkit.flight import CONDITIONS
 from fieldkit.loop.diagnose import Diagnosis
-from fieldkit.loop.fit import LeftOut
+from fieldkit.loop.left_out import LeftOut
 from fieldkit.loop.model import OBSERVED, groups
+from fieldkit.loop.rank_tests import kruskal, spearman, spread_p, student_p
 from fieldkit.loop.score import forecasts_of
 from fieldkit.loop.trial import Trial
 from fieldkit.shapes import Array, Flags, Float
@@ -80,12 +81,9 @@ def spreads(diagnosis: Diagnosis) -> list[Spread]:
 
 def spread_of(readout: str, error: Float[Array, "flight"]) -> Spread:
     """How residuals in the order flown are distributed, and how likely that is by chance."""
-    from scipy.stats import chi2, ttest_1samp
-
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return Spread(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
-    tail = float(chi2.cdf(((error - error.mean()) ** 2).sum(), count - 1))
     alike = _lag(error)
     shuffled = _lag(np.random.default_rng(0).permuted(np.tile(error, (SHUFFLES, 1)), axis=1))
     centred = shuffled.mean()
@@ -94,9 +92,9 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> Spread:
         readout,
         count,
         float(error.mean()),
-        float(ttest_1samp(error, 0.0).pvalue),
+        student_p(float(error.mean() / (error.std(ddof=1) / np.sqrt(count))), count - 1),
         float(error.std(ddof=1)),
-        2 * min(tail, 1 - tail),
+        spread_p(float(((error - error.mean()) ** 2).sum()), count - 1),
         float(alike),
         float((beyond + 1) / (SHUFFLES + 1)),
     )
@@ -149,21 +147,17 @@ def associations(
     error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
 ) -> list[tuple[str, float, float]]:
     """Each column's name, statistic and uncorrected p against residuals; nan is not recorded."""
-    from scipy.stats import kruskal, spearmanr
-
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
     for name, values in numbers.items():
         both = seen & np.isfinite(values)
         if both.sum() >= 5 and len(np.unique(values[both])) > 2 and len(np.unique(error[both])) > 1:
-            test = spearmanr(values[both], error[both])
-            found.append((name, float(test.statistic), float(test.pvalue)))
+            found.append((name, *spearman(values[both], error[both])))
     for name, group in kinds.items():
         own = np.array(group)[seen]
         parts = [error[seen][own == kind] for kind in np.unique(own)]
         if len(parts) > 1 and min(len(part) for part in parts) >= 2 and len(np.unique(error[seen])) > 1:
-            grouped = kruskal(*parts)
-            found.append((name, float(grouped.statistic), float(grouped.pvalue)))
+            found.append((name, *kruskal(parts)))
     return found
 
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.fit import LeftOut
+from fieldkit.loop.left_out import LeftOut
 from fieldkit.shapes import Array, Flags, Float
 
 

@@ -6,7 +6,8 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.loop.fit import fit_robustly, leave_one_out
+from fieldkit.loop.fit import fit_robustly
+from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.model import Data
 from fieldkit.loop.predict import Prediction, apart, declared_places, forecast_model
 from fieldkit.loop.score import forecasts_of
