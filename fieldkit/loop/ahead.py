@@ -1,8 +1,9 @@
 """The choice made forward in time: each flight forecast by the model that the flights before it would have chosen.
 
-At every flight the evidence, the flights left out and the rules of the choice are taken anew from the earlier
-flights alone. Some things are not repeated, for the time it would take: the point about which readouts are taken as
-linear is that of the whole history, places that all flights together make hopeless are not tried, nor second effects.
+At every flight the evidence, the flights left out and the rules of the choice are taken anew from the earlier flights
+alone, second effects beside first ones included. Some things are not repeated, for the time it would take: the point
+about which readouts are taken as linear is that of the whole history, and what all flights together make hopeless is
+not tried: places, and second effects beside a first one that is none of the likeliest.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,11 +11,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.loop.candidates import Candidate
 from fieldkit.loop.choice import ODDS, Ranked, choose, choose_in_folds, rank, stands
-from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.loop.diagnose import LIKELY, Diagnosis, likely_firsts
 from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.model import Data
-from fieldkit.loop.posterior import Growing
+from fieldkit.loop.posterior import Fit, Growing
 from fieldkit.loop.score import Forecasts, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect
 from fieldkit.shapes import Array, Flags
@@ -58,56 +60,80 @@ def _nothing() -> Forecasts:
     return Forecasts(np.zeros((1, 1)), np.ones((1, 1)), np.ones((1, 1)))
 
 
-class _Past:
-    """Everything that was tried on a history, as it stood at each of its flights."""
+class _Tried:
+    """A model and what was tried beside it, as they stood at each flight."""
 
-    def __init__(self, diagnosis: Diagnosis) -> None:
-        self._data, self._plain = diagnosis.data, diagnosis.base
-        self._base = Growing(diagnosis.base.fit)
-        self._trials = [(trial.candidate, Growing(trial.fit)) for item in diagnosis.ranking for trial in item.trials]
+    def __init__(self, base: Trial, ranking: Sequence[Ranked], hopeless: float = -np.inf) -> None:
+        kept = [item for item in ranking if item.own_weight > hopeless]
+        self._plain, self._base = base.candidate, Growing(base.fit)
+        self._trials = [(trial.candidate, Growing(trial.fit)) for item in kept for trial in item.trials]
+        self._among = sum(1 for item in ranking if item.effect) if len(kept) < len(ranking) else 0
 
-    def said_of(self, flight: int) -> tuple[Forecasts, Forecasts, str]:
-        """What was to be said of a flight when it had not flown, without and with an effect, and which."""
-        data = _known(self._data, flight)
-        truth, seen = data.values[:, 0], data.seen[:, 0]
+    def __bool__(self) -> bool:
+        return bool(self._trials)
+
+    def at(self, data: Data, beside: Ranked | None = None) -> tuple[Trial, tuple[Ranked, ...]]:
+        """The model and the ranking of what was tried, by the flights before the last of `data`."""
+        flight = len(data.seen) - 1
         fitted = self._base.before(flight, data)
-        base = Trial(self._plain.candidate, fitted, leave_one_out(fitted))
-        plain = forecasts_of(base.left_out)
-        ranking = rank(self._tried(base, data, flight), base, truth, seen)
-        chosen = choose(ranking)
-        if chosen is None or not _stands(chosen, ranking, plain, truth, seen):
-            return _last(plain), _last(plain), ""
-        return _last(plain), _last(chosen.forecasts), chosen.effect
-
-    def _tried(self, base: Trial, data: Data, flight: int) -> list[Trial]:
-        """The trials on the flights before; what is hopeless gets the plain forecasts, and so helps nothing."""
+        base = Trial(self._plain, fitted, leave_one_out(fitted))
         seen = data.seen[:flight, 0]
         acting = [
             (candidate, growing.before(flight, data))
             for candidate, growing in self._trials
             if any(term.weight[:flight][seen].any() for term in candidate.terms)
         ]
-        families = by_effect([candidate for candidate, _ in acting])
-        weight = {
-            id(candidate): fitted.log_evidence + candidate.log_share - base.log_evidence for candidate, fitted in acting
-        }
-        best = {name: max(weight[id(candidate)] for candidate in family) for name, family in families.items()}
-        least = float(np.log(max(len(families), 1) / ODDS)) - NEGLIGIBLE
-        possible = np.logaddexp.reduce(list(weight.values())) > least
-        found = []
-        for candidate, fitted in acting:
-            top = best[candidate.effect]
-            if weight[id(candidate)] < top - NEGLIGIBLE:
-                continue
-            worth = possible and top > least
-            found.append(Trial(candidate, fitted, leave_one_out(fitted) if worth else base.left_out))
-        return found
+        truth, taught = data.values[:, 0], data.seen[:, 0]
+        return base, rank(_worth_a_look(acting, base), base, truth, taught, beside, self._among)
 
 
-def _stands(chosen: Ranked, ranking: Sequence[Ranked], plain: Forecasts, truth: Array, seen: Flags) -> bool:
-    """Whether it is an effect, and the whole choice, made anew in every fold, forecasts well enough."""
-    after, before = (score(forecasts, truth, seen) for forecasts in (choose_in_folds(ranking, plain), plain))
-    return bool(chosen.effect) and stands(chosen, after, before)
+class _Past:
+    """Everything that was tried on a history, as it stood at each of its flights."""
+
+    def __init__(self, diagnosis: Diagnosis) -> None:
+        self._data, self._singles = diagnosis.data, _Tried(diagnosis.base, diagnosis.ranking)
+        beside = {one.first.effect: _Tried(one.base, one.ranking, LIKELY) for one in diagnosis.seconds}
+        self._beside = {effect: tried for effect, tried in beside.items() if tried}
+
+    def said_of(self, flight: int) -> tuple[Forecasts, Forecasts, str]:
+        """What was to be said of a flight when it had not flown, without and with an effect, and which."""
+        data = _known(self._data, flight)
+        base, ranking = self._singles.at(data)
+        plain = forecasts_of(base.left_out)
+        options = list(ranking)
+        for first in likely_firsts(ranking):
+            if first.effect in self._beside:
+                options += self._beside[first.effect].at(data, first)[1]
+        chosen = choose(options)
+        if chosen is None or not _stands(chosen, options, plain, data):
+            return _last(plain), _last(plain), ""
+        return _last(plain), _last(chosen.forecasts), "+".join(chosen.effects)
+
+
+def _worth_a_look(acting: Sequence[tuple[Candidate, Fit]], base: Trial) -> list[Trial]:
+    """The trials; what is hopeless among them gets the forecasts of the model without it, and so helps nothing."""
+    families = by_effect([candidate for candidate, _ in acting])
+    weight = {
+        id(candidate): fitted.log_evidence + candidate.log_share - base.log_evidence for candidate, fitted in acting
+    }
+    best = {name: max(weight[id(candidate)] for candidate in family) for name, family in families.items()}
+    least = float(np.log(max(len(families), 1) / ODDS)) - NEGLIGIBLE
+    possible = np.logaddexp.reduce(list(weight.values())) > least
+    found = []
+    for candidate, fitted in acting:
+        top = best[candidate.effect]
+        if weight[id(candidate)] < top - NEGLIGIBLE:
+            continue
+        worth = possible and top > least
+        found.append(Trial(candidate, fitted, leave_one_out(fitted) if worth else base.left_out))
+    return found
+
+
+def _stands(chosen: Ranked, options: Sequence[Ranked], plain: Forecasts, data: Data) -> bool:
+    """Whether it is made of effects, and the whole choice, made anew in every fold, forecasts well enough."""
+    truth, seen = data.values[:, 0], data.seen[:, 0]
+    after, before = (score(forecasts, truth, seen) for forecasts in (choose_in_folds(options, plain), plain))
+    return "" not in chosen.effects and stands(chosen, after, before)
 
 
 def _known(data: Data, flight: int) -> Data:

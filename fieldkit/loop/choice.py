@@ -110,15 +110,17 @@ def rank(
     truth: Float[Array, "flight"],
     seen: Flags,
     beside: Ranked | None = None,
+    among: int = 0,
 ) -> tuple[Ranked, ...]:
     """Effects by their evidence, the strongest first; `truth` are log apogees, `seen` those that teach.
 
-    `plainer` is the model that they were added to, with the effect `beside` in it if any.
+    `plainer` is the model that they were added to, with the effect `beside` in it if any. They share their prior odds
+    with all that were tried, `among` so many where the others are not at hand.
     """
     families: dict[str, list[Trial]] = {}
     for trial in trials:
         families.setdefault(trial.candidate.effect, []).append(trial)
-    named = max(sum(1 for name in families if name), 1)
+    named = max(sum(1 for name in families if name), among, 1)
     odds = {name: float(np.log(ODDS * ((1 - PATTERN_SHARE) / named if name else PATTERN_SHARE))) for name in families}
     misses = _misses(forecasts_of(plainer.left_out), truth, seen)
     ranked = [

@@ -29,18 +29,28 @@ Progress = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True)
+class Second:
+    """What was tried beside an effect: the model `base` with that effect in it, and the ranking of the others."""
+
+    first: Ranked
+    base: Trial
+    ranking: tuple[Ranked, ...]
+
+
+@dataclass(frozen=True, slots=True)
 class Diagnosis:
     """What the flights say: the plain model, the ranking, the verdict, errors of unseen flights before and after.
 
     `effect` is the name of the effect (two joined by `+`), "none" or "unexplained". `accepted` are the
     candidates of the new model, empty without one. `also` are effects that these flights cannot tell from
-    the accepted one.
+    the accepted one. `seconds` are the pairs tried, empty where the effect was given.
     """
 
     model: Model
     data: Data
     base: Trial
     ranking: tuple[Ranked, ...]
+    seconds: tuple[Second, ...]
     effect: str
     confidence: float
     why: str
@@ -88,11 +98,13 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None, given: 
     ranking = rank(trials, base, truth, seen)
     before = forecasts_of(base.left_out)
     plain_score = score(before, truth, seen)
+    seconds: tuple[Second, ...] = ()
     if given:
         chosen = _given(ranking, data, families, given)
         after, verdict = chosen.forecasts, _accepted((*ranking, chosen), chosen)
     else:
-        options = (*ranking, *_pairs(ranking, data, families, tell))
+        seconds = _seconds(ranking, data, families, tell)
+        options = (*ranking, *(pair for second in seconds for pair in second.ranking))
         after = choose_in_folds(options, before)
         verdict = _verdict(options, choose(options), score(after, truth, seen), plain_score)
     if verdict.effect == "none":
@@ -102,6 +114,7 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None, given: 
         data=data,
         base=base,
         ranking=ranking,
+        seconds=seconds,
         effect=verdict.effect,
         confidence=verdict.confidence,
         why=verdict.why,
@@ -118,25 +131,25 @@ Families = Mapping[str, Sequence[Candidate]]
 """Candidates by the effect that a verdict would speak of, patterns under no name."""
 
 
-def _pairs(ranking: Sequence[Ranked], data: Data, families: Families, tell: Progress) -> list[Ranked]:
+def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Progress) -> tuple[Second, ...]:
     """Second effects beside the likeliest ones."""
-    pairs: list[Ranked] = []
-    for number, first in enumerate(firsts := _firsts(ranking)):
+    found: list[Second] = []
+    for number, first in enumerate(firsts := likely_firsts(ranking)):
         others = {name: family for name, family in families.items() if name and name != first.effect}
 
         def further(text: str, share: float, done: int = number, name: str = first.effect) -> None:
             tell(f"{name or 'a pattern'} and {text}", 0.5 + 0.5 * (done + share) / len(firsts))
 
-        pairs += _beside(first, data, others, further)
-    return pairs
+        found.append(_beside(first, data, others, further))
+    return tuple(found)
 
 
-def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> tuple[Ranked, ...]:
+def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> Second:
     """Every family tried beside an effect in the place in which that is most at home."""
     fitted = first.best.fit
     worth = fitted.log_evidence + SECOND
     with_first, found = _search(fitted.model, data, fitted, families, tell, turns=1, worth=worth)
-    return rank(found, with_first, data.values[:, 0], data.seen[:, 0], beside=first)
+    return Second(first, with_first, rank(found, with_first, data.values[:, 0], data.seen[:, 0], beside=first))
 
 
 def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Sequence[str]) -> Ranked:
@@ -144,7 +157,7 @@ def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Seq
     first, *others = given
     chosen = next(item for item in ranking if item.effect == first)
     for name in others:
-        (chosen,) = _beside(chosen, data, {name: families[name]}, lambda text, share: None)
+        (chosen,) = _beside(chosen, data, {name: families[name]}, lambda text, share: None).ranking
     return chosen
 
 
@@ -181,7 +194,7 @@ def _search(
     return plain_trial(plain), trials
 
 
-def _firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
+def likely_firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
     """The effects beside which a second one may be there: the likeliest, if they are likely at all."""
     likely = sorted(ranking, key=lambda item: -item.weight)[:FIRSTS]
     return [item for item in likely if item.weight > max(likely[0].weight - BEHIND, LIKELY)]
