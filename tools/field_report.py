@@ -246,11 +246,14 @@ def journal() -> Iterator[str]:
         told.append(f"Of the {later['flights']} intervals that earlier forecasts corrected,")
         told.append(f"{percent(later['coverage90'])} hold; {percent(later['own_coverage90'])} would have without.")
     yield from prose(*told)
+    again = next(one["median_share"] for one in found["errors"] if one["name"] == "the last flight on the same motor")
     yield from prose(
-        "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by:",
-        "that much is in no simulator's power. The law that stands for a diameter where there is none, and how far",
-        "forecasts doubt the simulator and the device, were set looking at these flights: to that extent this is",
-        "in-sample.",
+        "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by. If",
+        "flights scatter alike and independently, the difference of two of them is wider than the scatter of one by the",
+        f"root of two: a forecast that knew all of the rocket and the motor would still miss by {percent(again / 2**0.5)}",
+        f"in the median, and one that knows them by the mean of two flights by {percent(again / 2**0.5 * 1.5**0.5)}.",
+        "The law that stands for a diameter where there is none, and how far forecasts doubt the simulator and the",
+        "device, were set looking at these flights: to that extent this is in-sample.",
     )
     warned = found["guard"]
     which = ", ".join(f"{name} {count}" for name, count in warned["by_readout"].items())
