@@ -47,6 +47,15 @@ def test_a_force_in_every_flight_comes_back() -> None:
     assert (found.flights, found.seen) == (FLIGHTS, FLIGHTS)
 
 
+@pytest.mark.parametrize("share", [0.8, 1.0, 1.25])
+def test_a_share_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
+    """Readouts that lack a drag of the coast make the model's own drag too large: the share is not of that."""
+    rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
+    climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
+    (value,), (sd,) = regression(climb_, library(), FREE).solve(["base drag"])
+    assert value == pytest.approx(0.4, abs=3 * sd)
+
+
 def test_the_luck_of_single_flights_is_no_law() -> None:
     climbs, random = [flown("", 0.0, seed) for seed in range(12)], np.random.default_rng(0)
     drawn = [random.choice(12, 3, replace=False) for _ in range(20)]

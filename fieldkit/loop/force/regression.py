@@ -6,7 +6,7 @@ they are worth.
 """
 
 from collections.abc import Callable, Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import log
 
 import numpy as np
@@ -21,6 +21,8 @@ MOST = 4
 """Terms at most."""
 SEEN = 1e-3
 """Share of a term that must be left beside what is free, for the climb to show it. [1]"""
+LEAST_DRAG = 0.1
+"""Of the model's drag: a climb that shows less shows nothing of it. [1]"""
 NEARLY = 4.0
 """Of the criterion, within which another term is named beside the chosen one. [1]"""
 
@@ -39,14 +41,15 @@ class Regression:
     """The missing force of a climb and the terms that it could show, in standard deviations of a sample.
 
     What is free in every flight is taken out of all of them: a shift of the clock where the motor burns, and what
-    else was asked for. `worth` is the number of
-    independent samples that the record is worth, `spent` the unknowns already taken out.
+    else was asked for. `worth` is the number of independent samples that the record is worth, `spent` the unknowns
+    already taken out. `drag` tells of the drag, where that is free.
     """
 
     wanted: Float[Array, "time"]
     columns: Mapping[str, Float[Array, "time"]]
     worth: float
     spent: int
+    drag: "FreeDrag | None" = None
 
     def left(self, names: Sequence[str]) -> Float[Array, "time"]:
         """What the terms of these names do not explain."""
@@ -58,14 +61,15 @@ class Regression:
         return self.worth * log(left @ left) + len(names) * log(self.worth)
 
     def solve(self, names: Sequence[str]) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
-        """Coefficients and their standard deviations."""
+        """Coefficients and their standard deviations, shares of the drag being of what drag there was."""
         if not len(names):
             return np.zeros(0), np.zeros(0)
+        unit = self._unit(names)
         basis = np.stack([self.columns[name] for name in names], axis=-1)
         left = self.left(names)
         scatter = float(left @ left) / max(self.worth - self.spent - len(names), 1.0)
         inverse = np.linalg.pinv(basis.T @ basis)
-        return inverse @ (basis.T @ self.wanted), np.sqrt(np.diag(inverse) * scatter)
+        return unit * (inverse @ (basis.T @ self.wanted)), unit * np.sqrt(np.diag(inverse) * scatter)
 
     def luck(self, names: Sequence[str], lucks: Mapping[str, float]) -> Float[Array, "term"]:
         """Standard deviations of these terms' coefficients that come of the luck of a flight, given by name.
@@ -78,7 +82,29 @@ class Regression:
             return np.zeros(len(names))
         basis = np.stack([self.columns[name] for name in names], axis=-1)
         moved = np.linalg.pinv(basis) @ np.stack(patterns, axis=-1)
-        return np.asarray(np.linalg.norm(moved, axis=-1))
+        return np.asarray(self._unit(names) * np.linalg.norm(moved, axis=-1))
+
+    def _unit(self, names: Sequence[str]) -> Float[Array, "term"]:
+        """What one of each coefficient is worth, where all of them stand beside each other."""
+        return self.drag.unit(names) if self.drag else np.ones(len(names))
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FreeDrag:
+    """How much drag there is in a climb, where that is free: terms that are shares of the model's drag become shares
+    of it. Nothing is taken out of the columns here; `place` is that of the drag among those `given`."""
+
+    force: Float[Array, "time"]
+    given: Sequence[Float[Array, "time"]]
+    place: int
+    whole: Mapping[str, Float[Array, "time"]]
+    shares: frozenset[str]
+
+    def unit(self, names: Sequence[str]) -> Float[Array, "term"]:
+        """The model's drag over the climb's, for terms that are shares of it; 1 for the others."""
+        value, *_ = np.linalg.lstsq(np.stack([*self.given, *(self.whole[n] for n in names)], axis=-1), self.force)
+        factor = 1 / max(1 + float(value[self.place]), LEAST_DRAG)
+        return np.array([factor if name in self.shares else 1.0 for name in names])
 
 
 def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = ()) -> Regression:
@@ -89,13 +115,19 @@ def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = 
     sd, burning = missing.track.push_sd, missing.track.burning.sum() > 3
     whole = {term.name: term.column(missing) / sd for term in terms}
     given = [missing.steepness / sd] * bool(burning) + [whole.pop(name) for name in free]
-    wanted = _left(missing.force / sd, given)
+    force = missing.force / sd
+    wanted = _left(force, given)
     acting = {name: column for name, column in whole.items() if np.linalg.norm(column) > 1e-9}
     columns = {name: _left(column, given) for name, column in acting.items()}
     columns = {
         name: left for name, left in columns.items() if np.linalg.norm(left) > SEEN * np.linalg.norm(acting[name])
     }
-    return Regression(wanted, columns, _worth(wanted, list(columns.values())), len(given))
+    drag = None
+    if "drag" in free:
+        twice = replace(missing, drag=2 * missing.drag)
+        shares = {t.name for t in terms if t.name in columns and np.allclose(t.column(twice) / sd, 2 * whole[t.name])}
+        drag = FreeDrag(force, given, int(burning) + list(free).index("drag"), whole, frozenset(shares))
+    return Regression(wanted, columns, _worth(wanted, list(columns.values())), len(given), drag)
 
 
 def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[Chosen, ...]:
