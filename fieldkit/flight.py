@@ -147,6 +147,8 @@ TAGS: Mapping[str, str] = MappingProxyType(
     }
 )
 """Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
+CHECKED = "checked"
+"""The tag by which a flyer says that every readout of a flight is right, however little one fits the others."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -88,6 +88,8 @@ def _print_one(prediction: "Prediction") -> None:
 
     for note in prediction.found.notes:
         complain(f"note: {note}")
+    for line in prediction.left_out:
+        complain(line)
     for line in in_words(prediction):
         say(line)
 

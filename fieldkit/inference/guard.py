@@ -45,7 +45,7 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
     flights, seen = len(observed), len(SEEN)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
     for number, name in enumerate(SEEN):
-        readouts[number][:, [READOUT_NAMES.index(one) for one in _told_by(name)]] = np.nan
+        readouts[number][:, [READOUT_NAMES.index(one) for one in told_by(name)]] = np.nan
     every = Observed(
         np.tile(observed.motor, (seen, 1)), np.tile(observed.declared, (seen, 1)), readouts.reshape(seen * flights, -1)
     )
@@ -56,7 +56,7 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
     return Foretold(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
 
 
-def _told_by(name: str) -> tuple[str, ...]:
+def told_by(name: str) -> tuple[str, ...]:
     """The readouts that give one away: average acceleration is speed over burn time."""
     return (name, "avg_accel") if name in ("top_speed", "burn_time") else (name,)
 
@@ -85,7 +85,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     found = np.full(len(observed), -1)
     if odd.any():
         some = observed.rows(odd)
-        left = [foretell(ensemble, some.without(*_told_by(name))).distance / limit for name in SEEN]
+        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in SEEN]
         worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
         found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
     return found
@@ -95,7 +95,7 @@ def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
     """The flights without the readouts that do not fit."""
     readouts = observed.readouts.copy()
     for number, name in enumerate(SEEN):
-        for one in _told_by(name):
+        for one in told_by(name):
             readouts[which == number, READOUT_NAMES.index(one)] = np.nan
     return observed.with_readouts(readouts)
 

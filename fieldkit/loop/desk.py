@@ -201,6 +201,7 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
         "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
         "flights": prediction.rests_on,
         "model": prediction.model,
+        "left_out": list(prediction.left_out),
         "interval": {"stretched_by": prediction.stretched_by, "earlier_forecasts": prediction.earlier_forecasts},
     }
     return document

@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 
 from fieldkit import __version__
-from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, Column, Flight
+from fieldkit.flight import BY_NAME, CHECKED, COLUMNS, CONDITIONS, Column, Flight
 from fieldkit.measures import spelled
 from fieldkit.motors import Found, Motor
 from fieldkit.units import unit
@@ -57,6 +57,7 @@ def flight_digest(flight: Flight) -> str:
     """Eight hex digits of what the model reads of a flight, behind a sign for whether it teaches."""
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
+    read += [CHECKED] * (CHECKED in flight.tags)
     return (TEACHES if flight.clean else FLOWN_ONLY) + _short(json.dumps(read))
 
 

@@ -17,6 +17,7 @@ from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubte
 from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid, term_sds
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_slope
+from fieldkit.loop.unlike import fitting
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.simulator.effect import effects, spoken
@@ -40,7 +41,8 @@ class Prediction:
     apogee to the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of
     the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
     flown with. `rests_on` counts the flights that taught the model. `stretched_by` is by what the spread of
-    `apogee` was multiplied because of how `earlier_forecasts` fared, 1 where there are too few of them.
+    `apogee` was multiplied because of how `earlier_forecasts` fared, 1 where there are too few of them. `left_out` has
+    a line for each readout that does not fit the rest of its flight and taught nothing.
     """
 
     plan: Flight
@@ -62,6 +64,7 @@ class Prediction:
     model: str
     stretched_by: float = 1.0
     earlier_forecasts: int = 0
+    left_out: tuple[str, ...] = ()
 
     def apogee_quantiles(self) -> Float[Array, "level"]:
         """At 5, 50 and 95 %. [m]"""
@@ -118,7 +121,7 @@ class Learnt:
     """What a rocket's flights taught of planned ones: draws of every term, ready to be flown.
 
     `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
-    flights that taught it, `name` names it; from `rng` comes the luck of single flights.
+    flights that taught it, `name` names it; from `rng` comes the luck of single flights. `left_out` as in `Prediction`.
     """
 
     model: Model
@@ -128,6 +131,7 @@ class Learnt:
     rests_on: int
     name: str
     rng: np.random.Generator
+    left_out: tuple[str, ...] = ()
 
 
 def predict(
@@ -142,9 +146,10 @@ def predict(
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
-    Flights with an anomaly tag count as flown and do not teach. Wind that was written down acts with the
-    prior of its effect, accepted or not; with `declared` False it does not. `drag` is the Cd of a design, which is
-    believed before any flight in place of that of any rocket. Raises ImpossibleFlight for a flight without a dry mass.
+    Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
+    that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `drag`
+    is the Cd of a design, which is believed before any flight in place of that of any rocket. Raises ImpossibleFlight
+    for a flight without a dry mass.
     """
     return fly_ahead(learn(flown, planned, accepted, declared=declared, drag=drag, draws=draws, seed=seed))
 
@@ -162,6 +167,7 @@ def learn(
     """Fit the flights flown, for the planned ones; see `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
+    flights[: len(flown)], left_out = fitting(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     model = forecast_model(flights, found, acting)
@@ -176,7 +182,9 @@ def learn(
     at = np.array([term.mean for term in model.terms])
     at[taught] = result.tangent.at
     rests_on = int(np.sum(result.data.seen.any(axis=1)))
-    return Learnt(model.part(slice(len(flown), None)), at, values, scales, rests_on, model_name(accepted), rng)
+    return Learnt(
+        model.part(slice(len(flown), None)), at, values, scales, rests_on, model_name(accepted), rng, left_out
+    )
 
 
 def fly_ahead(
@@ -219,6 +227,7 @@ def fly_ahead(
             found=motor,
             rests_on=learnt.rests_on,
             model=learnt.name,
+            left_out=learnt.left_out,
             **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))

@@ -392,7 +392,7 @@ class NextScreen(PageScreen):
             ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
             ("air", air_of(said.plan).words()),
             ("rests on", self._plan.rests_on),
-            ("note", "; ".join(said.found.notes)),
+            ("note", "; ".join([*said.found.notes, *said.left_out])),
             *((f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines),
             ("", DECIDES),
         ]
