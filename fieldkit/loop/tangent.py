@@ -31,10 +31,9 @@ class Tangent:
 
 def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
     """What a lean of one unit does to the readouts; it needs the planar flight and is flown apart."""
-    upright, leaning = (
-        _stacked(shown(model, at[None], {"tilt": np.full((1, len(model.flights)), lean)})) for lean in (0.0, 1.0)
-    )
-    return np.asarray((leaning - upright)[0])
+    lean = np.repeat([[0.0], [1.0]], len(model.flights), axis=1)
+    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": lean}))
+    return np.asarray(leaning - upright)
 
 
 def tangents(

@@ -29,6 +29,7 @@ class Pull:
         self.planar = bool(planar(setup).any())
         if self.planar:
             self.rail = np.stack([np.cos(setup.rail_angle), np.sin(setup.rail_angle)])
+            self.turned = setup.rail_length + TURN_LENGTH
 
     def drag_like(self, height: Array, speed: Array, mass: Array) -> Array:
         """Deceleration along the path through the air. [m/s^2]"""
@@ -61,6 +62,8 @@ class Pull:
     def _planar(self, position: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         height = position[0]
         path = self._path(position)
+        if np.all(path >= self.turned):
+            return self._turned(height, velocity, thrust, mass)
         free = smooth_step((path - self.setup.rail_length) / TURN_LENGTH)
         through_air = velocity.copy()
         through_air[1] -= free * wind_at(height, self.setup.wind)
@@ -72,8 +75,15 @@ class Pull:
         along = self._path(pull) - self.setup.rail_friction * (path < self.setup.rail_length)
         return np.asarray(free * pull + (1 - free) * self.rail * along)
 
+    def _turned(self, height: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
+        """The same where every draw has long left its rail: thrust and drag along the path through the air."""
+        up, sideways = velocity[0], velocity[1] - wind_at(height, self.setup.wind)
+        speed = np.maximum(np.hypot(up, sideways), 1e-9)
+        along = (thrust / mass - self.drag_like(height, speed, mass)) / speed
+        return np.stack([up * along - self.setup.gravity, sideways * along])
+
     def _path(self, position: Array) -> Array:
-        return np.asarray((position * self.rail).sum(axis=0))
+        return np.asarray(position[0] * self.rail[0] + position[1] * self.rail[1])
 
 
 def smooth_step(x: Array) -> Array:
