@@ -86,7 +86,7 @@ def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]", shown: int) ->
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
     say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
-    print_conditions(said.plan)
+    print_conditions(said.plan, plan.rocket.starts)
     say()
     _table(choices)
     for choice in choices[:shown]:

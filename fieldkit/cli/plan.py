@@ -43,7 +43,7 @@ def delay(
         return
     for note in found.notes:
         complain(f"note: {note}")
-    print_plan(delays_in_words(judged, fast), said.plan, lines)
+    print_plan(delays_in_words(judged, fast), said.plan, lines, plan.rocket.starts)
 
 
 def _seconds(text: str) -> tuple[float, ...]:
@@ -93,7 +93,7 @@ def ballast(
         document |= {"flights": said.rests_on, "model": said.model}
         print_json(document | best.json() | about_plan(said, lines))
         return
-    print_plan(ballast_in_words(best, goal), said.plan, lines)
+    print_plan(ballast_in_words(best, goal), said.plan, lines, plan.rocket.starts)
 
 
 def _mass(text: str) -> float:
@@ -163,7 +163,7 @@ def contest(
     for flight, own in scored:
         say(f"  {flight.flight_id:>8}  {own:6.1f} points{'' if flight.duration is not None else ', height alone'}")
     if ahead is not None and lines is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines)
+        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines, plan.rocket.starts)
 
 
 def _window(text: str | None) -> tuple[float, float] | None:

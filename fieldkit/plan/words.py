@@ -1,9 +1,11 @@
 """Delays, ballast and contest outlooks as lines for a flyer: what, how sure, and what it rests on."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.ledger import Start
+from fieldkit.loop.desk import start_among
 from fieldkit.loop.predict import Prediction
 from fieldkit.measures import measure
 from fieldkit.plan.air import air_of
@@ -18,12 +20,16 @@ ACTING = ("wind", "rail_length", "rail_angle")
 """Conditions that act on a flight beside the air."""
 
 
-def conditions_in_words(plan: Flight) -> Iterator[str]:
-    """The air a plan flies in and what it makes the altimeter show, and what else acts on it."""
+def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[str]:
+    """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
+    starts from where the rocket has one among `starts`."""
     yield f"  air       {air_of(plan).words()}"
     wind, length, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in ACTING)
     rail = f"a rail of {length or f'{RAIL_LENGTH:g} m, as none was given,'}"
     yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail} {f'at {angle}' if angle else 'upright'}"
+    start = start_among(starts, plan)
+    if start is not None and start.cd:
+        yield f"  design    its Cd starts from the {start.cd:.2f} of {start.source}"
 
 
 def delays_in_words(judged: Delays, fast: float) -> Iterator[str]:

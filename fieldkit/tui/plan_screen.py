@@ -132,7 +132,7 @@ class PlanScreen(PageScreen):
         from fieldkit.plan.safety import safety_lines, told
         from fieldkit.plan.words import conditions_in_words
 
-        yield from conditions_in_words(said.plan)
+        yield from conditions_in_words(said.plan, self._rocket.starts)
         yield ""
         yield from told([*safety_lines(said, self._site, fall_of(self._rocket.history), self._limits), *more])
 
