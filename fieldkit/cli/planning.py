@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fieldkit.cli.options import FIELD
-from fieldkit.cli.screen import say, say_wrapped
+from fieldkit.cli.screen import progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
@@ -60,8 +60,9 @@ def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
     from fieldkit.plan.desk import rocket_of
 
     motors = known_motors()
-    with open_ledger(context) as ledger:
+    with open_ledger(context) as ledger, progress("planning") as tell:
         name = which_rocket(ledger, given.get("rocket"))
+        tell(f"flying {name} on what its flights taught", 0.3)
         flight = begun_plan(ledger, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         yield Plan(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())

@@ -131,9 +131,7 @@ def predict_plans(
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
         starts, own = ledger.starts(rocket), [plans[row] for row in rows]
-        planned = [
-            (completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own
-        ]
+        planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
         places = accepted_places(ledger, rocket, which)
         drag = design_drag(starts, own)
         made = predict(history, planned, places, declared=which == "after", drag=drag)

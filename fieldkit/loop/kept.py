@@ -145,7 +145,7 @@ def _changes(prediction: Prediction, flight: Flight | None, past: Past, motors: 
 
 
 def _redesigned(prediction: Prediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
-    """What changed of the rocket's design while the prediction is open; what it was when a flight came in is not kept."""
+    """What changed of the rocket's design while the prediction is open: what it was at a flight is not kept."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
         return

@@ -11,7 +11,7 @@ from fieldkit.measures import measure
 from fieldkit.plan.air import air_of
 from fieldkit.plan.ballast import Ballast, Goal
 from fieldkit.plan.contest import Outlook, Season
-from fieldkit.plan.delay import Delay, Delays
+from fieldkit.plan.delay import Delay, Delays, Drill
 from fieldkit.plan.quantiles import three
 from fieldkit.simulator.field import RAIL_LENGTH
 from fieldkit.units import FOOT
@@ -32,8 +32,11 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[
         yield f"  design    its Cd starts from the {start.cd:.2f} of {start.source}"
 
 
-def delays_in_words(judged: Delays, fast: float) -> Iterator[str]:
-    """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]"""
+def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> Iterator[str]:
+    """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]
+
+    `tool` is what delays are drilled with.
+    """
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
@@ -42,6 +45,8 @@ def delays_in_words(judged: Delays, fast: float) -> Iterator[str]:
         yield f"  {'delay':>7}  {'after apogee':>13}  {'5 to 95 %':>14}  {'speed':>7}  {f'over {fast:.0f} m/s':>12}"
     yield from (f"  {_delay(one)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
+    if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
+        yield f"  {tool.caveat}"
     yield "  Delays stray by up to 20 % or 1.5 s (NFPA 1125), which is in these figures."
 
 

@@ -93,9 +93,9 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
 
 
 def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
-    """A curve of at most so many knots and the same impulse: those go first whose triangle with both neighbours is least.
+    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbours is least.
 
-    Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic Journal 30, 1993.
+    Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
     """
     at, push = time.tolist(), thrust.tolist()
     before = _area(at, push)
@@ -130,9 +130,7 @@ def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
     return np.stack([np.concatenate([row, tail]) for row, tail in zip(rows, tails, strict=True)], axis=-1)
 
 
-def burns(
-    motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = None, linear_burn: bool = False
-) -> Burns:
+def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = None, linear_burn: bool = False) -> Burns:
     """The motors on at least `steps` steps each, on curves of at most so many `knots` where these are said.
 
     Propellant burns off in proportion to the impulse delivered or, with `linear_burn`, to time.
