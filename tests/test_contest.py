@@ -12,7 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.motors import Found, catalogue
 from fieldkit.plan.air import air_of
-from fieldkit.plan.contest import allowed, outlook, score, season, seasons
+from fieldkit.plan.contest import allowed, copy_season, declared_score, outlook, score, season, seasons
 from fieldkit.plan.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
 from fieldkit.plan.desk import Rocket
 from fieldkit.simulator.field import field_setup
@@ -48,6 +48,28 @@ def test_the_target_and_window_of_the_day_count(tmp_path: Path) -> None:
 
 def test_the_two_best_of_three_are_summed() -> None:
     assert season(2027).sums(np.array([[8.0, 20.0, 3.0], [1.0, 1.0, 1.0]])) == pytest.approx([11.0, 2.0])
+
+
+def test_up_to_three_declared_flights_make_a_score() -> None:
+    rule = season(2027)
+    scored = [(Flight(flight_id=name), points) for name, points in (("4", 8.0), ("5", 20.0), ("6", 3.0), ("7", 1.0))]
+    assert declared_score(rule, scored, ["4", "5", "6"]) == pytest.approx(11.0)
+    for names, found in ((["4"], "1 flights"), (["4", "5", "6", "7"], "4 flights"), (["4", "9"], "'9'")):
+        with pytest.raises(BadValue, match=found):
+            declared_score(rule, scored, names)
+
+
+def test_a_season_of_ones_own_is_a_copy_to_change_and_new_years_are_files(tmp_path: Path) -> None:
+    own = tmp_path / "seasons"
+    file = copy_season(2027, own)
+    file.write_text(file.read_text().replace("target_ft = 800", "target_ft = 785").replace("= false", "= true"))
+    assert copy_season(2027, own).read_text() == file.read_text()  # what is there is never written over
+    mine = season(2027, own)
+    assert (round(mine.target / FOOT), mine.caveat) == (785, "")
+    (own / "2028.toml").write_text(file.read_text().replace("season = 2027", "season = 2028"))
+    assert seasons(own)[-1] == season(2028, own).year == 2028
+    with pytest.raises(BadValue, match="2028"):
+        season(1999, own)
 
 
 def test_a_season_bounds_mass_impulse_and_length() -> None:
@@ -147,8 +169,11 @@ def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.
     ledger = ["--ledger", f"{tmp_path}/ledger.db"]
     assert main([*ledger, "import", str(TABLE)]) == 0
     capsys.readouterr()
-    assert main([*ledger, "contest", "--season", "2027", "--motor", "F24", "--cut", "60", "--json"]) == 0
+    plan = ["--motor", "F24", "--cut", "60", "--declared", "2,3,9", "--json"]
+    assert main([*ledger, "contest", "--season", "2027", *plan]) == 0
     document = json.loads(capsys.readouterr().out)
     assert len(document["flights"]) == 12
     assert 0 <= document["qualifies"]["chance"] <= 1
+    points = {one["flight_id"]: one["points"] for one in document["flights"]}
+    assert document["score"]["points"] == pytest.approx(points["3"] + points["9"])
     assert not document["plan"]["timed"]

@@ -10,15 +10,22 @@ import math
 import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, Start
+from fieldkit.ledger.sites import Site
 from fieldkit.loop.desk import predict_plans
+from fieldkit.loop.kept import kept
 from fieldkit.motors import catalogue
 from fieldkit.openrocket import archive, read_design
+from fieldkit.plan.desk import begun, forecasts, rocket_of
+from fieldkit.plan.guide import guide
+from fieldkit.plan.limits import limits
+from fieldkit.settings import Settings
 
 NOSE = """<nosecone><name>Nose</name><material type="bulk" density="1000.0">Plastic</material><length>0.2</length>
 <thickness>0.002</thickness><shape>conical</shape><aftradius>0.033</aftradius></nosecone>"""
@@ -172,6 +179,40 @@ def test_a_rocket_starts_from_its_design_until_it_has_flown(tmp_path: Path) -> N
     assert (from_design.plan.dry_mass, from_design.plan.diameter) == (0.4, 0.066)
     assert from_design.cd.mean() == pytest.approx(1.0, rel=0.1)
     assert from_design.cd.std() < anyone.cd.std()
+
+
+def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_stale(tmp_path: Path) -> None:
+    plan, motors = Flight(rocket="Skylark", config="A", motor="F24-4W"), catalogue()
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.keep_start(Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork"))
+        (predicted,) = predict_plans(ledger, motors, [plan])
+        rocket, begins = rocket_of(ledger, motors, "Skylark"), begun(ledger, plan, Settings())
+        assert (begins.dry_mass, begins.diameter) == (0.4, 0.066)
+        planned = [(begins, motors.resolve("F24-4W"))]
+        (said,) = forecasts(rocket, planned, draws=400)
+        (choice,) = guide(rocket, begins, [planned[0][1].motor], limits(), Site(), draws=100)
+        for one in (said, choice.prediction):
+            assert np.median(one.apogee) == pytest.approx(np.median(predicted.apogee), rel=0.03)
+        (open_one,) = kept(ledger, motors)
+        assert not open_one.stale
+        ledger.keep_start(Start("Skylark", "A", 0.42, 0.066, 0.8, 0.6, "skylark.ork"))
+        (stale,) = kept(ledger, motors)
+    assert stale.changes == ("the design's Cd was 1, is 0.6", "the design's dry mass was 400 g, is 420 g")
+
+
+def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    file, ledger = tmp_path / "skylark.ork", ["--ledger", str(tmp_path / "ledger.db")]
+    file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))
+    assert main([*ledger, "ork", str(file)]) == 0
+    capsys.readouterr()
+    assert main([*ledger, "delay", "--rocket", "Skylark"]) == 1
+    assert "expected --motor" in capsys.readouterr().err
+    guided = ["motors", "--fit", "Skylark", "--mount", "24mm", "--class", "E"]
+    for command in (guided, ["delay", "--rocket", "Skylark", "--motor", "E20W"]):
+        assert main([*ledger, *command]) == 0
+        said = capsys.readouterr().out
+        assert "0 clean flights" in said
+        assert "its Cd starts from the 0.52 of skylark.ork" in said
 
 
 def test_the_command_keeps_it_and_says_what_it_found(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -22,7 +22,7 @@ from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.plan.air import air_of
 from fieldkit.plan.ballast import Goal, ballast
 from fieldkit.plan.contest import season
-from fieldkit.plan.delay import cuts, delays, offered, tolerance
+from fieldkit.plan.delay import delays, drill_of, offered, tolerance
 from fieldkit.plan.descent import Fall
 from fieldkit.plan.desk import Rocket, begun, forecasts, rocket_of
 from fieldkit.plan.guide import Wanted, by_closeness, fitting, guide, mount_of
@@ -226,13 +226,20 @@ def test_a_delay_strays_by_a_fifth_or_a_second_and_a_half() -> None:
 
 def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, motors: Catalogue) -> None:
     reload, single = motors.resolve("F40W").motor, motors.resolve("F67W").motor
-    assert cuts(single) == ()
-    assert cuts(reload) == (2.0, 4.0, 6.0, 8.0)
-    assert offered(reload, cuts(reload))[2.0] is False
+    tool = drill_of(reload)
+    assert drill_of(single) is None
+    assert tool is not None
+    assert tool.takes_off == (2.0, 4.0, 6.0, 8.0)
+    assert "not checked" in tool.caveat
+    assert offered(reload, tool.takes_off)[2.0] is False
     own = tmp_path / "drills.toml"
+    own.write_text("[AeroTech]\ntakes_off_s = [1]\nchecked = true\n")
+    mine = drill_of(reload, own)
+    assert mine is not None
+    assert (mine.takes_off, mine.caveat) == ((1.0,), "")
     own.write_text("[AeroTech]\ntakes_off_s = 3\n")
     with pytest.raises(BadValue, match=r"drills\.toml"):
-        cuts(reload, own)
+        drill_of(reload, own)
 
 
 @pytest.mark.parametrize(("mass", "motor", "text"), [(0.25, "F67W", "early"), (1.2, "F67W", "late")])

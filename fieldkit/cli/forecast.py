@@ -37,7 +37,7 @@ def predict(
     **given: str | None,
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
-    from fieldkit.loop.desk import forecast_document, predict_plans, start_of
+    from fieldkit.loop.desk import forecast_document, predict_plans
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
@@ -46,15 +46,13 @@ def predict(
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
         predictions = predict_plans(ledger, check.catalogue, plans, model.value)
         lines = safety_of(ledger, check.catalogue, predictions, given)
-        start = start_of(ledger, plans[0]) if flights is None else None
+        starts = ledger.starts(plans[0].rocket) if flights is None else []
     if json:
         documents = [forecast_document(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
         print_json({"predictions": documents})
     elif flights is None:
         _print_one(predictions[0])
-        if start and start.cd:
-            say(f"  design    its Cd starts from the {start.cd:.2f} of {start.source}")
-        print_safety(predictions[0].plan, lines[0])
+        print_safety(predictions[0].plan, lines[0], starts)
     else:
         _print_table(predictions)
         _print_safety_of_all(predictions, lines)

@@ -26,17 +26,29 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
-    from fieldkit.plan.guide import by_closeness, fitting, guide
+    from fieldkit.plan.guide import LEAST_THRUST, by_closeness, fitting, guide, lifts
+    from fieldkit.plan.safety import DECIDES
 
     target = length(fit["target"])
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted)
-        found = guide(plan.rocket, plan.flight, fitting(plan.motors, wanted), plan.limits, plan.site)
+        motors = fitting(plan.motors, wanted)
+        mass = plan.flight.dry_mass or 0.0  # without one the guide says so
+        strong = [motor for motor in motors if lifts(motor, mass)] or motors
+        weak = [motor.designation for motor in motors if not lifts(motor, mass)] if strong is not motors else []
+        found = guide(plan.rocket, plan.flight, strong, plan.limits, plan.site)
     choices = by_closeness(found, target)
     if json:
-        _print_json(plan, wanted, target, choices)
-    else:
-        _print(plan, wanted, choices, len(choices) if every else SHOWN)
+        _print_json(plan, wanted, target, choices, weak)
+        return
+    _print(plan, wanted, choices)
+    _print_checks(choices, len(choices) if every else SHOWN, every=every)
+    if weak:
+        say_wrapped(
+            f"left out, for they push with less than {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  "
+        )
+    say()
+    say_wrapped(f"eject: after apogee, with each delay on sale; a check that is not told is well. {DECIDES}")
 
 
 def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
@@ -68,7 +80,7 @@ def _classes(text: str) -> tuple[str, str] | None:
     return first, last or first
 
 
-def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "list[Choice]") -> None:
+def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "list[Choice]", weak: list[str]) -> None:
     from fieldkit.plan.air import air_of, conditions
     from fieldkit.plan.safety import DECIDES
 
@@ -76,27 +88,41 @@ def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "li
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
     document |= {"flights": said.rests_on, "model": said.model, "decides": DECIDES}
     document |= {"conditions": conditions(said.plan), "air": air_of(said.plan).json()}
-    print_json({**document, "motors": [choice.json() for choice in choices]})
+    print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
 
-def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]", shown: int) -> None:
-    from fieldkit.plan.safety import DECIDES
-
+def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]") -> None:
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
     say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
-    print_conditions(said.plan)
+    print_conditions(said.plan, plan.rocket.starts)
     say()
     _table(choices)
+
+
+def _print_checks(choices: "list[Choice]", shown: int, *, every: bool) -> None:
+    """A line for each check that fails, of as many motors as `shown`; what is not known of any motor is told once."""
+    unknown = [line.name for line in choices[0].lines if all(_unknown(choice, line.name) for choice in choices)]
+    if unknown and not every:
+        say_wrapped(f"  ? not known, for what they ask was not given: {', '.join(unknown)} (--all tells more)", "    ")
     for choice in choices[:shown]:
         for line in choice.lines:
-            if line.verdict != "ok":
-                say_wrapped(f"  {choice.motor.designation}: {line.words()}", "    ")
+            if line.verdict != "ok" and (every or line.name not in unknown):
+                say_wrapped(f"  {_name(choice, choices)}: {line.words()}", "    ")
     if len(choices) > shown:
         say_wrapped(f"  and {len(choices) - shown} more whose checks --all tells")
-    say()
-    say_wrapped(f"eject: after apogee, with each delay on sale; a check that is not told is well. {DECIDES}")
+
+
+def _unknown(choice: "Choice", name: str) -> bool:
+    return any(line.name == name and line.verdict == "unknown" for line in choice.lines)
+
+
+def _name(choice: "Choice", choices: "list[Choice]") -> str:
+    """The designation, and the maker where another has one of the same name."""
+    motor = choice.motor
+    alone = sum(one.motor.designation == motor.designation for one in choices) == 1
+    return motor.designation if alone else f"{motor.designation} {motor.maker}"
 
 
 def _table(choices: "list[Choice]") -> None:
@@ -110,7 +136,7 @@ def _table(choices: "list[Choice]") -> None:
         failed = len(choice.failed)
         rows.append(
             (
-                f"{choice.motor.designation}{'' if choice.flown else ' *'}",
+                f"{_name(choice, choices)}{'' if choice.flown else ' *'}",
                 f"{middle:.0f}",
                 f"{low:.0f}-{high:.0f}",
                 f"{three(said.true_apogee)[1]:.0f}",

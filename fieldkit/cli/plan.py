@@ -24,26 +24,26 @@ def delay(
 ) -> None:
     """Choose the ejection delay to buy or drill, from how long the rocket coasts."""
     from fieldkit.places import data_folder
-    from fieldkit.plan.delay import cuts as cuts_of
-    from fieldkit.plan.delay import delays
+    from fieldkit.plan.delay import delays, drill_of
     from fieldkit.plan.words import delays_in_words
     from fieldkit.units import parse
 
     with planning(context, given) as plan:
         found = plan.motor()
         fast = plan.limits["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
-        takes_off = cuts_of(found.motor, data_folder() / "drills.toml") if cuts is None else _seconds(cuts)
+        tool = drill_of(found.motor, data_folder() / "drills.toml") if cuts is None else None
+        takes_off = _seconds(cuts) if cuts else tool.takes_off if tool else ()
         judged = delays(plan.rocket, plan.flight, found, fast, takes_off)
         said, lines = judged.forecast, plan.safety(judged.forecast)
     if json:
         document = {"rocket": said.plan.rocket, "motor": found.motor.designation, "limit_mps": fast}
         document |= {"coast_s": dict(zip(("p05", "p50", "p95"), judged.coast, strict=True)), "flights": said.rests_on}
         document |= {"delays": [one.json() for one in judged.delays], "words": list(judged.words)}
-        print_json(document | about_plan(said, lines))
+        print_json(document | {"drill": tool.json() if tool else None} | about_plan(said, lines))
         return
     for note in found.notes:
         complain(f"note: {note}")
-    print_plan(delays_in_words(judged, fast), said.plan, lines)
+    print_plan(delays_in_words(judged, fast, tool), said.plan, lines, plan.rocket.starts)
 
 
 def _seconds(text: str) -> tuple[float, ...]:
@@ -93,7 +93,7 @@ def ballast(
         document |= {"flights": said.rests_on, "model": said.model}
         print_json(document | best.json() | about_plan(said, lines))
         return
-    print_plan(ballast_in_words(best, goal), said.plan, lines)
+    print_plan(ballast_in_words(best, goal), said.plan, lines, plan.rocket.starts)
 
 
 def _mass(text: str) -> float:
@@ -124,14 +124,19 @@ def contest(
     reef: Annotated[str | None, typer.Option(help="Share of the area that reefing takes out: 10%.")] = None,
     rocket_length: Annotated[str | None, typer.Option(help="Of the rocket: 700mm.")] = None,
     cut: Annotated[float | None, typer.Option(help="Points that qualify; asks for --motor.")] = None,
+    declared: Annotated[str | None, typer.Option(help="Flights whose best are summed: 4,5,6.")] = None,
+    own: Annotated[bool, typer.Option("--own", help="Copy the rule to a file of yours, to check and change.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
     """Score flights by the rule of a season and, with --motor, say what points a plan can expect."""
     from fieldkit.errors import NoFlights
-    from fieldkit.plan.contest import allowed, outlook, score
+    from fieldkit.places import data_folder
+    from fieldkit.plan.contest import allowed, copy_season, declared_score, outlook, score
     from fieldkit.plan.words import outlook_in_words
 
+    if own:
+        complain(f"your own rule, used from now on: {copy_season(season, data_folder() / 'seasons')}")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is that of a plan")
     rule = _rule(season).announced(length(target), _window(window))
@@ -151,6 +156,10 @@ def contest(
         {"flight_id": flight.flight_id, "points": points, "timed": flight.duration is not None}
         for flight, points in scored
     ]
+    names = [name.strip() for name in declared.split(",")] if declared else []
+    total = declared_score(rule, scored, names) if names else None
+    if total is not None:
+        document["score"] = {"declared": names, "points": total}
     if ahead is not None and lines is not None:
         document["plan"] = _plan_document(ahead, rule, area) | about_plan(ahead.forecast, lines)
         if cut is not None:
@@ -162,8 +171,10 @@ def contest(
         say_wrapped(rule.caveat)
     for flight, own in scored:
         say(f"  {flight.flight_id:>8}  {own:6.1f} points{'' if flight.duration is not None else ', height alone'}")
+    if total is not None:
+        say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
     if ahead is not None and lines is not None:
-        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines)
+        print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines, plan.rocket.starts)
 
 
 def _window(text: str | None) -> tuple[float, float] | None:

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import typer
 
 from fieldkit.cli.options import FIELD
-from fieldkit.cli.screen import say, say_wrapped
+from fieldkit.cli.screen import progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.ledger import Ledger
+    from fieldkit.ledger import Ledger, Start
     from fieldkit.ledger.sites import Site
     from fieldkit.loop.predict import Prediction
     from fieldkit.motors import Catalogue, Found
@@ -38,7 +38,11 @@ class Plan:
 
     def motor(self) -> "Found":
         """The motor of the plan, that of the rocket's last flight where not said. Raises UnknownMotor."""
+        from fieldkit.errors import UnknownMotor
+
         last = self.ledger.latest(self.flight.rocket)
+        if not self.flight.motor and last is None:
+            raise UnknownMotor(f"{self.flight.rocket}: found no flights to know a motor from, expected --motor")
         return self.motors.resolve(self.flight.motor or (last.motor if last else ""))
 
     def safety(self, said: "Prediction") -> "list[Line]":
@@ -51,13 +55,14 @@ class Plan:
 
 @contextmanager
 def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
-    """A plan for a rocket that has flown, with its ledger open. Raises NoFlights, BadValue."""
+    """A plan for a rocket that has flown or has a design, with its ledger open. Raises NoFlights, BadValue."""
     from fieldkit.loop.desk import which_rocket
     from fieldkit.plan.desk import rocket_of
 
     motors = known_motors()
-    with open_ledger(context) as ledger:
+    with open_ledger(context) as ledger, progress("planning") as tell:
         name = which_rocket(ledger, given.get("rocket"))
+        tell(f"flying {name} on what its flights taught", 0.3)
         flight = begun_plan(ledger, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         yield Plan(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
@@ -134,30 +139,30 @@ def about_plan(said: "Prediction", lines: "Sequence[Line]") -> dict[str, Any]:
     }
 
 
-def print_conditions(plan: "Flight") -> None:
-    """Print the air of a plan, and what else of the day acts on it."""
+def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
+    """Print the air of a plan, what else of the day acts on it, and the design it starts from."""
     from fieldkit.plan.words import conditions_in_words
 
-    for text in conditions_in_words(plan):
+    for text in conditions_in_words(plan, starts):
         say_wrapped(text, " " * 10)
 
 
-def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[Line]") -> None:
+def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[Line]", starts: "Sequence[Start]") -> None:
     """Print what a plan comes to, and its conditions and safety lines below."""
     for text in words:
         say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
-    print_safety(plan, lines)
+    print_safety(plan, lines, starts)
 
 
 _WIDTH = 79
 """Of a line that is printed as it is, its columns kept. [letters]"""
 
 
-def print_safety(plan: "Flight", lines: "Sequence[Line]") -> None:
+def print_safety(plan: "Flight", lines: "Sequence[Line]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan and all safety lines, well or not, and who decides."""
     from fieldkit.plan.safety import told
 
-    print_conditions(plan)
+    print_conditions(plan, starts)
     say("  safety")
     for text in told(lines):
         say_wrapped(f"    {text}", "  ")

@@ -111,12 +111,14 @@ def progress(title: str) -> Iterator[Callable[[str, float], None]]:
 
     It is drawn when it is told something and at no other time.
     """
+    if not sys.stderr.isatty():
+        yield lambda text, share: None
+        return
     from rich.console import Console
     from rich.markup import escape
     from rich.progress import Progress
 
-    quiet = not sys.stderr.isatty()
-    with Progress(console=Console(stderr=True), transient=True, disable=quiet, auto_refresh=False) as bar:
+    with Progress(console=Console(stderr=True), transient=True, auto_refresh=False) as bar:
         task = bar.add_task(escape(title), total=1.0)
         yield lambda text, share: bar.update(
             task, description=escape(f"{title}: {printable(text)}"), completed=share, refresh=True

@@ -18,7 +18,7 @@ from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.testimony import document as testimony_document
 from fieldkit.loop.forward import Forecast
 from fieldkit.loop.leftover import Leftover, leftover
-from fieldkit.loop.made_from import digest, model_parts, plan_parts
+from fieldkit.loop.made_from import design_parts, digest, model_parts, plan_parts
 from fieldkit.loop.model import observe
 from fieldkit.loop.predict import Prediction, median, predict, rocket_model
 from fieldkit.loop.residual import fingerprint
@@ -55,13 +55,13 @@ def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight,
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The rocket asked for, or the one flown last. Raises NoFlights that lists those there are."""
+    """The rocket asked for, flown or begun from a design, or the one flown last. Raises NoFlights that lists them."""
     rockets = ledger.names("rocket")
     if wanted is None:
         if not rockets:
             raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
         return rockets[0]
-    if wanted not in rockets:
+    if wanted not in rockets and not ledger.starts(wanted):
         raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none yet'}")
     return wanted
 
@@ -101,9 +101,19 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
 
 def start_of(ledger: Ledger, plan: Flight) -> Start | None:
     """How the configuration of a plan starts; where the rocket has only one that is kept, that one."""
-    known = ledger.starts(plan.rocket)
+    return start_among(ledger.starts(plan.rocket), plan)
+
+
+def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
+    """Of the starting configurations of a rocket, that of a plan; where only one is kept, that one."""
     named = [one for one in known if one.config == plan.config]
-    return (named or known)[0] if named or len(known) == 1 else None
+    return (named or list(known))[0] if named or len(known) == 1 else None
+
+
+def design_drag(known: Sequence[Start], plans: Sequence[Flight]) -> float | None:
+    """The Cd that plans of a rocket start from, None where no design tells one. [1]"""
+    starts = (start_among(known, plan) for plan in plans)
+    return next((one.cd for one in starts if one and one.cd), None)
 
 
 def predict_plans(
@@ -120,13 +130,10 @@ def predict_plans(
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)
         before = [flight for flight, _ in history]
-        starts = [start_of(ledger, plans[row]) for row in rows]
-        planned = [
-            (completed(plans[row], before, start), motors.resolve(plans[row].motor))
-            for row, start in zip(rows, starts, strict=True)
-        ]
+        starts, own = ledger.starts(rocket), [plans[row] for row in rows]
+        planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
         places = accepted_places(ledger, rocket, which)
-        drag = next((one.cd for one in starts if one and one.cd), None)
+        drag = design_drag(starts, own)
         made = predict(history, planned, places, declared=which == "after", drag=drag)
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [widened(one, wider).corrected(sure, len(surprises)) for one in made]
@@ -140,7 +147,8 @@ def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[F
     """Keep predictions of one rocket, each with what it was made from."""
     version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
     for one in predictions:
-        parts = plan_parts(one.plan, one.found) | model_parts(history, one.model, version)
+        decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
+        parts = decided | model_parts(history, one.model, version)
         likely = np.quantile(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
         payload = forecast_document(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
         ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)

@@ -7,9 +7,9 @@ from datetime import UTC, datetime
 from typing import Any, Literal
 
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Past, Prediction
-from fieldkit.loop.desk import followed, used_version
-from fieldkit.loop.made_from import Parts, model_changes, model_parts, plan_changes, plan_parts
+from fieldkit.ledger import Ledger, Past, Prediction, Start
+from fieldkit.loop.desk import followed, start_among, used_version
+from fieldkit.loop.made_from import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
 from fieldkit.loop.pairing import LAPSES, made_for, residual, resolved
 from fieldkit.motors import Catalogue
 
@@ -85,6 +85,7 @@ def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[K
     flown = [flight for _, flight in pairs if flight.apogee is not None]
     pasts = {id(flight): past for flight, past in zip(flown, ledger.before(flown), strict=True)}
     now = {one: Past(tuple(ledger.flights(one)), used_version(ledger, one)) for one in {p.rocket for p in predictions}}
+    starts = {one: ledger.starts(one) for one in now}
     later = _replaced(predictions)
     found: list[Kept] = []
     for one in predictions:
@@ -92,7 +93,8 @@ def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[K
         for flight in own or [None]:
             past = pasts.get(id(flight)) or now[one.rocket]
             over = later.get(one.number) or ("lapsed" if flight is None and _lapsed(one) else None)
-            found.append(Kept(one, flight, tuple(_changes(one, flight, past, motors)), over))
+            changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, starts[one.rocket])]
+            found.append(Kept(one, flight, tuple(changes), over))
     return found
 
 
@@ -140,6 +142,15 @@ def _changes(prediction: Prediction, flight: Flight | None, past: Past, motors: 
     history = [one for one, _ in followed(past.flights, motors)]
     now = model_parts(history, made["model"]["name"], past.version)
     yield from model_changes(made, now if not flown else {**now, "model": now["model"] | {"fieldkit": ""}})
+
+
+def _redesigned(prediction: Prediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
+    """What changed of the rocket's design while the prediction is open: what it was at a flight is not kept."""
+    made: Parts | None = prediction.payload.get("made_from")
+    if made is None or (flight is not None and flight.apogee is not None):
+        return
+    config = made["configuration"].get("config", "")
+    yield from design_changes(made, start_among(starts, Flight(rocket=prediction.rocket, config=config)))
 
 
 def standing(found: Sequence[Kept]) -> str:

@@ -11,6 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from fieldkit import __version__
 from fieldkit.flight import BY_NAME, CHECKED, COLUMNS, CONDITIONS, Column, Flight
+from fieldkit.ledger import Start
 from fieldkit.measures import spelled
 from fieldkit.motors import Found, Motor
 from fieldkit.units import unit
@@ -20,6 +21,8 @@ Parts = Mapping[str, Mapping[str, str]]
 
 OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
 """Parts that the flyer decides, and that a flight can differ in from its prediction."""
+FROM_DESIGN, DRAG = ("dry_mass", "diameter"), "Cd"
+"""What a plan may take over from the design of its rocket: columns, and the name of the coefficient."""
 TEACHES, FLOWN_ONLY = "+", "-"
 """Before the digest of a flight: whether it teaches the model, or only counts as flown."""
 
@@ -46,6 +49,28 @@ def model_parts(history: Sequence[Flight], name: str, version: int | None) -> di
         "model": {**asked, "fieldkit": __version__},
         "flights": {flight.flight_id: flight_digest(flight) for flight in history if flight.readouts()},
     }
+
+
+def design_parts(start: Start | None, plan: Flight) -> dict[str, dict[str, str]]:
+    """The part that the rocket's design decides: its Cd, and of mass and diameter what the plan has from it."""
+    known = _design(start)
+    taken = {header: text for header, text in _columns(plan, FROM_DESIGN).items() if text and text == known.get(header)}
+    return {"design": {DRAG: known.get(DRAG, ""), **taken}}
+
+
+def design_changes(made: Parts, start: Start | None) -> Iterator[str]:
+    """What is no longer so of the rocket's design, a phrase each."""
+    now = _design(start)
+    for name, old in made.get("design", {}).items():
+        if old != now.get(name, ""):
+            yield f"the design's {_change(name, old, now.get(name, ''))}"
+
+
+def _design(start: Start | None) -> dict[str, str]:
+    if start is None:
+        return {}
+    drag = "" if start.cd is None else f"{start.cd:.6g}"
+    return {DRAG: drag, **_columns(Flight(dry_mass=start.dry_mass, diameter=start.diameter), FROM_DESIGN)}
 
 
 def digest(parts: Parts) -> str:

@@ -16,7 +16,7 @@ from fieldkit.loop.left_out import leave_one_out, own_reading_sd
 from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, observe, shown
 from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid, term_sds
 from fieldkit.loop.spread import tails
-from fieldkit.loop.tangent import lean_slope
+from fieldkit.loop.tangent import lean_of_apogee
 from fieldkit.loop.unlike import fitting
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -208,7 +208,7 @@ def fly_ahead(
     if delay_sd is not None:
         scatter["delay"] = luck() * delay_sd
     readings = shown(part, values, scatter)
-    lean = np.exp(lean_slope(part, learnt.at)[:, 0] * luck() * scales[:, :1])
+    lean = np.exp(lean_of_apogee(part, learnt.at) * luck() * scales[:, :1])
     apogee = readings["apogee"] * lean
     # of a hop of a metre the reading's error in ratio knows no bounds
     reading = np.clip(own_reading_sd(apogee) * scales[:, 1:] * luck(), -1.0, 1.0)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, SCATTER, Model, Term, compared, shown
+from fieldkit.loop.model import OBSERVED, SCATTER, Model, Term, compared, shown, tops
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.effect import Effect
 
@@ -31,9 +31,20 @@ class Tangent:
 
 def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
     """What a lean of one unit does to the readouts; it needs the planar flight and is flown apart."""
-    lean = np.repeat([[0.0], [1.0]], len(model.flights), axis=1)
-    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": lean}))
+    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
     return np.asarray(leaning - upright)
+
+
+def lean_of_apogee(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
+    """What a lean of one unit does to the logarithm of the apogee: as `lean_slope`, and quicker."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        upright, leaning = np.log(tops(model, np.stack([at, at]), {"tilt": _lean(model)}))
+        return np.asarray(leaning - upright)
+
+
+def _lean(model: Model) -> Float[Array, "2 flight"]:
+    """None, and one unit of it."""
+    return np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))
 
 
 def tangents(

@@ -66,9 +66,26 @@ class Season:
         return f"The rule of {self.year} ({self.remarks}) was not checked against the official text."
 
 
-def seasons() -> list[int]:
-    """The years there are files of."""
-    return sorted(int(file.stem) for file in FOLDER.glob("*.toml"))
+def seasons(own: Path | None = None) -> list[int]:
+    """The years there are files of, here and in the flyer's own folder."""
+    folders = (FOLDER, own) if own is not None else (FOLDER,)
+    return sorted({int(file.stem) for folder in folders for file in folder.glob("*.toml") if file.stem.isdecimal()})
+
+
+def copy_season(year: int, own: Path) -> Path:
+    """The file of a year in the flyer's own folder, copied there where it is not yet, to be checked and changed.
+
+    Raises BadValue for a year that there is no file of, or a folder that cannot be written.
+    """
+    file = own / f"{year}.toml"
+    if not file.exists():
+        season(year)
+        try:
+            own.mkdir(parents=True, exist_ok=True)
+            file.write_bytes((FOLDER / file.name).read_bytes())
+        except OSError as error:
+            raise BadValue(f"{file}: cannot be written ({error.strerror})") from error
+    return file
 
 
 def season(year: int, own: Path | None = None) -> Season:
@@ -80,7 +97,7 @@ def season(year: int, own: Path | None = None) -> Season:
     if own is not None and (own / f"{year}.toml").exists():
         file = own / f"{year}.toml"
     if not file.exists():
-        raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons()))}")
+        raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons(own)))}")
     try:
         rule = tomllib.loads(file.read_text(encoding="utf-8"))
         low, high = (float(end) for end in rule["window_s"])
@@ -99,7 +116,7 @@ def season(year: int, own: Path | None = None) -> Season:
             impulse=_scaled(most.get("impulse_ns"), 1.0),
             length=_scaled(most.get("length_mm_at_least"), 1e-3),
         )
-    except (KeyError, ValueError, TypeError, AttributeError) as error:
+    except (KeyError, ValueError, TypeError, AttributeError, OSError) as error:
         raise BadValue(
             f"{file.name}: found {error}, expected every key of a season with a value of its kind"
         ) from error
@@ -118,6 +135,17 @@ def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]
         (flight, float(rule.points(np.array(height), np.array(np.nan if flight.duration is None else flight.duration))))
         for flight, height in known
     ]
+
+
+def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: Sequence[str]) -> float:
+    """The sum of the best of the flights that were declared, by their ids. Raises BadValue for what cannot be."""
+    points = {flight.flight_id: own for flight, own in scored}
+    if strange := [name for name in names if name not in points]:
+        raise BadValue(f"--declared: found {strange[0]!r}, expected flights of this rocket that have an apogee")
+    if not rule.best <= len(set(names)) <= rule.declared:
+        wanted = f"{rule.best} to {rule.declared} flights"
+        raise BadValue(f"--declared: found {len(set(names))} flights, expected {wanted} such as 4,5,6")
+    return float(rule.sums(np.array([[points[name] for name in dict.fromkeys(names)]]))[0])
 
 
 @dataclass(frozen=True, slots=True)

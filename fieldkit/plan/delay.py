@@ -26,6 +26,30 @@ DRAWS = 1000
 
 
 @dataclass(frozen=True, slots=True)
+class Drill:
+    """The delay tool of a maker: what it can take off the longest delay [s], where that is from, and if it was checked
+    against the maker's instructions."""
+
+    maker: str
+    takes_off: tuple[float, ...]
+    source: str
+    checked: bool
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {"takes_off_s": list(self.takes_off), "source": self.source, "checked": self.checked}
+
+    @property
+    def caveat(self) -> str:
+        """What is to be known before it is believed; empty for a tool that was checked."""
+        if self.checked:
+            return ""
+        steps = ", ".join(f"{off:g}" for off in self.takes_off)
+        why = f"was not checked against its instructions ({self.source})"
+        return f"What {self.maker}'s tool takes off ({steps} s) {why}: go by the marks on yours."
+
+
+@dataclass(frozen=True, slots=True)
 class Delay:
     """One delay: how far from apogee it fires [s], how fast the rocket then is [m/s], its chance to be too fast [1].
 
@@ -70,21 +94,26 @@ def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
     return np.asarray(np.nan_to_num(np.maximum(SHARE, LEAST / delays) / 2))
 
 
-def cuts(motor: Motor, own: Path | None = None) -> tuple[float, ...]:
-    """What the tool of a motor's maker takes off its longest delay, from most makers' none; only for reloads. [s]
+def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
+    """The delay tool of a motor's maker, which most makers have none of; only for reloads.
 
     Raises BadValue for an own file that is damaged.
     """
-    tables = _drills(DRILLS) | (_drills(own) if own is not None and own.exists() else {})
-    return tables.get(motor.maker, ()) if motor.kind == "reload" else ()
+    tools = _drills(DRILLS) | (_drills(own) if own is not None and own.exists() else {})
+    return tools.get(motor.maker) if motor.kind == "reload" else None
 
 
-def _drills(file: Path) -> dict[str, tuple[float, ...]]:
+def _drills(file: Path) -> dict[str, Drill]:
     try:
         tables = tomllib.loads(file.read_text(encoding="utf-8"))
-        return {maker: tuple(float(off) for off in table["takes_off_s"]) for maker, table in tables.items()}
+        return {maker: _drill(maker, table, f"your own {file.name}") for maker, table in tables.items()}
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, TypeError, ValueError) as error:
         raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
+
+
+def _drill(maker: str, table: dict[str, Any], source: str) -> Drill:
+    takes_off = tuple(float(off) for off in table["takes_off_s"])
+    return Drill(maker, takes_off, str(table.get("source", source)), bool(table.get("checked", False)))
 
 
 def offered(motor: Motor, takes_off: Sequence[float] = ()) -> dict[float, bool]:

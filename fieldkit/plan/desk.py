@@ -5,11 +5,11 @@ from dataclasses import dataclass
 from typing import Any
 
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, Start
 from fieldkit.ledger.sites import site_of
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
-from fieldkit.loop.desk import accepted_places, accepted_widening, completed, flown
+from fieldkit.loop.desk import accepted_places, accepted_widening, completed, design_drag, flown, start_of
 from fieldkit.loop.predict import Learnt, Prediction, fly_ahead, learn
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
@@ -21,14 +21,16 @@ Planned = Sequence[tuple[Flight, Found]]
 
 @dataclass(frozen=True, slots=True)
 class Rocket:
-    """What a ledger holds of a rocket that forecasts rest on: its flights, the effects in its model, and by how much
-    intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared."""
+    """What a ledger holds of a rocket that forecasts rest on: its flights, the effects in its model, by how much
+    intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared, and the
+    designs it starts from."""
 
     history: tuple[tuple[Flight, Found], ...]
     places: tuple[Place, ...]
     widened: float
     stretched: float | None
     earlier: int
+    starts: tuple[Start, ...] = ()
 
     @property
     def flights(self) -> list[Flight]:
@@ -50,14 +52,16 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
         widened=accepted_widening(ledger, name),
         stretched=stretch(surprises),
         earlier=len(surprises),
+        starts=tuple(ledger.starts(name)),
     )
 
 
 def begun(ledger: Ledger, plan: Flight, settings: Settings) -> Flight:
-    """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, else the
-    flyer's usual rail; the site as last, and its elevation. Weather is the day's, and nothing is made up for it."""
+    """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
+    diameter else of its design, the rail else the flyer's usual one; the site as last, and its elevation. Weather is
+    the day's, and nothing is made up for it."""
     alike = [flight for flight in ledger.flights(plan.rocket) if flight.dry_mass is not None]
-    plan = completed(plan, alike)
+    plan = completed(plan, alike, start_of(ledger, plan))
     last = ledger.latest()
     if not plan.site and plan.site_elevation is None and last is not None:
         plan = plan.with_changes(site=last.site)
@@ -78,7 +82,13 @@ def forecasts(
 
     `paired` and `delay_sd` as in `fieldkit.loop.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a mass.
     """
-    return flown_ahead(rocket, learn(rocket.history, planned, rocket.places, draws=draws), paired, delay_sd)
+    return flown_ahead(rocket, learnt_of(rocket, planned, draws), paired, delay_sd)
+
+
+def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
+    """What a rocket's flights taught of plans, from the Cd of its design on where one is kept."""
+    drag = design_drag(rocket.starts, [plan for plan, _ in planned])
+    return learn(rocket.history, planned, rocket.places, drag=drag, draws=draws)
 
 
 def flown_ahead(

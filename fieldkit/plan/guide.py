@@ -12,12 +12,12 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site
 from fieldkit.loop.model import shown
-from fieldkit.loop.predict import Prediction, learn, median
+from fieldkit.loop.predict import Prediction, median
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED, Motor
 from fieldkit.plan.delay import tolerance
 from fieldkit.plan.descent import fall_of
-from fieldkit.plan.desk import Rocket, flown_ahead
+from fieldkit.plan.desk import Rocket, flown_ahead, learnt_of
 from fieldkit.plan.limits import Limits
 from fieldkit.plan.quantiles import named, three
 from fieldkit.plan.safety import Line, safety_lines, thrust_to_weight
@@ -25,10 +25,10 @@ from fieldkit.units import STANDARD_GRAVITY
 
 SAME = 0.0006
 """By how much two diameters of one mount may differ. [m]"""
-DRAWS = 100
-"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a fifth of a standard deviation."""
-SLANTED = 60
-"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a quarter."""
+DRAWS = 64
+"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
+SLANTED = 40
+"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
 SHORTLIST = "shortlist"
@@ -163,7 +163,8 @@ def guide(
         return []
     draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
-    learnt = learn(rocket.history, planned, rocket.places, draws=draws)
+    learnt = learnt_of(rocket, planned, draws)
+    learnt = replace(learnt, model=replace(learnt.model, coarse=True))
     coasts = shown(learnt.model, learnt.at[None], {})["coast_time"][0]
     delays = [_nearest(motor, coast) for motor, coast in zip(motors, coasts, strict=True)]
     flights = tuple(
@@ -176,7 +177,7 @@ def guide(
         Choice(
             motor,
             delay,
-            _ejections(motor, float(np.nanmedian(said.coast_time)) if (said.apogee > 0).mean() > 0.5 else math.nan),
+            _ejections(motor, three(said.coast_time)[1] if (said.apogee > 0).mean() > 0.5 else math.nan),
             said,
             id(motor) in known,
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),

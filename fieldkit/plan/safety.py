@@ -20,6 +20,7 @@ from fieldkit.loop.predict import Prediction
 from fieldkit.motors.motor import Motor
 from fieldkit.plan.descent import Fall, landing, landing_mass
 from fieldkit.plan.limits import Limits
+from fieldkit.plan.quantiles import three
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.atmosphere import pad_air
 from fieldkit.simulator.field import recorded
@@ -118,7 +119,7 @@ def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> L
     needed = max(fixed.value, times.value * (wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
     chance = float(np.mean(speeds < needed))
-    text = f"{np.median(speeds):.1f} m/s, wanted at least {needed:.1f} m/s{why}; chance of less {chance:.0%}"
+    text = f"{three(speeds)[1]:.1f} m/s, wanted at least {needed:.1f} m/s{why}; chance of less {chance:.0%}"
     return Line("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
 
 
@@ -153,7 +154,7 @@ def _angle(angle: float | None, limits: Limits) -> Line:
 
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> Line:
     source = f"ceiling of {site.name}" if site.name else "ceiling as given"
-    high = float(np.quantile(heights, 0.95))
+    high = three(heights)[2]
     text = f"95 % stay below {high:.0f} m ({high / FOOT:.0f} ft) above the pad"
     if site.ceiling is None:
         return Line("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
@@ -168,9 +169,9 @@ def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
     reach = 0.0
     if said.plan.wind is not None:
         away = np.abs(landing(said, _speeds(said, fall)))
-        reach = float(np.quantile(away, 0.95))
-        far = f"lands {np.median(away):.0f} m from the pad, 95 % within {reach:.0f} m"
-    needed = max(2 * reach, share.value * float(np.quantile(said.true_apogee, 0.95)))
+        _, usual, reach = three(away)
+        far = f"lands {usual:.0f} m from the pad, 95 % within {reach:.0f} m"
+    needed = max(2 * reach, share.value * three(said.true_apogee)[2])
     text = f"{far}; a field {needed:.0f} m across is wanted"
     if site.size is None:
         return Line("field size", "unknown", f"{text}, its size is not given", share.source)
@@ -195,7 +196,7 @@ def _ejection(said: Prediction, limits: Limits) -> Line:
     fired = np.isfinite(said.eject_speed)
     crashed = float(np.mean(~fired & (said.true_apogee > 0)))
     chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
-    text = f"{np.median(said.eject_speed[fired]):.0f} m/s; " if fired.any() else ""
+    text = f"{three(said.eject_speed)[1]:.0f} m/s; " if fired.any() else ""
     text += f"chance of more than {limit.value:.0f} m/s {chance:.0%}"
     text += f", {crashed:.0%} reach the ground first" if crashed >= 0.01 else ""
     return Line("ejection speed", by_chance(chance), text, limit.source)

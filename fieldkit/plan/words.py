@@ -1,15 +1,17 @@
 """Delays, ballast and contest outlooks as lines for a flyer: what, how sure, and what it rests on."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.ledger import Start
+from fieldkit.loop.desk import start_among
 from fieldkit.loop.predict import Prediction
 from fieldkit.measures import measure
 from fieldkit.plan.air import air_of
 from fieldkit.plan.ballast import Ballast, Goal
 from fieldkit.plan.contest import Outlook, Season
-from fieldkit.plan.delay import Delay, Delays
+from fieldkit.plan.delay import Delay, Delays, Drill
 from fieldkit.plan.quantiles import three
 from fieldkit.simulator.field import RAIL_LENGTH
 from fieldkit.units import FOOT
@@ -18,16 +20,23 @@ ACTING = ("wind", "rail_length", "rail_angle")
 """Conditions that act on a flight beside the air."""
 
 
-def conditions_in_words(plan: Flight) -> Iterator[str]:
-    """The air a plan flies in and what it makes the altimeter show, and what else acts on it."""
+def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[str]:
+    """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
+    starts from where the rocket has one among `starts`."""
     yield f"  air       {air_of(plan).words()}"
     wind, length, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in ACTING)
     rail = f"a rail of {length or f'{RAIL_LENGTH:g} m, as none was given,'}"
     yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail} {f'at {angle}' if angle else 'upright'}"
+    start = start_among(starts, plan)
+    if start is not None and start.cd:
+        yield f"  design    its Cd starts from the {start.cd:.2f} of {start.source}"
 
 
-def delays_in_words(judged: Delays, fast: float) -> Iterator[str]:
-    """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]"""
+def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> Iterator[str]:
+    """How long the rocket coasts, and every delay from best to worst; `fast` is the speed that is too much. [m/s]
+
+    `tool` is what delays are drilled with.
+    """
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
@@ -36,6 +45,8 @@ def delays_in_words(judged: Delays, fast: float) -> Iterator[str]:
         yield f"  {'delay':>7}  {'after apogee':>13}  {'5 to 95 %':>14}  {'speed':>7}  {f'over {fast:.0f} m/s':>12}"
     yield from (f"  {_delay(one)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
+    if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
+        yield f"  {tool.caveat}"
     yield "  Delays stray by up to 20 % or 1.5 s (NFPA 1125), which is in these figures."
 
 

@@ -87,8 +87,8 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> Foretold |
         made = forecast_from_others(ledger, motors, flight)
     except FieldkitError:
         return None
-    words = f"no prediction was kept; from the {made.rests_on} other clean flights it would be"
     low, middle, high = (float(x) for x in made.apogee_quantiles())
+    words = f"no prediction was kept; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
     return Foretold(made.apogee, (low, middle, high), False, words)
 
 

@@ -88,7 +88,7 @@ def headline(card: Card) -> tuple[tuple[str, str], ...]:
         rows.append((f"{card.flight.apogee:.1f} m", f"apogee, {card.flight.apogee / 0.3048:.0f} ft"))
     if card.foretold is not None:
         low, middle, high = card.foretold.interval
-        what = "predicted" if card.foretold.kept else "worked out after"
+        what = "predicted" if card.foretold.kept else "afterwards"
         rows.append((f"{middle:.0f} m", f"{what}, {low:.0f} to {high:.0f}"))
         if card.miss is not None:
             inside = low <= (card.flight.apogee or 0) <= high

@@ -65,8 +65,8 @@ def _hill(panel: "Axes", foretold: Foretold) -> None:
     panel.plot([middle, middle], [0, np.interp(middle, place, height)], color=AFTER, linewidth=1.4)
     for end, side in ((low, "right"), (high, "left")):
         panel.annotate(
-            f"{end:.0f}", (end, 0), (-3 if side == "right" else 3, 4), textcoords="offset points", ha=side,
-            fontsize=8, color=AFTER,
+            f"{end:.0f} m", (end, np.interp(end, place, height)), (-4 if side == "right" else 4, 5),
+            textcoords="offset points", ha=side, fontsize=8, color=AFTER,
         )  # fmt: skip
     panel.set_ylim(0, 1.25)
 

@@ -44,8 +44,9 @@ def field_setup(
     drag_area: Float[Array, "*draw flight"],
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
     steps: int = STEPS,
+    knots: int | None = None,
 ) -> Setup:
-    """Flights on their motors, one entry a flight along the last axis, in SI units.
+    """Flights on their motors, one entry a flight along the last axis, in SI units; `steps` and `knots` as in `burns`.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
@@ -57,7 +58,7 @@ def field_setup(
     row = {key: number for number, key in enumerate(motors)}
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
     return Setup(
-        burns=_burns(tuple(motors.values()), steps),
+        burns=_burns(tuple(motors.values()), steps, knots),
         air=pad_air(conditions[0], conditions[1], conditions[2], recorded(flights, "humidity")),
         motor=np.array([row[id(item.motor)] for item in found]),
         dry_mass=dry_mass,
@@ -72,6 +73,6 @@ def field_setup(
 
 
 @lru_cache(maxsize=64)
-def _burns(motors: tuple[Motor, ...], steps: int) -> Burns:
+def _burns(motors: tuple[Motor, ...], steps: int, knots: int | None) -> Burns:
     """The same motors fly again and again while a model is fitted."""
-    return burns(motors, steps=steps)
+    return burns(motors, steps=steps, knots=knots)

@@ -6,6 +6,7 @@ segment longer than a fraction of the burn is split.
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import Protocol, runtime_checkable
 
 import numpy as np
@@ -91,6 +92,34 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
     return time, thrust
 
 
+def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
+    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbours is least.
+
+    Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
+    """
+    at, push = time.tolist(), thrust.tolist()
+    before = _area(at, push)
+
+    def triangle(knot: int) -> float:
+        over = (push[knot + 1] - push[knot - 1]) * (at[knot] - at[knot - 1]) / (at[knot + 1] - at[knot - 1])
+        return abs(push[knot] - push[knot - 1] - over) * (at[knot + 1] - at[knot - 1])
+
+    areas = [0.0, *map(triangle, range(1, len(at) - 1))]
+    while len(at) > max(most, 3):
+        least = min(range(1, len(areas)), key=areas.__getitem__)
+        del at[least], push[least], areas[least]
+        for knot in (least - 1, least):
+            if 0 < knot < len(areas):
+                areas[knot] = triangle(knot)
+    return np.array(at), np.array(push) * (before / _area(at, push))
+
+
+def _area(at: Sequence[float], push: Sequence[float]) -> float:
+    """Twice the impulse of a curve. [N s]"""
+    pieces = zip(pairwise(at), pairwise(push), strict=True)
+    return sum((end - start) * (first + last) for (start, end), (first, last) in pieces)
+
+
 def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
     """Rows as the last axis, the shorter ones filled up, with their own last entry where no `fill` is given."""
     longest = max(len(row) for row in rows)
@@ -101,14 +130,16 @@ def _side_by_side(rows: list[Array], fill: float | None = None) -> Array:
     return np.stack([np.concatenate([row, tail]) for row, tail in zip(rows, tails, strict=True)], axis=-1)
 
 
-def burns(motors: Sequence[Curve], *, steps: int = STEPS, linear_burn: bool = False) -> Burns:
-    """The motors on at least `steps` steps each.
+def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = None, linear_burn: bool = False) -> Burns:
+    """The motors on at least `steps` steps each, on curves of at most so many `knots` where these are said.
 
     Propellant burns off in proportion to the impulse delivered or, with `linear_burn`, to time.
     """
     rows = []
     for motor in motors:
         time, thrust = _strictly_increasing(np.asarray(motor.time, float), np.asarray(motor.thrust, float))
+        if knots is not None:
+            time, thrust = simplified(time, thrust, knots)
         edge = _edges(time, steps)
         nodes = np.stack([edge[:-1], 0.5 * (edge[:-1] + edge[1:]), edge[1:]], axis=1)
         spent = nodes / time[-1] if linear_burn else _impulse(time, thrust, nodes)

@@ -93,13 +93,14 @@ class PlanScreen(PageScreen):
     def _delay(self, _settings: Settings) -> Iterator[str]:
         from fieldkit.motors import Found
         from fieldkit.places import data_folder
-        from fieldkit.plan.delay import cuts, delays
+        from fieldkit.plan.delay import delays, drill_of
         from fieldkit.plan.words import delays_in_words
 
         fast = self._limits["eject_speed"].value
-        takes_off = cuts(self._motor, data_folder() / "drills.toml")
+        tool = drill_of(self._motor, data_folder() / "drills.toml")
+        takes_off = tool.takes_off if tool else ()
         judged = delays(self._rocket, self._plan, Found(self._motor, None), fast, takes_off)
-        yield from delays_in_words(judged, fast)
+        yield from delays_in_words(judged, fast, tool)
         yield from self._safety(judged.forecast)
 
     def _ballast(self, settings: Settings) -> Iterator[str]:
@@ -132,7 +133,7 @@ class PlanScreen(PageScreen):
         from fieldkit.plan.safety import safety_lines, told
         from fieldkit.plan.words import conditions_in_words
 
-        yield from conditions_in_words(said.plan)
+        yield from conditions_in_words(said.plan, self._rocket.starts)
         yield ""
         yield from told([*safety_lines(said, self._site, fall_of(self._rocket.history), self._limits), *more])
 
@@ -147,9 +148,10 @@ class PlanScreen(PageScreen):
 
     def action_season(self, by: int) -> None:
         """The season after, or before."""
+        from fieldkit.places import data_folder
         from fieldkit.plan.contest import seasons
 
-        years = seasons()
+        years = seasons(data_folder() / "seasons")
         self._season = years[(years.index(self._season) + by) % len(years)]
         self.action_view(2)
 

@@ -1,0 +1,117 @@
+"""Plans against what a flyer works out on paper: each figure that a decision rests on, by another way."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.ledger.sites import Site
+from fieldkit.loop.predict import Prediction
+from fieldkit.loop.tangent import lean_of_apogee, lean_slope
+from fieldkit.motors import Catalogue, Found, catalogue
+from fieldkit.plan.contest import season
+from fieldkit.plan.delay import delays
+from fieldkit.plan.descent import durations
+from fieldkit.plan.desk import Rocket, forecasts, learnt_of
+from fieldkit.plan.guide import Wanted, fitting, guide
+from fieldkit.plan.limits import limits
+from fieldkit.plan.quantiles import three
+from fieldkit.plan.safety import thrust_to_weight
+from fieldkit.simulator.field import field_setup
+from fieldkit.simulator.flight import fly
+from fieldkit.units import FOOT, STANDARD_GRAVITY
+
+NEW = Rocket((), (), 1.0, None, 0)
+"""A rocket that has not flown."""
+PLAN = Flight(rocket="Comet", dry_mass=0.45, diameter=0.066)
+
+
+@pytest.fixture(scope="module")
+def motors() -> Catalogue:
+    return catalogue()
+
+
+@pytest.fixture(scope="module")
+def said(motors: Catalogue) -> Prediction:
+    """A forecast of the plan with a delay."""
+    return forecasts(NEW, [(PLAN.with_changes(delay=6.0), motors.resolve("F39T"))], draws=400)[0]
+
+
+def test_the_rail_is_left_at_the_root_of_twice_its_length_and_acceleration(motors: Catalogue) -> None:
+    steady = replace(
+        motors.resolve("F39T").motor,
+        time=np.array([0.0, 1e-4, 2.0, 2.0001]),
+        thrust=np.array([0.0, 30.0, 30.0, 0.0]),
+        propellant_mass=1e-4,
+        casing_mass=0.05,
+    )
+    flown = fly(field_setup([PLAN.with_changes(rail_length=1.83)], [Found(steady, None)], np.array([1e-9])))
+    acceleration = 30.0 / (0.45 + 0.0501) - STANDARD_GRAVITY
+    assert flown.rail_speed[0] == pytest.approx(np.sqrt(2 * acceleration * 1.83), rel=1e-3)
+
+
+def test_thrust_to_weight_is_what_stands_on_the_box_over_the_weight(motors: Catalogue) -> None:
+    motor = motors.resolve("F39T").motor
+    _, average = thrust_to_weight(motor, 0.45)
+    assert average == pytest.approx(39 / ((0.45 + motor.loaded_mass) * 9.81), rel=0.08)  # the name rounds the thrust
+
+
+def test_the_coast_ends_where_gravity_and_a_bit_of_drag_have_taken_the_speed(said: Prediction) -> None:
+    top, coast = three(said.top_speed)[1], three(said.coast)[1]
+    assert 0.55 * top / STANDARD_GRAVITY < coast < top / STANDARD_GRAVITY
+
+
+def test_the_charge_fires_a_delay_less_the_coast_after_apogee_and_strays_as_both_do(
+    said: Prediction, motors: Catalogue
+) -> None:
+    judged = delays(NEW, PLAN, motors.resolve("F39T"), limit=15.0, takes_off=(3.0,), draws=400)
+    low, middle, high = next(one for one in judged.delays if one.delay == 6.0).after_apogee
+    coast = judged.coast
+    assert middle == pytest.approx(6.0 - coast[1], abs=0.15)
+    delay_sd = np.hypot(1.5 / 2, 0.08 * 6.0)  # the printed 1.5 s are two, and a lot of motors is off by its own
+    sd = np.hypot((coast[2] - coast[0]) / 3.29, delay_sd)
+    assert (high - low) / 3.29 == pytest.approx(sd, rel=0.2)
+
+
+def test_from_the_charge_on_it_sinks_its_height_at_its_speed(said: Prediction) -> None:
+    speed = np.full((len(said.apogee), 1), 7.0)
+    late = said.eject > 0
+    under = durations([said], speed)[:, 0] - said.rise_time - said.eject
+    assert np.median(under[late]) == pytest.approx(np.median(said.true_apogee[late]) / 7.0, rel=0.06)
+
+
+def test_a_season_is_the_table_of_its_organiser() -> None:
+    rows = {2027: (800, 37, 40), 2026: (750, 36, 39), 2025: (790, 41, 44), 2024: (820, 43, 46)}
+    rows |= {2023: (850, 42, 45), 2022: (835, 41, 44), 2021: (800, 40, 43), 2020: (800, 40, 43)}
+    for year, (feet, opens, closes) in rows.items():
+        rule = season(year)
+        assert (rule.target / FOOT, *rule.window) == pytest.approx((feet, opens, closes))
+        assert (rule.per_metre * FOOT, rule.per_second, rule.best, rule.declared) == pytest.approx((1.0, 4.0, 2, 3))
+
+
+# What makes the guide quick
+
+
+def test_coarse_curves_say_what_certified_ones_do(motors: Catalogue) -> None:
+    every = fitting(motors, Wanted(mount=0.029, adapter=True, dry_mass=0.45))
+    planned = [PLAN] * len(every), [Found(motor, None) for motor in every], np.full((1, len(every)), 0.002)
+    exact, coarse = fly(field_setup(*planned)), fly(field_setup(*planned, steps=8, knots=12))
+    for name, off in (("apogee", 0.002), ("top_speed", 0.005), ("rail_speed", 0.02), ("coast_time", 0.002)):
+        error = np.abs(getattr(coarse, name) / getattr(exact, name) - 1)[0]
+        assert np.quantile(error, 0.95) < off
+        assert error.max() < 0.05
+
+
+def test_the_quick_lean_of_the_apogee_is_the_whole_one(motors: Catalogue) -> None:
+    learnt = learnt_of(NEW, [(PLAN, motors.resolve(name)) for name in ("F39T", "E16W")], 4)
+    model, at = learnt.model, learnt.at
+    assert lean_of_apogee(model, at) == pytest.approx(lean_slope(model, at)[:, 0], rel=1e-9)
+    assert (lean_of_apogee(model, at) < 0).all()
+
+
+def test_the_guide_says_what_a_forecast_does(said: Prediction, motors: Catalogue) -> None:
+    motor = motors.resolve("F39T").motor
+    (choice,) = guide(NEW, PLAN, [motor], limits(), Site(), draws=200)
+    assert three(choice.prediction.apogee)[1] == pytest.approx(three(said.apogee)[1], rel=0.06)
+    assert three(choice.prediction.rail_speed)[1] == pytest.approx(three(said.rail_speed)[1], rel=0.02)
