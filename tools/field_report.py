@@ -248,10 +248,11 @@ def journal() -> Iterator[str]:
     yield from prose(*told)
     again = next(one["median_share"] for one in found["errors"] if one["name"] == "the last flight on the same motor")
     yield from prose(
-        "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by. If",
-        "flights scatter alike and independently, the difference of two of them is wider than the scatter of one by the",
-        f"root of two: a forecast that knew all of the rocket and the motor would still miss by {percent(again / 2**0.5)}",
-        f"in the median, and one that knows them by the mean of two flights by {percent(again / 2**0.5 * 1.5**0.5)}.",
+        "Two flights of one rocket on one motor differ by what the last flight on the same motor misses the next by.",
+        "If flights scatter alike and independently, the difference of two of them is wider than the scatter of one by",
+        "the root of two: a forecast that knew all of the rocket and the motor would still miss by",
+        f"{percent(again / 2**0.5)} in the median, and one that knows them by the mean of two flights by",
+        f"{percent(again / 2**0.5 * 1.5**0.5)}.",
         "The law that stands for a diameter where there is none, and how far forecasts doubt the simulator and the",
         "device, were set looking at these flights: to that extent this is in-sample.",
     )
