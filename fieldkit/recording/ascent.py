@@ -114,9 +114,7 @@ def ascend(
     if not fused and lift is not None:
         burnout, spread = _likeliest(samples, time, height, coast, found, lift, burnout, released)
         guess, _ = _guess(grid, coast, None, lift, burnout, released)
-        found = _fitted(
-            samples, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas
-        )
+        found = _fitted(samples, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
         return _drawn(grid, guess, found, fused, spread)
     return _drawn(grid, guess, found, fused, 0.0)
 
@@ -187,7 +185,11 @@ def _guess(
         level = _levelled(push, lift)
         inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
         boost = push.time[(push.time > start) & (push.time < burnout)]
-        if level is not None and np.diff(boost).max(initial=0.0) < _BLIND and (inside & (knots > start) & (knots < burnout)).sum() > 2:
+        if (
+            level is not None
+            and np.diff(boost).max(initial=0.0) < _BLIND
+            and (inside & (knots > start) & (knots < burnout)).sum() > 2
+        ):
             total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
             gained = np.gradient(np.interp(knots, push.time, total), grid.step)
             guess[inside] = gained[inside]
@@ -264,9 +266,7 @@ def _fitted(
     known = ram**2 + gas**2
 
     def variance(settings: Float[Array, "four"]) -> Float[Array, "time"]:
-        return np.asarray(
-            np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + known
-        )
+        return np.asarray(np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + known)
 
     def curve(settings: Float[Array, "four"], share: float = 1.0) -> Fit:
         wander = np.choose(phases, [0.01, np.exp(settings[0]), np.exp(settings[1]), _FREE])

@@ -126,7 +126,9 @@ def boost_event(
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
     sd = np.hypot(
         1.4826 * np.median(np.abs(moments - time[place])),
-        max(0.02, median_step(push.time) / 2) if push and ascent.fused else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd),
+        max(0.02, median_step(push.time) / 2)
+        if push and ascent.fused
+        else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd),
     )
     spread = float(ascent.speeds[:, inside][:, place].std())
     least = _FUSED if ascent.fused else _DERIVED if value < _TRANSONIC else _DISTURBED
