@@ -114,7 +114,8 @@ def _told(
 def _unseen(track: Heights, begin: float, burnout: float) -> float:
     """The longest time without a height from lift-off to burnout. [s]"""
     inside = slice(*np.searchsorted(track.time, (begin, burnout)))
-    return max(hole_at(track.time, begin), hole_at(track.time, burnout), np.diff(track.time[inside]).max(initial=0.0))
+    between = float(np.diff(track.time[inside]).max(initial=0.0))
+    return max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
