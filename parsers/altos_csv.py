@@ -16,6 +16,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.altos import NONE, TICK, entered
 from fieldkit.logs.columns import Channel, Table, read_columns
+from fieldkit.logs.header import SEPARATORS
 from fieldkit.logs.text import first_lines
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import UNITS, Unit
@@ -50,16 +51,18 @@ def read(log: bytes) -> list[Found]:
     header = _header(log)
     if header is None:
         raise DamagedLog("found no header, expected one that begins #version,serial,flight", row=1)
-    row, names = header
-    widths = _widths(log, row)
+    row, names, separator = header
+    widths = _widths(log, row, separator)
     common = widths.most_common(1)[0][0] if widths else len(names)
     remarks: list[Found] = []
     allowed: Collection[int] = {common}
     if common != len(names):
+        _refuse_commas(log, row, separator)
         names = _certain(names, row)
         allowed = range(len(names), MOST_CELLS)
         remarks.append(Note(f"header does not fit its rows of {common} cells, read up to {CERTAIN}", row))
-    table = _present(read_columns(log, _channels(names, row), after=row, comment="#", widths=allowed))
+    channels = _channels(names, row)
+    table = _present(read_columns(log, channels, after=row, separator=separator, comment="#", widths=allowed))
     about = _about(log, row)
     found: list[Found] = []
     for flight in _by_flight(table):
@@ -69,21 +72,30 @@ def read(log: bytes) -> list[Found]:
     return [*found, *remarks, *table.found]
 
 
-def _header(log: bytes) -> tuple[int, list[str]] | None:
-    """The row and the names of the header, None if it is none of AltOS."""
+def _header(log: bytes) -> tuple[int, list[str], str] | None:
+    """The row, the names and the separator of the header, None if it is none of AltOS."""
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
-        names = [name.strip().lower() for name in line.lstrip("# ").split(",")]
-        if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
-            return row, names
+        for separator in SEPARATORS:
+            names = [name.strip().lower() for name in line.lstrip("# ").split(separator)]
+            if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
+                return row, names, separator
         if line.strip() and not line.startswith("#"):
             return None
     return None
 
 
-def _widths(log: bytes, header_row: int) -> Counter[int]:
+def _widths(log: bytes, header_row: int, separator: str) -> Counter[int]:
     """How many cells the first rows have."""
     lines = first_lines(log, after=header_row, most=FIRST_ROWS)
-    return Counter(line.count(",") + 1 for line in lines if line.strip() and not line.startswith("#"))
+    return Counter(line.count(separator) + 1 for line in lines if line.strip() and not line.startswith("#"))
+
+
+def _refuse_commas(log: bytes, header_row: int, separator: str) -> None:
+    """Raise DamagedLog for rows without a decimal point, in which a comma may part cells or decimals."""
+    rows = [line for line in first_lines(log, after=header_row, most=FIRST_ROWS) if not line.startswith("#")]
+    if separator == "," and not any(re.search(r"\d\.\d", line) for line in rows):
+        expected = "expected decimal points, or semicolons between cells"
+        raise DamagedLog(f"found cells parted by commas, and commas for decimals, {expected}", row=header_row + 1)
 
 
 def _certain(names: Sequence[str], row: int) -> list[str]:

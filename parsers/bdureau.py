@@ -27,8 +27,8 @@ WRAP = 65_536.0
 GROUND = (60_000.0, 110_000.0)
 """Pressure where rockets are launched. [Pa]"""
 MOST_TOLD = 20
-MOST = 100_000
-"""More samples than any of these altimeters can hold. [1]"""
+MOST, MOST_FLIGHTS = 100_000, 100
+"""More samples, and more flights, than any of these altimeters can hold. [1]"""
 WIDTH = 12
 """So many numbers of a sample are looked at. [1]"""
 _SENTENCE = re.compile(rb"\$([A-Za-z]{1,20}(?:,[^$;\r\n]{0,400})?);")
@@ -63,7 +63,7 @@ def read(log: bytes) -> list[Found]:
     damaged: list[DamagedLog] = []
     flights: dict[int, array[float]] = {}
     live = array("d")
-    board = firmware = ""
+    board, firmware, samples = "", "", 0
     for row, sentence in _sentences(log):
         try:
             if isinstance(sentence, DamagedLog):
@@ -77,10 +77,12 @@ def read(log: bytes) -> list[Found]:
             elif name == b"data":
                 numbers = _numbers(cells, 5, WIDTH, row)
                 flights.setdefault(int(numbers[0]), array("d")).extend(numbers)
+                samples += 1
         except DamagedLog as error:
             damaged.append(error)
-        if sum(map(len, flights.values())) > MOST * WIDTH or len(live) > MOST * 8:
-            raise DamagedLog(f"found more than {MOST} samples, expected at most what an altimeter holds")
+        if samples > MOST or len(live) > MOST * 8 or len(flights) > MOST_FLIGHTS:
+            more = f"{MOST_FLIGHTS} flights" if len(flights) > MOST_FLIGHTS else f"{MOST} samples"
+            raise DamagedLog(f"found more than {more}, expected at most what an altimeter holds", row=row)
     found: list[Found] = list(damaged[:MOST_TOLD])
     if len(damaged) > MOST_TOLD:
         found.append(DamagedLog(f"found {len(damaged) - MOST_TOLD} more sentences that are damaged"))

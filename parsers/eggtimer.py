@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import Header, header_in
+from fieldkit.logs.header import Header, find_header, header_in
 from fieldkit.logs.pad import marks
 from fieldkit.logs.text import decode, lines
 from fieldkit.parsing import Found, Note, Parser, Reading
@@ -47,7 +47,7 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return any(_fits(found.names) for line in decode(head).splitlines() if (found := header_in(line, 0, _fits)))
+    return find_header(head, _fits) is not None
 
 
 @dataclass(frozen=True, slots=True)

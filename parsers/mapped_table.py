@@ -19,7 +19,7 @@ from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.logs.layout import Layout, layout_of
 from fieldkit.logs.mapping import choice_for
 from fieldkit.logs.picked_units import AXES, units_of
-from fieldkit.logs.picks import ENOUGH, Pick, chosen, guessed, missing_channel, one_a_channel, to_si
+from fieldkit.logs.picks import ENOUGH, Pick, chosen, guessed, missing_channel, one_a_channel, side_by_side, to_si
 from fieldkit.logs.settling import epoch_unit
 from fieldkit.logs.text import shown
 from fieldkit.parsing import HEAD, Choice, Found, Mapped, Note, Parser, Reading
@@ -45,28 +45,61 @@ def read_mapped(log: bytes, choices: Sequence[Choice]) -> list[Found]:
     """The flights of a table by the first choice that is for it; raises DamagedLog that says what to write."""
     layout = layout_of(log[:HEAD])
     choice = choice_for(layout.headers, choices)
-    picks = chosen(layout, choice) if choice else guessed(layout)
+    first, *others = side_by_side(layout)
+    picks = chosen(layout, choice, first) if choice else guessed(layout, first)
     if missing := missing_channel({pick.channel for pick in picks}):
         columns = ", ".join(shown(name) for name in layout.headers[:30])
         raise DamagedLog(
             f"found no column of {missing} among {columns}; name it with --map '{missing}=its column'",
             row=layout.above or None,
         )
+    line, found = _one_table(log, layout, picks, choice)
+    for columns_of_other in others:
+        beside = [pick for pick in guessed(layout, columns_of_other) if pick.place not in {p.place for p in picks}]
+        if not missing_channel({pick.channel for pick in beside}):
+            more, other = _one_table(log, layout, beside, None)
+            line, found = f"{line}; beside it, {more}", _together(found, other)
+    kept = Choice(choice.channels if choice else {}, layout.headers if layout.named else ())
+    mapped = Mapped(line, layout.above or None, kept, chosen=choice is not None and not choice.headers)
+    return [mapped, *found]
+
+
+def _one_table(log: bytes, layout: Layout, picks: Sequence[Pick], choice: Choice | None) -> tuple[str, list[Found]]:
+    """How the picked columns are read, in a line, and the flights in them."""
     table = _table(log, layout, picks)
     picks, values = one_a_channel(picks, table)
     table = replace(table, values={}, words={})  # a long log is not kept twice
     units, left_out = units_of(picks, values)
     whole = {name: to_si(units[name][0], values[name]) for name in units}
-    line = _line(picks, units, left_out, choice)
-    kept = Choice(choice.channels if choice else {}, layout.headers if layout.named else ())
-    mapped = Mapped(line, layout.above or None, kept, chosen=choice is not None and not choice.headers)
-    return [mapped, *_readings(table, whole)]
+    return _line(picks, units, left_out, choice), _readings(table, whole)
+
+
+def _together(found: Sequence[Found], other: Sequence[Found]) -> list[Found]:
+    """The flights of two tables side by side: of each the samples of both, or the flights of both by themselves.
+
+    Tables that hold the same channels are of different flights, and clocks that began at different moments of the day
+    do not agree.
+    """
+    flights, more = ([item for item in items if isinstance(item, Reading)] for items in (found, other))
+    apart = any(_channels(one) & _channels(two) for one, two in zip(flights, more, strict=False))
+    if apart or len(flights) != len(more) or any(one.extra for one in flights):
+        return [*found, *other]
+    beside = iter(more)
+    return [
+        replace(item, series=item.clocks + next(beside).clocks) if isinstance(item, Reading) else item for item in found
+    ]
+
+
+def _channels(reading: Reading) -> set[str]:
+    named = (name for series in reading.clocks for name in series.__slots__ if getattr(series, name) is not None)
+    return set(named) - {"time"}
 
 
 def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> Table:
     """The picked columns as they stand, each under its place; without samples that no sensor gives."""
+    alone = len(side_by_side(layout)) == 1  # of tables side by side one ends before the other
     channels = [
-        Channel(f"{pick.place}", pick.place, needed=pick.channel == "time" and pick.unit != "clock", header=pick.name)
+        Channel(f"{pick.place}", pick.place, needed=pick.channel == "time" and alone, header=pick.name)
         for pick in {pick.place: pick for pick in picks if pick.unit != "clock"}.values()
     ]
     clock = {f"{pick.place}": pick.place for pick in picks if pick.unit == "clock"}

@@ -7,9 +7,10 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.parsing import Found, Note, Reading, parsers
+from fieldkit.parsing import Found, Note, Reading, claims, parsers, read_together
 from fieldkit.standard_air import pressure_height
 from tests.recorded import recorded
+from tests.samples import any_motor
 from tools.sample_logs import PAD, flight
 
 LOGS = Path(__file__).parent.parent / "sample_logs"
@@ -184,3 +185,34 @@ def test_two_rockets_on_one_channel_are_two_readings() -> None:
     logs = [(LOGS / f"altos_telem__{name}.telem").read_bytes() for name in ("telemetrum_1", "telemetrum_2_with_gaps")]
     found = parsers()["altos_telem"].read(b"".join(logs))
     assert [item.serial for item in found if isinstance(item, Reading)] == ["209", "2417"]
+
+
+def other_locale(name: str, separator: str, decimal: str) -> bytes:
+    """A sample as a spreadsheet or a program of another country saves it."""
+    text = (LOGS / name).read_text(encoding="utf-8")
+    return text.replace(",", "\0").replace(".", decimal).replace("\0", separator).encode()
+
+
+@pytest.mark.parametrize(("separator", "decimal"), [(";", ","), ("\t", "."), ("\t", ",")])
+def test_cells_may_be_parted_as_in_another_country(separator: str, decimal: str) -> None:
+    name = "altos_csv__a_barometer_alone.csv"
+    log = other_locale(name, separator, decimal)
+    assert claims(log) == ["altos_csv"]
+    assert heights(read(name, log)[0].clocks[0]) == pytest.approx(heights(read(name)[0].clocks[0]))
+
+
+def test_a_comma_that_may_part_cells_or_decimals_is_refused() -> None:
+    name = "altos_csv__a_barometer_alone.csv"
+    with pytest.raises(DamagedLog, match="commas for decimals"):
+        read(name, other_locale(name, ",", ","))
+
+
+def test_the_csv_and_the_flash_of_one_flight_are_one_flight() -> None:
+    names = ("altos_csv__with_satellites.csv", "altos_eeprom__telemetrum_2_old_form.eeprom")
+    first, second = read_together([(name, (LOGS / name).read_bytes()) for name in names], any_motor)
+    (flight,) = first.flights
+    assert not second.flights
+    assert "is part of the flight of altos_csv__with_satellites.csv" in second.notes[0]
+    assert (flight.extra["serial"], flight.extra["flight"], flight.extra["device"]) == ("2417", "3", "TeleMetrum-v2.0")
+    elsewhere = read_together([(f"{i}/{name}", (LOGS / name).read_bytes()) for i, name in enumerate(names)], any_motor)
+    assert [len(intake.flights) for intake in elsewhere] == [1, 1]

@@ -91,3 +91,9 @@ def test_a_capture_of_telemetry_alone_states_its_apogee() -> None:
 def test_a_capture_without_a_sample_is_no_flight() -> None:
     with pytest.raises(DamagedLog, match="no sample of a flight"):
         read(b"$start;\n" + sentence("nbrOfFlight,3,") + b"$end;\n")
+
+
+def test_more_flights_than_an_altimeter_holds_are_refused_at_once() -> None:
+    log = data(*(f"{flight},50,12,21,100873" for flight in range(5000)))
+    with pytest.raises(DamagedLog, match="more than 100 flights"):
+        read(log)

@@ -235,8 +235,14 @@ def test_a_quotation_mark_that_is_never_closed_costs_one_row() -> None:
 
 def test_a_cell_without_end_is_refused_as_such() -> None:
     got = intake(f"rocket,apogee_m\nSwift,{'1' * 200_000}\nSwift,100\n")
-    assert "found a cell without end" in got.rejected[0].error
+    assert "apogee_m" in (got.rejected[0].column or "")
+    assert len(got.rejected[0].error) < 300
     assert len(got.flights) == 1
+
+
+def test_long_notes_come_back_whole() -> None:
+    got = intake(f"rocket,apogee_m,notes\nSwift,100,{'a long day ' * 20_000}\n")
+    assert len(got.flights[0].notes) > 200_000
 
 
 def test_rows_are_counted_as_a_spreadsheet_shows_them() -> None:

@@ -396,3 +396,38 @@ def test_physics_finds_the_unit_of_a_real_log_that_does_not_state_it(name: str, 
     if name.startswith("raven"):
         log = log.replace(b"(Ft-AGL)", b"", 1)
     assert f"in {unit} (by " in found(log)[1].split("altitude = ")[1].split(",")[0]
+
+
+@pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_names_may_be_in_another_language_and_decimals_commas(codec: str) -> None:
+    log = table("Zeit [s];Höhe [m];Luftdruck [hPa]", "{t:.2f};{h:.2f};{p:.0f}").decode().replace(".", ",")
+    (series,), line = found(log.replace("\n", "\r\n").encode(codec))
+    assert top(series) == pytest.approx(285, abs=1)
+    assert "altitude = 'Höhe [m]' in m" in line
+
+
+def test_the_highest_and_the_sideways_are_no_channel_in_another_language() -> None:
+    assert [channel(heading(name)) for name in ("maximale Höhe (m)", "horizontale Geschwindigkeit (m/s)")] == ["", ""]
+
+
+def beside(second: str, row: str) -> bytes:
+    """A table of times and heights, and another of half as many rows at its right."""
+    left = table("Time (s),Altitude (ft)", "{t:.2f},{ft:.1f}").decode().splitlines()
+    right = [second, *(row.format(t=i * 0.025, felt=1.0 + 9 * (1 < i * 0.025 < 2)) for i in range(len(left) // 2))]
+    return "\n".join(
+        f"{a},{right[i] if i < len(right) else ',' * second.count(',')}" for i, a in enumerate(left)
+    ).encode()
+
+
+def test_two_tables_side_by_side_keep_a_clock_each() -> None:
+    heights, forces = found(beside("Time (s),Accel X (g),Accel Y (g),Accel Z (g)", "{t:.3f},{felt},0.0,0.0"))[0]
+    assert (heights.time[-1], forces.time[-1]) == (pytest.approx(29.95), pytest.approx(7.475))
+    assert heights.felt_total is None
+    assert forces.altitude is None
+    assert forces.felt_total is not None
+    assert forces.felt_total.max() == pytest.approx(10 * 9.80665)
+
+
+def test_two_tables_of_heights_side_by_side_are_two_flights() -> None:
+    log = beside("Time (s),Altitude (m)", "{t:.3f},{felt}")
+    assert len([item for item in parsers()["mapped_table"].read(log) if isinstance(item, Reading)]) == 2

@@ -1,5 +1,7 @@
 """Real recordings beside the repository, read by whatever parser recognises them and measured."""
 
+from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -9,6 +11,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
 from fieldkit.parsing import Reading, read_recordings
 from fieldkit.recording import Recorded, measure
+from fieldkit.recording.channels import heights
 
 LOGS = Path(__file__).parent.parent.parent / "shared" / "logs"
 FLIGHTS = {
@@ -108,3 +111,51 @@ def test_two_devices_on_one_flight_agree() -> None:
     _, other = flown("raven_fip__top_shot.csv")
     for name, apart in {"apogee": 2.0, "top_speed": 6.0, "duration": 1.5, "descent_speed": 0.3}.items():
         assert abs(one.figures[name].value - other.figures[name].value) < apart
+
+
+HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude", "pressure")
+SCALE_HEIGHT = 8400.0
+"""Height in which pressure falls by e near the ground. [m]"""
+Change = Callable[[Series, float, np.random.Generator], Series]
+
+
+def risen(series: Series, by: np.ndarray) -> Series:
+    """Samples with their heights changed. [m]"""
+    there = [name for name in HEIGHTS if getattr(series, name) is not None]
+    changed = {name: getattr(series, name) + by for name in there if name != "pressure"}
+    pressure = series.pressure
+    return replace(series, **changed, pressure=None if pressure is None else pressure * np.exp(-by / SCALE_HEIGHT))
+
+
+def noisier(series: Series, noise: float, random: np.random.Generator) -> Series:
+    return risen(series, random.normal(0, max(noise, 0.3), series.time.size))
+
+
+def drifting(series: Series, noise: float, random: np.random.Generator) -> Series:
+    return risen(series, 0.01 * (series.time - series.time[0]))
+
+
+def spiked(series: Series, noise: float, random: np.random.Generator) -> Series:
+    far = random.random(series.time.size) < 0.005
+    return risen(series, far * random.choice([-1, 1], far.size) * random.uniform(20, 900, far.size))
+
+
+def halved(series: Series, noise: float, random: np.random.Generator) -> Series:
+    there = [name for name in series.__slots__ if getattr(series, name) is not None]
+    return Series(**{name: getattr(series, name)[::2] for name in there})
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("change", [noisier, drifting, spiked, halved])
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_a_worse_log_gives_the_same_readouts_within_their_uncertainty(name: str, change: Change) -> None:
+    reading, recorded = flown(name)
+    track = heights(reading.clocks)
+    assert track is not None
+    random = np.random.default_rng(1)
+    worse = measure([change(series, track.noise, random) for series in reading.clocks], reading.events)
+    for figure in sorted(recorded.figures.keys() & worse.figures.keys()):
+        one, other = recorded.figures[figure], worse.figures[figure]
+        moved = 0.5 if change is drifting else 0.0  # of which the pad's own share is a part of the figure
+        assert abs(one.value - other.value) < 3 * np.hypot(one.sd, other.sd) + moved, figure
+    assert "apogee" in worse.figures

@@ -13,7 +13,15 @@ from fieldkit.recording import Recorded, columns, measure, measured_sd
 from fieldkit.recording.channels import Heights
 from fieldkit.recording.compare import compare
 from fieldkit.recording.forces import forces
-from fieldkit.recording.measure import NO_APOGEE, NO_FLIGHT, NO_HEIGHT, NO_LANDING, NO_LIFTOFF
+from fieldkit.recording.measure import (
+    NO_APOGEE,
+    NO_BOOST,
+    NO_FLIGHT,
+    NO_HEIGHT,
+    NO_LANDING,
+    NO_LIFTOFF,
+    NO_PAD,
+)
 from fieldkit.recording.records import Climb
 from fieldkit.standard_air import height_pressure, pressure_height
 from tests.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
@@ -111,6 +119,67 @@ def test_a_log_that_begins_late_has_an_apogee_and_no_burn_time() -> None:
     assert not {"burn_time", "duration", "avg_accel", "coast_to_apogee", "time_to_apogee"} & set(recorded.figures)
     assert "liftoff" not in recorded.events
     assert NO_LIFTOFF in recorded.notes
+
+
+@pytest.mark.parametrize("gap", [(-1.0, 6.4), (0.7, 3.9)], ids=["lift-off and burnout", "burnout"])
+def test_a_boost_that_no_sample_saw_has_no_figures(gap: tuple[float, float]) -> None:
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(rate=5, noise=1.0), np.random.default_rng(1))
+    there = (series.time - 100 < gap[0]) | (series.time - 100 > gap[1])
+    assert series.altitude is not None
+    recorded = measure((Series(time=series.time[there], gps_altitude_msl=series.altitude[there] + 200),))
+    assert not {"top_speed", "burn_time", "avg_accel", "peak_accel", "coast_to_apogee"} & set(recorded.figures)
+    assert NO_BOOST in recorded.notes
+    assert recorded.forces is None
+    assert abs(off(recorded, truth, "apogee")) < 2
+    assert abs(off(recorded, truth, "time_to_apogee")) < 2 * recorded.figures["time_to_apogee"].sd
+
+
+def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
+    """It goes on along its course, falls by thirty metres, and comes back to the rocket in a second."""
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(rate=10, noise=0.2), np.random.default_rng(2))
+    since = series.time - 100
+    assert series.altitude is not None
+    lost = np.select([(since > 0.3) & (since < 1.5), (since >= 1.5) & (since < 2.5)],
+        [4 - 30 * (since - 0.3) / 1.2, np.interp(since, [1.5, 2.5], [-26, np.interp(2.5, truth.time, truth.height)])],
+        series.altitude)  # fmt: skip
+    recorded = measure((Series(time=series.time, gps_altitude_msl=lost + 900),))
+    assert NO_BOOST in recorded.notes
+    assert "top_speed" not in recorded.figures
+    assert abs(off(recorded, truth, "apogee")) < 3
+    barometer = measure((Series(time=series.time, altitude=lost),))
+    assert "top_speed" in barometer.figures  # what a barometer shows there may be the air, and the rest tells the speed
+
+
+def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
+    (series,) = log(flown(LARGE), Logger(late=3.0), np.random.default_rng(1))
+    assert series.altitude is not None
+    recorded = measure((Series(time=series.time, altitude_msl=series.altitude + 900),))
+    assert "apogee" not in recorded.figures
+    assert "apogee" in recorded.events
+    assert NO_PAD in recorded.notes
+
+
+def test_an_accelerometer_that_begins_late_has_no_peak() -> None:
+    """The thrust of this rocket sags from its first moment: what was strongest came before the log."""
+    clocks = log(flown(LARGE), Logger(accelerometer=100), np.random.default_rng(1))
+    late = tuple(
+        Series(s.time[s.time > 100.5], **{c: getattr(s, c)[s.time > 100.5]})
+        for s, c in zip(clocks, ("altitude", "felt"), strict=True)
+    )
+    assert "peak_accel" in measure(clocks).figures
+    assert "peak_accel" not in measure(late).figures
+
+
+def test_a_log_that_ends_soon_after_its_top_has_an_apogee() -> None:
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(noise=1.3), np.random.default_rng(1))
+    assert series.altitude is not None
+    there = series.time < 100 + truth.apogee_time + 2
+    recorded = measure((Series(time=series.time[there], altitude=series.altitude[there]),))
+    assert abs(off(recorded, truth, "apogee")) < 3 * recorded.figures["apogee"].sd
+    assert "descent_speed" not in recorded.figures
 
 
 def test_a_log_that_ends_before_apogee_says_so() -> None:

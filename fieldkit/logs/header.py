@@ -1,8 +1,9 @@
 """The header of a logger's table: where it is, what its columns are called, what parts the cells."""
 
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.cells import Channel
@@ -40,20 +41,31 @@ def find_header(
     log: bytes, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
 ) -> Header | None:
     """The first row near the start of a log whose names, in lower case and single-spaced, fit. Raises DamagedLog."""
-    for row, line in enumerate(re.split(r"\r\n|\n|\r", decode(log[:HEAD])), start=1):
-        if found := header_in(line, row, fits, separators):
-            return found
+    for row, ways in enumerate(_first_rows(log[:HEAD]), start=1):
+        for separator, names in ways:
+            if separator in separators and fits(names):
+                return Header(row, names, separator)
     return None
+
+
+@lru_cache(maxsize=2)
+def _first_rows(head: bytes) -> list[list[tuple[str, tuple[str, ...]]]]:
+    """What the cells of each line would be called by each separator: every parser asks of the same few lines."""
+    return [list(_ways(line, SEPARATORS)) for line in re.split(r"\r\n|\n|\r", decode(head))]
+
+
+def _ways(line: str, separators: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    for separator in separators:
+        yield separator, tuple(_plain(cell) for cell in line.lstrip("\ufeff").split(separator))
 
 
 def header_in(
     line: str, row: int, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
 ) -> Header | None:
     """A line as the header of a table, if its names fit."""
-    for separator in separators:
-        names = [_plain(cell) for cell in line.lstrip("\ufeff").split(separator)]
+    for separator, names in _ways(line, separators):
         if fits(names):
-            return Header(row, tuple(names), separator)
+            return Header(row, names, separator)
     return None
 
 

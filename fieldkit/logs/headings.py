@@ -43,12 +43,12 @@ DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 """Latitude and longitude are degrees wherever no other unit is written."""
 
 _WORDS = {
-    "s": "second seconds sec secs",
+    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi",
     "ms": "millisecond milliseconds millis msec",
     "us": "microsecond microseconds micros usec μs",
     "ns": "nanosecond nanoseconds nanos nsec",
     "min": "minute minutes",
-    "m": "meter meters metre metres mtr",
+    "m": "meter meters metre metres mtr metro metros mètre mètres metri",
     "ft": "foot feet",
     "in": "inch inches",
     "pa": "pascal pascals",
@@ -142,16 +142,24 @@ def stated_unit(head: Heading, channel: str) -> str:
 
 _NOT_A_SAMPLE = _set(
     "predicted prediction predictor target max maximum min apogee gyro angular rate rotation mag magnetic "
+    "maximale maxima massima "
     "magnetometer quaternion quat error sd std variance covariance var bias offset wind horizontal "
     "lateral ground sats hdop vdop dop horz north east motor chamber dynamic differential pitot "
     "velocity_pressure total_pressure derivative jerk pad home distance range stage flag flags count id "
     "deployment threshold setting index limit"
 )
 _WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
-_TIME = _set("time t ts timestamp millis micros elapsed met timems times clock epoch")
-_HEIGHT = _set("alt altitude height altura hoehe höhe altitud hauteur")
+_TIME = _set(
+    "time t ts timestamp millis micros elapsed met timems times clock epoch zeit temps tiempo tempo tijd tid čas czas"
+)
+_HEIGHT = _set(
+    "alt altitude height altura hoehe höhe altitud hauteur altezza quota hoogte höjd højde høyde wysokość výška"
+)
 _SPEED = _set("velocity vel speed veloc vz velz vely velx")
 _ACCEL = _set("accel acceleration acc a accelerometer ax ay az accx accy accz accelx accely accelz")
+_PRESSURE = _set(
+    "pressure press pres baro barometer druck luftdruck pression presión pressione luchtdruk lufttryck tlak"
+)
 _TOTAL = _set("total magnitude norm resultant mag abs sum")
 
 
@@ -181,7 +189,7 @@ def channel(head: Heading) -> str:
         return "altitude_msl" if words & {"msl", "asl", "sea"} else "altitude"
     if words & _WORKED_OUT:
         return ""
-    if words & {"pressure", "press", "baro", "barometer", "pres"}:
+    if words & _PRESSURE:
         return "pressure"
     if words & _SPEED:
         if words & {"x", "y", "velx", "vely"}:
@@ -192,12 +200,15 @@ def channel(head: Heading) -> str:
     return _others(words)
 
 
+_WARMTH = _set("temperature temp temperatur température temperatura temperatuur")
+
+
 def _others(words: set[str]) -> str:
     if words & {"lat", "latitude"}:
         return "latitude"
     if words & {"lon", "lng", "long", "longitude"}:
         return "longitude"
-    if words & {"temperature", "temp"}:
+    if words & _WARMTH:
         return "temperature"
     if words & {"voltage", "volts", "battery", "batt", "vbat"}:
         return "voltage"

@@ -4,12 +4,14 @@ Lines of text may come first (a block of settings, the name of the flight), then
 units below it, and rows of numbers. The header may be marked as a comment, or missing.
 """
 
+import codecs
 import csv
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.errors import DamagedLog
+from fieldkit.logs.text import encodings
 
 LOOKED_AT = 400
 """Lines among which the first rows of numbers must be. [1]"""
@@ -55,10 +57,11 @@ def split(line: str, separator: str | None) -> list[str]:
 
 def layout_of(head: bytes) -> Layout:
     """The layout of the table that a log begins with. Raises DamagedLog if there is none."""
-    codec = {b"\xff\xfe": "utf-16-le", b"\xfe\xff": "utf-16-be"}.get(head[:2], "utf-8")
-    if codec == "utf-8" and head[1:2] == b"\0" != head[:1]:
-        codec = "utf-16-le"
-    text = head.decode(codec, "replace")
+    first, *others = encodings(head[:2])
+    try:
+        text = codecs.getincrementaldecoder(first)().decode(head)
+    except UnicodeDecodeError:
+        text = head.decode(others[0] if others else first, "replace")
     return table_in(text if "\n" in text else text.replace("\r", "\n"))
 
 

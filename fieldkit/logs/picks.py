@@ -1,8 +1,9 @@
 """Which columns of a table are taken for which channels: by their names, or as the flyer says."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -35,13 +36,22 @@ class Pick:
     chosen: bool = False
 
 
-def guessed(layout: Layout) -> list[Pick]:
-    """The columns whose names say what they hold."""
+def side_by_side(layout: Layout) -> list[range]:
+    """The columns of each of the tables that stand side by side: each begins with a clock of the same name."""
+    heads = [heading(name) for name in layout.headers]
+    starts = [i for i, head in enumerate(heads) if channel(head) == "time" and head.words == heads[0].words]
+    if not starts or starts[0] or any(b - a < 2 for a, b in pairwise(starts)):
+        starts = [0]
+    return [range(a, b) for a, b in pairwise([*starts, len(heads)])]
+
+
+def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]:
+    """The columns, some or all, whose names say what they hold."""
     heads = [heading(name) for name in layout.headers]
     picks = []
     for place, head in enumerate(heads):
         name = channel(head)
-        if name and not layout.says(place):
+        if name and not layout.says(place) and (columns is None or place in columns):
             unit = stated_unit(head, "felt" if name == "felt?" else name)
             picks.append(Pick(name, place, head.spelled, _clock_unit(name, unit, layout, place)))
     return _without_clocks_of_others(picks)
@@ -58,7 +68,7 @@ def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
     return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
 
 
-def chosen(layout: Layout, choice: Choice) -> list[Pick]:
+def chosen(layout: Layout, choice: Choice, columns: Container[int] | None = None) -> list[Pick]:
     """The columns that the flyer named, and what is guessed of the rest. Raises DamagedLog for one not there."""
     picks: list[Pick] = []
     for name, text in choice.channels.items():
@@ -71,7 +81,7 @@ def chosen(layout: Layout, choice: Choice) -> list[Pick]:
     taken, places = {pick.channel for pick in picks}, {pick.place for pick in picks}
     if "felt" in taken or "acceleration" in taken:
         taken |= {"felt?"}
-    return picks + [pick for pick in guessed(layout) if pick.channel not in taken and pick.place not in places]
+    return picks + [pick for pick in guessed(layout, columns) if pick.channel not in taken and pick.place not in places]
 
 
 def _find(layout: Layout, text: str) -> tuple[int, str]:

@@ -116,6 +116,7 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
     Such a row ends where its line ends, so that a quotation mark which is never closed costs one
     row and not the rest of the table.
     """
+    csv.field_size_limit(MOST)  # what was exported from a ledger comes back, however long its notes are
     lines = list(io.StringIO(text, newline=""))
     row, start = 0, 0
     while start < len(lines):
@@ -130,7 +131,7 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             row, start = row + 1, start + whole + 1
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
             if "limit" in str(error):
-                found = f"found a cell without end, expected at most {csv.field_size_limit()} characters"
+                found = f"found a cell without end, expected at most {MOST} characters"
             yield row, DamagedLog(found, row=row)
 
 

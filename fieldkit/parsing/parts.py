@@ -28,7 +28,7 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
         fitting = [group for group in groups if all(_are_parts(place, other, same) for other in group)]
         fitting[0].append(place) if len(fitting) == 1 else groups.append([place])
     found = [list(items) for _, _, items in opened]
-    for group in groups:
+    for group in [*groups, *_by_number(opened, places)]:
         (home, main), *others = sorted(group, key=lambda place: _worth(place[1]))
         if not others:
             found[home].append(Note(_PART.format(main.part, main.device), main.row))
@@ -41,6 +41,15 @@ def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
             note = Note(f"is part of the flight of {opened[home][0]}")
             found[i] = [note if item is other else item for item in found[i]]
     return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
+
+
+def _by_number(opened: Sequence[Opened], places: Sequence[tuple[int, Reading]]) -> list[list[tuple[int, Reading]]]:
+    """Files of several formats in one folder that tell of the same flight by its number and its logger's."""
+    groups: dict[tuple[Path, str, str], list[tuple[int, Reading]]] = {}
+    for i, item in places:
+        if item.serial and item.clocks and not item.part and (number := item.extra.get("flight")):
+            groups.setdefault((Path(opened[i][0]).parent, item.serial, number), []).append((i, item))
+    return [group for group in groups.values() if len({opened[i][1] for i, _ in group}) == len(group) > 1]
 
 
 _PART = "is the {} file of a flight by {}; its other files count where they are imported with it or after it"
@@ -84,6 +93,7 @@ def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
         extra={name: value for part in parts for name, value in part.extra.items()},
         events={name: when for part in parts for name, when in part.events.items()},
         series=tuple(series for part in (main, *others) for series in part.clocks),
+        device=next((part.device for part in (main, *others) if part.device), ""),
         firmware=next((part.firmware for part in (main, *others) if part.firmware), ""),
         serial=next((part.serial for part in (main, *others) if part.serial), ""),
         part=" ".join(sorted({kind for part in parts for kind in part.part.split()})),

@@ -28,9 +28,9 @@ def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser
 
 def claims(log: bytes) -> list[str]:
     """The names of the parsers that recognise a log; fallbacks are only asked where no other does."""
-    asked = [[name for name, p in parsers().items() if p.fallback is fallback] for fallback in (False, True)]
-    for names in asked:
-        if claimed := [name for name in names if _claims(parsers()[name], log[:HEAD])]:
+    head, shelf = log[:HEAD], parsers()
+    for fallback in (False, True):
+        if claimed := [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, head)]:
             return claimed
     return []
 

@@ -14,7 +14,7 @@ from fieldkit.recording.ballistic import Coast, fitted_coast
 from fieldkit.recording.channels import Heights, Push
 from fieldkit.recording.numbers import lag_one, mad_sd, median_step
 from fieldkit.recording.outline import Outline
-from fieldkit.recording.smooth import Fit, Grid, Rows, apply, basis, fit
+from fieldkit.recording.smooth import Design, Fit, Grid, apply, basis, design, fit
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 from fieldkit.standard_air import GRAVITY
 
@@ -40,6 +40,8 @@ _SLOW, _BLOWN = 8.0, 2.0
 charge in the airframe, which comes and goes for so long [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
+_BLIND = 0.3
+"""An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
 _FREE = 300.0
 """How much acceleration wanders once a parachute may be out. [m^2/s^5]"""
 
@@ -103,18 +105,16 @@ def ascend(
         if disturbed or not fallen.any() or not sonic.any() or (near & ~sonic).sum() < 10:
             break
         near &= ~sonic
-    rows = basis(grid, time)
+    samples = design(grid, time)
     charge = blow if blow is not None else np.inf
     gas = np.where((time >= charge - 0.05) & (time < charge + _GAS_LASTS), _GAS, 0.0)
     if fused:
         burnout = _fastest(grid, guess, lift, released)
-    found = _fitted(grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
+    found = _fitted(samples, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
     if not fused and lift is not None:
-        burnout, spread = _likeliest(grid, rows, time, height, coast, found, lift, burnout, released)
+        burnout, spread = _likeliest(samples, time, height, coast, found, lift, burnout, released)
         guess, _ = _guess(grid, coast, None, lift, burnout, released)
-        found = _fitted(
-            grid, rows, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas
-        )
+        found = _fitted(samples, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
         return _drawn(grid, guess, found, fused, spread)
     return _drawn(grid, guess, found, fused, 0.0)
 
@@ -126,8 +126,7 @@ def _fastest(grid: Grid, guess: _Guess, lift: float | None, released: float) -> 
 
 
 def _likeliest(
-    grid: Grid,
-    rows: Rows,
+    samples: Design,
     time: Float[Array, "time"],
     height: Float[Array, "time"],
     coast: Coast | None,
@@ -137,13 +136,13 @@ def _likeliest(
     released: float,
 ) -> tuple[float, float]:
     """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
-    reach = max(0.4, 0.25 * (about - lift))
+    grid, reach = samples.grid, max(0.4, 0.25 * (about - lift))
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, released - 0.1), 25)
     evidence = []
     for burnout in every:
         guess, _ = _guess(grid, coast, None, lift, burnout, released)
         phases = _phases(grid, lift, burnout, released)
-        evidence.append(settled.again(grid, rows, height - np.interp(time, grid.time, guess.height), phases).evidence)
+        evidence.append(settled.again(samples, height - np.interp(time, grid.time, guess.height), phases).evidence)
     share = np.exp(np.array(evidence) - np.max(evidence))
     share /= share.sum()
     mean = float(share @ every)
@@ -185,7 +184,12 @@ def _guess(
     if push is not None:
         level = _levelled(push, lift)
         inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
-        if level is not None and (inside & (knots > start) & (knots < burnout)).sum() > 2:
+        boost = push.time[(push.time > start) & (push.time < burnout)]
+        if (
+            level is not None
+            and np.diff(boost).max(initial=0.0) < _BLIND
+            and (inside & (knots > start) & (knots < burnout)).sum() > 2
+        ):
             total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
             gained = np.gradient(np.interp(knots, push.time, total), grid.step)
             guess[inside] = gained[inside]
@@ -228,14 +232,13 @@ class _Settled:
     thrust: float
     coast: float
 
-    def again(self, grid: Grid, rows: Rows, rest: Float[Array, "time"], phases: Int[Integers, "interval"]) -> Fit:
+    def again(self, samples: Design, rest: Float[Array, "time"], phases: Int[Integers, "interval"]) -> Fit:
         """The curve through another rest with the same settings."""
-        return fit(grid, rows, rest, 1 / self.variance, np.choose(phases, [0.01, self.thrust, self.coast, _FREE]))
+        return fit(samples, rest, 1 / self.variance, np.choose(phases, [0.01, self.thrust, self.coast, _FREE]))
 
 
 def _fitted(
-    grid: Grid,
-    rows: Rows,
+    samples: Design,
     time: Float[Array, "time"],
     height: Float[Array, "time"],
     guess: _Guess,
@@ -251,6 +254,7 @@ def _fitted(
     """
     from scipy.optimize import minimize
 
+    grid, rows = samples.grid, samples.rows
     rest = height - np.interp(time, grid.time, guess.height)
     centre = np.log([3.0 if fused else 2000.0, 0.3 if fused else 5.0, noise, 1.5])
     spread = np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([0.7, 0.8, 0.35, 0.7])
@@ -259,15 +263,14 @@ def _fitted(
     lasting = np.sqrt(max(1.0, _LASTING / median_step(time))) if fused else 0.15
     speed = np.clip(np.interp(time, grid.time, guess.speed), 0, 4 * _SOUND)
     ram = lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * _SOUND)) ** 6)
+    known = ram**2 + gas**2
 
     def variance(settings: Float[Array, "four"]) -> Float[Array, "time"]:
-        return np.asarray(
-            np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + ram**2 + gas**2
-        )
+        return np.asarray(np.exp(2 * settings[2]) * np.where(early, max(np.exp(2 * settings[3]), 1.0), 1.0) + known)
 
     def curve(settings: Float[Array, "four"], share: float = 1.0) -> Fit:
         wander = np.choose(phases, [0.01, np.exp(settings[0]), np.exp(settings[1]), _FREE])
-        return fit(grid, rows, rest, share * weight / variance(settings), wander)
+        return fit(samples, rest, share * weight / variance(settings), wander)
 
     def cost(settings: Float[Array, "four"]) -> float:
         far = (settings - centre) / spread

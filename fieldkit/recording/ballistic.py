@@ -16,7 +16,7 @@ from fieldkit.standard_air import GRAVITY
 _STEP = 0.1
 _SCALE_HEIGHT = 9500.0
 """Height in which the air of the lower troposphere thins by e. [m]"""
-_SOUND = 335.0
+_SOUND, _TRANSITION = 335.0, 12.0
 _FASTEST = 1200.0
 
 
@@ -46,7 +46,7 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
     """Height, speed and acceleration from apogee on, by the midpoint rule."""
 
     def push(height: float, speed: float) -> float:
-        rise = 1 + 0.5 / (1 + exp(min(max((_SOUND - abs(speed)) / 12, -30), 30)))
+        rise = 1 + 0.5 / (1 + exp((_SOUND - abs(speed)) / _TRANSITION))
         return -GRAVITY - drag * rise * exp(min(-height / _SCALE_HEIGHT, 1.0)) * speed * abs(speed)
 
     height, speed = top, 0.0

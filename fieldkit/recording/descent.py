@@ -114,25 +114,22 @@ def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None
     """Mean speed from ejection, or apogee, to landing, as the AltimeterTwo gives it.
 
     In a ledger of that device, ejection height over the time from ejection to landing is 1.03 of its descent
-    speed in the median of 47 flights. Without landing it is the Theil-Sen slope of what the log has, where it has
-    a fifth of the way down.
+    speed in the median of 47 flights. Without landing it is the mean over what the log has, where it has a fifth of
+    the way down; the rest may be as much slower or faster as it is long, for a second parachute may open in it.
     """
-    from scipy.stats import theilslopes
-
     start = begin.time
     upper = float(np.interp(start, track.time, seen.calm))
     if end is not None and level is not None and end.time - start > 1:
         value = (upper - level) / (end.time - start)
         sd = np.hypot(2 * track.noise / (end.time - start), value * np.hypot(begin.sd, end.sd) / (end.time - start))
         return Figure(value, float(np.hypot(sd, 0.01 * value)), track.source) if value > 0 else None
-    down = track.time > start + 1
-    if down.sum() < 12 or upper - seen.calm[-1] < 0.2 * (upper - seen.pad):
+    last = float(np.median(track.height[track.time > track.time[-1] - 1]))
+    gone, rest, way = float(track.time[-1]) - 0.5 - start, last - seen.pad, upper - seen.pad
+    if gone < 2 or upper - last < 0.2 * way:
         return None
-    every = max(1, down.sum() // 300)
-    slope, _, low, high = theilslopes(track.height[down][::every], track.time[down][::every])
-    if slope >= 0:
-        return None
-    return Figure(float(-slope), float(np.hypot((high - low) / 2, 0.05 * slope)), track.source)
+    value = (upper - last) / gone
+    unseen = float(np.clip(rest / way, 0, 1)) / 2
+    return Figure(value, float(value * np.sqrt(0.03**2 + unseen**2 + (begin.sd / gone) ** 2)), track.source)
 
 
 def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:

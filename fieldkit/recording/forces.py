@@ -4,6 +4,7 @@ import numpy as np
 
 from fieldkit.recording.ascent import Ascent
 from fieldkit.recording.channels import Heights, Push
+from fieldkit.recording.numbers import median_step, running_median
 from fieldkit.recording.records import Climb, Event, Figure, Forces
 from fieldkit.shapes import Array
 from fieldkit.standard_air import GRAVITY, standard_density
@@ -18,6 +19,10 @@ _TRANSONIC = 270.0
 """From about Mach 0.8 on, shocks disturb the pressure in the airframe. [m/s]"""
 _MOST = 0.9
 """Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
+_WINDOW = 0.05
+"""Of the peak acceleration; a log that is too thin for it has a peak between its mean of three samples and one. [s]"""
+_LATE = 0.05
+"""How long after lift-off an accelerometer may begin and still have felt all. [s]"""
 _SCALE = 0.02
 """Of an accelerometer's error, to the acceleration. [1]"""
 
@@ -91,10 +96,14 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, s
         inside = (push.time >= begin - 0.05) & (push.time <= burnout + 0.05)
         time, felt = push.time[inside], push.felt[inside]
         if time.size >= 8:
-            width = max(3, round(0.05 / float(np.median(np.diff(time)))))
-            smooth = np.convolve(felt, np.ones(width) / width, "valid")
+            width = max(3, round(_WINDOW / median_step(time)))
+            smooth = running_median(felt, width | 1)
             value = float(smooth.max()) - GRAVITY
-            return Figure(value, float(np.hypot(_SCALE * value, 0.5)), push.source) if value > 0 else None
+            if time[0] > begin + _LATE and smooth[:2].max() == smooth.max():
+                return None  # the strongest push may have come before the first sample
+            coarse = (float(felt.max()) - float(smooth.max())) / 2 if width * median_step(time) > _WINDOW else 0.0
+            sd = np.sqrt((_SCALE * value) ** 2 + 0.5**2 + coarse**2)
+            return Figure(value, float(sd), push.source) if value > 2 * sd else None
     inside = (ascent.time >= begin) & (ascent.time <= burnout)
     if not inside.any():
         return None
@@ -104,7 +113,9 @@ def peak_push(push: Push | None, ascent: Ascent, begin: float, burnout: float, s
     return Figure(value, float(sd), source) if value > 2 * sd else None
 
 
-def boost_event(ascent: Ascent, begin: float, apogee: float, source: str) -> tuple[Event, Figure] | None:
+def boost_event(
+    ascent: Ascent, push: Push | None, begin: float, apogee: float, source: str
+) -> tuple[Event, Figure] | None:
     """When the rocket was fastest and how fast, by the curve, with the spread of its draws."""
     inside = (ascent.time >= begin) & (ascent.time <= apogee)
     time = ascent.time[inside]
@@ -115,7 +126,9 @@ def boost_event(ascent: Ascent, begin: float, apogee: float, source: str) -> tup
     moments = time[np.argmax(ascent.speeds[:, inside], axis=1)]
     sd = np.hypot(
         1.4826 * np.median(np.abs(moments - time[place])),
-        0.02 if ascent.fused else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd),
+        max(0.02, median_step(push.time) / 2)
+        if push and ascent.fused
+        else np.hypot(0.03 + 0.02 * (time[place] - begin), ascent.burnout_sd),
     )
     spread = float(ascent.speeds[:, inside][:, place].std())
     least = _FUSED if ascent.fused else _DERIVED if value < _TRANSONIC else _DISTURBED

@@ -3,7 +3,7 @@
 import numpy as np
 
 from fieldkit.recording.channels import Heights, Push
-from fieldkit.recording.numbers import mad_sd, median_step
+from fieldkit.recording.numbers import hole_at, mad_sd, median_step
 from fieldkit.recording.outline import Outline
 from fieldkit.recording.records import Event
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -77,7 +77,10 @@ def _by_rise(track: Heights, seen: Outline) -> Event | None:
     sd = float(np.sqrt(weight @ (corners - mean) ** 2))
     if not known and (mean < time[0] - 1.2 or sd > 0.4):
         return None
-    return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + (step / 4) ** 2)), track.source)
+    early = max(0.0, float(track.time[0]) - mean) / 2
+    seldom = track.time[(track.time >= about) & (track.time <= until)]
+    blind = max(step, hole_at(track.time, mean), np.diff(seldom).max(initial=0.0)) / 4
+    return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + blind**2 + early**2)), track.source)
 
 
 def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:

@@ -7,21 +7,30 @@ import numpy as np
 
 from fieldkit.flight import Series
 from fieldkit.recording.ascent import Ascent, ascend
-from fieldkit.recording.channels import Heights, Push, heights, pushes
+from fieldkit.recording.channels import SPOKEN, Heights, Push, heights, pushes
 from fieldkit.recording.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.recording.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.recording.liftoff import liftoff
-from fieldkit.recording.numbers import mad_sd
+from fieldkit.recording.numbers import hole_at, mad_sd
 from fieldkit.recording.outline import Outline, outline
 from fieldkit.recording.records import Event, Figure, Recorded
 from fieldkit.standard_air import pressure_height
 
+_LATE, _FALL = 0.8, 1.0
+"""So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
+_LEAST_GPS = 1.0
+"""Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
 _LEAST = 0.15
 """Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
+_BLIND = 1.3
+"""Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
+Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "nothing in this log rises as a rocket does: no figure is taken from it"
 NO_APOGEE = "no apogee in this log: it ends before the top"
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
+NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn time, no acceleration"
+NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
 NO_LANDING = "the log ends before landing: no duration"
 
 
@@ -71,11 +80,18 @@ def _told(
     begin = lift.time if lift else float(ascent.time[0])
     events: dict[str, Event] = {"liftoff": lift} if lift else {}
     figures: dict[str, Figure] = {}
-    apogee = _apogee(ascent, seen, track) if seen.down else None
+    apogee = _apogee(ascent, seen, track) if seen.down or _falls(ascent) else None
     notes += [NO_APOGEE] if apogee is None else []
-    notes += [NO_LIFTOFF] if lift is None else []
     end = apogee[0].time if apogee else float(ascent.time[-1])
-    boost = boost_event(ascent, begin, end, source)
+    boost = boost_event(ascent, push, begin, end, source)
+    lost = _lost(track, begin, boost[0].time) if boost else None
+    if lift and lost is not None and lost < begin:
+        lift = None
+        del events["liftoff"]
+    if boost and not ascent.fused and (lost is not None or _unseen(track, begin, boost[0].time) > _BLIND):
+        notes.append(NO_BOOST)
+        boost = None
+    notes += [NO_LIFTOFF] if lift is None else []
     if boost and lift and boost[0].time < end - 0.2:
         events["burnout"], figures["top_speed"] = boost
         _boost_figures(figures, ascent, push, lift, boost, source)
@@ -83,14 +99,39 @@ def _told(
     free = end
     if apogee:
         events["apogee"], figures["apogee"] = apogee
+        notes += [NO_PAD] if np.isinf(seen.pad_sd) else []
         if lift:
             figures["time_to_apogee"] = _between(lift, apogee[0], track.source)
             if "burnout" in events:
                 figures["coast_to_apogee"] = _between(events["burnout"], apogee[0], source)
         free = _down(events, figures, notes, track, seen, ascent, push, apogee[0], lift, burnout, stated)
     climb = climb_of(ascent, begin, burnout, end, source)
-    pressed = forces(climb, push, track, _elevation(clocks, lift), free) if lift else None
-    return Recorded(events, figures, climb, pressed, tuple(notes))
+    pressed = forces(climb, push, track, _elevation(clocks, lift), free) if lift and "burnout" in events else None
+    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
+    return Recorded(events, known, climb, pressed, tuple(notes))
+
+
+def _unseen(track: Heights, begin: float, burnout: float) -> float:
+    """The longest time without a height from lift-off to burnout. [s]"""
+    inside = slice(*np.searchsorted(track.time, (begin, burnout)))
+    between = float(np.diff(track.time[inside]).max(initial=0.0))
+    return max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
+
+
+def _lost(track: Heights, begin: float, burnout: float) -> float | None:
+    """When a receiver seems to fall about the boost, or None: it lost its satellites and went on along a course. [s]"""
+    inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
+    height = track.height[inside]
+    if track.source != SPOKEN["gps_altitude_msl"] or not height.size:
+        return None
+    fallen = np.flatnonzero(np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0))
+    return float(track.time[inside][fallen[0]]) if fallen.size else None
+
+
+def _falls(ascent: Ascent) -> bool:
+    """Whether the curve surely comes down at its end, though the samples that show it are few."""
+    late = ascent.time[-1] - ascent.time[int(np.argmax(ascent.height))]
+    return bool(late > _LATE and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL)
 
 
 def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
@@ -103,7 +144,8 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
     near = np.abs(track.time - ascent.time[place]) < 1.0
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
-    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + _LEAST**2))
+    least = _LEAST_GPS if track.source == SPOKEN["gps_altitude_msl"] else _LEAST
+    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)

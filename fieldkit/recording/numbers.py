@@ -22,6 +22,12 @@ def median_step(time: Float[Array, "_"]) -> float:
     return float(np.median(np.diff(time)))
 
 
+def hole_at(time: Float[Array, "_"], moment: float) -> float:
+    """How long no sample was taken about a moment: from the last one before it to the first after it. [s]"""
+    after = int(np.clip(np.searchsorted(time, moment, side="right"), 1, time.size - 1))
+    return float(time[after] - time[after - 1])
+
+
 def lag_one(values: Float[Array, "_"]) -> float:
     """Autocorrelation of residuals from one sample to the next, robustly, from 0 to 0.95. [1]"""
     if values.size < 8:

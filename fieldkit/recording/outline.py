@@ -12,6 +12,8 @@ LEAST_GAIN = 5.0
 """A rise that is less is no flight. [m]"""
 LEAST_SPEED = 5.0
 """A rise that is slower throughout is no flight. [m/s]"""
+_RESTS, _UNSURE = 0.15, 0.5
+"""A log that begins later than this before lift-off [s] may begin in it, and its pad be off by so much [m]."""
 LONGEST_CLIMB = 120.0
 """From lift-off to apogee, at most. [s]"""
 
@@ -92,12 +94,17 @@ def _lift(
 def _pad(track: Heights, lift: float | None) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
 
-    Without such samples it is what the logger took for zero, which drifts by a metre or so while it waits.
+    Without such samples, or where they rise already, it is what the logger took for zero, which drifts by a metre or
+    so while it waits, or for a height that counts from elsewhere nothing: then its standard deviation is infinite.
     """
-    if lift is not None:
-        before = (track.time < lift - 0.1) & (track.time > lift - 10)
-        if before.sum() < 3:
-            before = track.time <= lift
-        if before.sum() >= 3:
-            return float(np.median(track.height[before])), track.noise / np.sqrt(min(before.sum(), 10))
-    return (0.0, 1.0) if track.zeroed else (float(track.height[0]), 3.0)
+    if lift is None:
+        return (0.0, 1.0) if track.zeroed else (float(track.height[0]), np.inf)
+    before = (track.time < lift - 0.1) & (track.time > lift - 10)
+    before = before if before.sum() >= 3 else track.time <= lift
+    height = track.height[before]
+    level, third = float(np.median(height)), max(1, height.size // 3)
+    moves = float(np.median(height[-third:]) - np.median(height[:third])) > 4 * track.noise + 1.0
+    if height.size < 3 or moves:
+        return (min(level, 0.0), 1.0) if track.zeroed else (level, 3.0)
+    least = _UNSURE if float(np.ptp(track.time[before])) < _RESTS else 0.0
+    return level, float(np.hypot(track.noise / np.sqrt(min(height.size, 10)), least))

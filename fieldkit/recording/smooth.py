@@ -8,12 +8,15 @@ fit costs time in proportion to the number of knots.
 """
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from fieldkit.shapes import Array, Float, Int, Integers
 
 _DEGREE = 3
+_THIRD = (-1, 3, -3, 1)
+"""The third derivative of a spline from its coefficients."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -79,35 +82,64 @@ class Fit:
         return np.asarray(self.mean + away.T)
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Design:
+    """The samples' splines, and the sparse sums that make normal equations of weights: made once, used for every fit.
+
+    `sums` adds up what samples say of each coefficient, `products` what they say of each pair of neighbours in band
+    form, `jumps` what intervals say of the third derivative.
+    """
+
+    grid: Grid
+    rows: Rows
+    sums: Any
+    products: Any
+    jumps: Any
+
+
+def design(grid: Grid, time: Float[Array, "time"]) -> Design:
+    """What fits on a grid need to know of the times of their samples."""
+    from scipy.sparse import csr_array
+
+    rows = basis(grid, time)
+    size, sample, interval = grid.count + _DEGREE, np.arange(time.size), np.arange(grid.count)
+    pairs = [(j, k) for j in range(_DEGREE + 1) for k in range(j + 1)]
+    place = np.concatenate([(j - k) * size + rows.first + k for j, k in pairs])
+    value = np.concatenate([rows.value[:, j] * rows.value[:, k] for j, k in pairs])
+    bent = np.concatenate([(j - k) * size + interval + k for j, k in pairs])
+    bend = np.repeat([float(_THIRD[j] * _THIRD[k]) for j, k in pairs], grid.count)
+    single = (rows.first[:, None] + np.arange(_DEGREE + 1)).ravel()
+    band = (_DEGREE + 1) * size
+    return Design(
+        grid,
+        rows,
+        csr_array((rows.value.ravel(), (single, np.repeat(sample, _DEGREE + 1))), (size, time.size)),
+        csr_array((value, (place, np.tile(sample, len(pairs)))), (band, time.size)),
+        csr_array((bend, (bent, np.tile(interval, len(pairs)))), (band, grid.count)),
+    )
+
+
 def fit(
-    grid: Grid,
-    rows: Rows,
+    samples: Design,
     height: Float[Array, "time"],
     precision: Float[Array, "time"],
     wander: Float[Array, "interval"],
 ) -> Fit:
-    """The posterior of the curve.
+    """The posterior of the curve. Raises LinAlgError where samples are so wild that there is none.
 
     `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `wander` the
     variance that acceleration gains in a second, for each interval [m^2/s^5].
     """
-    from scipy.linalg import cho_solve_banded, cholesky_banded
+    from scipy.linalg.lapack import dpbtrf, dpbtrs
 
-    size = grid.count + _DEGREE
-    band = np.zeros((_DEGREE + 1, size))
-    right = np.zeros(size)
-    for j in range(_DEGREE + 1):
-        right += np.bincount(rows.first + j, precision * rows.value[:, j] * height, size)
-        for k in range(j + 1):
-            product = precision * rows.value[:, j] * rows.value[:, k]
-            band[j - k] += np.bincount(rows.first + k, product, size)
-    weight = 1 / (wander * grid.step**5)
-    for j, left in enumerate((-1, 3, -3, 1)):
-        for k, other in enumerate((-1, 3, -3, 1)[: j + 1]):
-            band[j - k, k : k + grid.count] += weight * left * other
+    weight = 1 / (wander * samples.grid.step**5)
+    band = (samples.products @ precision + samples.jumps @ weight).reshape(_DEGREE + 1, -1)
     band[0] += 1e-9  # of a curve that no sample ties down
-    factor = cholesky_banded(band, lower=True)
-    mean = cho_solve_banded((factor, True), right)
+    right = samples.sums @ (precision * height)
+    factor, wrong = dpbtrf(band, lower=1)
+    if wrong or not np.isfinite(factor[0]).all():
+        raise np.linalg.LinAlgError("no curve goes through these samples")
+    mean, _ = dpbtrs(factor, right, lower=1)
     counted = precision > 0
     evidence = 0.5 * (
         np.log(precision[counted]).sum()
@@ -116,4 +148,4 @@ def fit(
         - (precision * height**2).sum()
         + mean @ right
     )
-    return Fit(grid, mean, factor, float(evidence))
+    return Fit(samples.grid, mean, factor, float(evidence))

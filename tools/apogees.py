@@ -1,0 +1,29 @@
+"""Print how well apogee and its time are measured in the recordings beside the checkout: python -m tools.apogees
+
+For each flight the highest median of eleven samples, what is measured, and how far that is off; and the time of the top
+of the parabola through those medians, where the samples show it, and how far the measured one is off.
+"""
+
+import sys
+
+from tests.test_real_logs import FLIGHTS, LOGS, flown, robust_apogee
+
+
+def main() -> int:
+    """Print the table; 1 where there are no recordings."""
+    if not LOGS.is_dir():
+        print(f"no recordings in {LOGS}")
+        return 1
+    print("| recording | medians [m] | measured [m] | off [m] | off [%] | time off [s] |\n|---|---|---|---|---|---|")
+    for name, when in FLIGHTS.items():
+        reading, recorded = flown(name)
+        right, apogee = robust_apogee(reading.clocks), recorded.figures["apogee"]
+        off = apogee.value - right
+        said = f"{right:.1f} | {apogee.value:.1f} ± {apogee.sd:.1f} | {off:+.1f} | {off / right:+.2%}"
+        late = "" if when is None else f"{recorded.events['apogee'].time - when:+.2f}"
+        print(f"| {name} | {said} | {late} |")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
