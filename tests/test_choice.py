@@ -11,10 +11,11 @@ from hypothesis.extra.numpy import arrays
 
 from fieldkit.errors import UnknownEffect
 from fieldkit.flight import Flight
-from fieldkit.loop.candidates import EACH, Place, effect_candidates, effect_terms, pattern_candidates
+from fieldkit.loop.candidates import EACH, Place, effect_candidates, effect_terms
 from fieldkit.loop.choice import MOST, may_leave, steady_evidence
 from fieldkit.loop.diagnose import SEARCH_SLACK, diagnose
 from fieldkit.loop.model import OBSERVED, Model, base_model, observe, shown
+from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.motors import catalogue
 
 says = arrays(float, st.integers(3, 20), elements=st.floats(-3, 10))

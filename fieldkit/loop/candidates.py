@@ -1,13 +1,11 @@
-"""What could be missing from a rocket's model: every effect, everywhere or in one group of flights, and plain
-patterns that no effect explains."""
+"""What could be missing from a rocket's model: every effect, everywhere or in one group of flights."""
 
 from collections import Counter
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.loop.model import Model, Term, groups
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.effect import Effect, effects, spoken
@@ -140,85 +138,3 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
         return np.asarray(weight)
     inside = [group == place.where for group in groups(model.flights, model.found, effect.per)]
     return np.asarray(weight * np.array(inside, float))
-
-
-def pattern_candidates(model: Model) -> list[Candidate]:
-    """Patterns in thrust, drag and mass that no effect stands for, each kind of pattern with the same odds.
-
-    Single days, the hour, a lasting change between two flights, every second or third flight, a site, a condition
-    that was written down, and whatever else the flyer's own table has a column for.
-    """
-    kinds = [kind for kind in (*_in_time(model.flights), *_in_columns(model.flights)) if kind]
-    return [
-        Candidate(Place("", where), _odd(where, weight), log_share=float(-np.log(len(kind) * len(kinds))))
-        for kind in kinds
-        for where, weight in kind.items()
-    ]
-
-
-Kind = Mapping[str, Float[Array, "flight"]]
-"""Patterns of one kind: how each is called, and how strongly it acts on each flight."""
-
-
-def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
-    """Patterns in the order and the hours of flying."""
-    number = np.arange(len(flights))
-    days = [flight.date_time.date().isoformat() if flight.date_time else "" for flight in flights]
-    hours = np.array([f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in flights])
-    yield {f"the day {day}": weight for day, weight in _members(days)}
-    if np.isfinite(hours).all() and hours.std() > 1:
-        yield {"the hour of the day": (hours - hours.mean()) / 4}
-    yield {
-        f"every flight from {flights[k].flight_id} on": np.where(number >= k, 1.0, 0.0)
-        for k in range(3, len(flights) - 2)
-    }
-    if len(flights) >= 8:
-        yield {
-            f"every {n} flights, as {flights[k].flight_id}": np.where(number % n == k, 1.0, 0.0)
-            for n in (2, 3)
-            for k in range(n - (n == 2))
-        }
-
-
-def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
-    """Patterns that go with what was written down of the flights."""
-    yield {f"the site {site}": weight for site, weight in _members([flight.site for flight in flights])}
-    columns = {name: recorded(flights, name) for name in ("temperature", "humidity", "pressure")}
-    for name in dict.fromkeys(name for flight in flights for name in flight.extra):
-        texts = [flight.extra.get(name, "") for flight in flights]
-        numbers = _numbers(texts)
-        if np.isfinite(numbers).all() and len(set(texts)) > MOST_VALUES:
-            columns[name] = numbers
-        elif 1 < len(set(texts)) <= MOST_VALUES:
-            yield {f"{name} {value}": weight for value, weight in _members(texts)}
-    for name, column in columns.items():
-        if np.isfinite(column).all() and np.ptp(column) > 0:
-            yield {f"{name}": (column - column.mean()) / column.std()}
-
-
-MOST_VALUES = 6
-"""Different texts in a column of the flyer's own up to which it is taken to sort flights. [1]"""
-
-
-def _members(labels: Sequence[str]) -> Iterator[tuple[str, Float[Array, "flight"]]]:
-    """The flights of every label that at least two flights bear and two do not."""
-    for label in dict.fromkeys(labels):
-        if label and 2 <= labels.count(label) <= len(labels) - 2:
-            yield label, np.array([own == label for own in labels], float)
-
-
-def _numbers(texts: Sequence[str]) -> Float[Array, "flight"]:
-    """The texts as numbers, nan for those that are none."""
-    try:
-        return np.array([float(text) for text in texts])
-    except ValueError:
-        return np.full(len(texts), np.nan)
-
-
-def _odd(name: str, weight: Float[Array, "flight"]) -> tuple[Term, ...]:
-    """Drag, thrust and mass that differ without a reason given."""
-    return (
-        Term(f"drag with {name}", "drag", 0.0, 0.15, weight),
-        Term(f"thrust with {name}", "thrust", 0.0, 0.06, weight),
-        Term(f"mass with {name}", "mass", 0.0, 0.08, weight),
-    )

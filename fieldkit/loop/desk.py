@@ -71,9 +71,9 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
     version = ledger.active_version(rocket) if which == "after" else None
     if version is None:
         return ()
-    return tuple(
-        Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in version.payload["effects"]
-    )
+    pattern = version.payload.get("unexplained", {}).get("pattern", [])
+    entries = [*version.payload["effects"], *pattern]
+    return tuple(Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in entries)
 
 
 def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> float:
@@ -246,7 +246,7 @@ def close_loop(
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
     """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
-    places = tuple(trial.candidate.place for trial in diagnosis.accepted)
+    places = diagnosis.places
     left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
     same = places == accepted_places(ledger, rocket)
     if same and np.isclose(accepted_widening(ledger, rocket), left.widened if left else 1.0, atol=0.005):
@@ -279,7 +279,8 @@ def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[
         "after": diagnosis.after.json(),
     }
     if left is not None:
-        payload["unexplained"] = {"goes_with": left.in_words, "widened": left.widened}
+        pattern = [asdict(place) for place in diagnosis.pattern]
+        payload["unexplained"] = {"goes_with": left.in_words, "widened": left.widened, "pattern": pattern}
     payload["digest"] = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
     return payload
 

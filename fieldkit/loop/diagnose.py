@@ -9,10 +9,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.errors import UnknownEffect
-from fieldkit.loop.candidates import Candidate, effect_candidates, pattern_candidates
+from fieldkit.loop.candidates import Candidate, Place, effect_candidates
 from fieldkit.loop.choice import Ranked, choose, choose_in_folds, confidence, probability, rank, stands
 from fieldkit.loop.fit import fit
 from fieldkit.loop.model import Data, Model
+from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.loop.posterior import Fit
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_all
@@ -43,7 +44,8 @@ class Diagnosis:
 
     `effect` is the name of the effect (two joined by `+`), "none" or "unexplained". `accepted` are the
     candidates of the new model, empty without one. `also` are effects that these flights cannot tell from
-    the accepted one. `seconds` are the pairs tried, empty where the effect was given.
+    the accepted one. `seconds` are the pairs tried, empty where the effect was given. `pattern` is what forecasts
+    follow where something is unexplained and they are better for it.
     """
 
     model: Model
@@ -56,10 +58,16 @@ class Diagnosis:
     why: str
     also: tuple[str, ...]
     accepted: tuple[Trial, ...]
+    pattern: tuple[Place, ...]
     before: Score
     after: Score
     forecasts_before: Forecasts
     forecasts_after: Forecasts
+
+    @property
+    def places(self) -> tuple[Place, ...]:
+        """What the new model has that the plain one has not: the effects, or the pattern, where each acts."""
+        return (*(trial.candidate.place for trial in self.accepted), *self.pattern)
 
 
 CERTAIN = 0.99
@@ -82,6 +90,7 @@ class _Verdict:
     why: str
     also: tuple[str, ...] = ()
     accepted: tuple[Trial, ...] = ()
+    pattern: tuple[Place, ...] = ()
 
 
 def diagnose(model: Model, data: Data, progress: Progress | None = None, given: Sequence[str] = ()) -> Diagnosis:
@@ -120,6 +129,7 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None, given: 
         why=verdict.why,
         also=verdict.also,
         accepted=verdict.accepted,
+        pattern=verdict.pattern,
         before=plain_score,
         after=score(after, truth, seen),
         forecasts_before=before,
@@ -207,7 +217,8 @@ def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, bef
     if "" in chosen.effects:
         place = chosen.accepted[0].candidate.place.where
         why = f"the flights differ from the model together with {place}, and no known effect accounts for it"
-        return _Verdict("unexplained", probability(options), why)
+        places = tuple(trial.candidate.place for trial in chosen.accepted)
+        return _Verdict("unexplained", probability(options), why, pattern=places)
     return _accepted(options, chosen)
 
 

@@ -92,9 +92,8 @@ def _forecast(
     plan = (flight.with_changes(**dict.fromkeys(flight.readouts())), motor)
     diagnosis = _close(before)
     wider = leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
-    places = [trial.candidate.place for trial in diagnosis.accepted]
     (plain,) = predict(before, [plan], draws=DRAWS)
-    (closed,) = predict(before, [plan], places, draws=DRAWS)
+    (closed,) = predict(before, [plan], diagnosis.places, draws=DRAWS)
     one, other = (forecast.apogee_quantiles() for forecast in (plain, widened(closed, wider)))
     return (
         float(one[1] / flight.apogee - 1),

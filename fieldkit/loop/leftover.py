@@ -41,7 +41,7 @@ class Leftover:
 
 def leftover(diagnosis: Diagnosis) -> Leftover:
     """What is left unexplained, and how much wider forecasts are for it."""
-    factor = widening(diagnosis.model.flights, diagnosis.model.found, diagnosis.data)
+    factor = widening(diagnosis.model.flights, diagnosis.model.found, diagnosis.data, diagnosis.pattern)
     nothing = Leftover("nothing that was written down", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
     return replace(_goes_with(diagnosis) or nothing, widened=factor)
 

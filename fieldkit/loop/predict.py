@@ -14,6 +14,7 @@ from fieldkit.loop.candidates import Place, effect_terms
 from fieldkit.loop.fit import fit_robustly
 from fieldkit.loop.left_out import leave_one_out, own_reading_sd
 from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, observe, shown
+from fieldkit.loop.patterns import pattern_terms
 from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid, term_sds
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_of_apogee
@@ -98,22 +99,34 @@ def median(values: Float[Array, "draw"]) -> float | None:
 
 
 def rocket_model(
-    flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = (), slack: float = 1.0
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    accepted: Sequence[Place] = (),
+    slack: float = 1.0,
+    flown: int | None = None,
 ) -> Model:
-    """The model of a rocket with the effects that were accepted into it; `slack` as in `base_model`."""
+    """The model of a rocket with the effects and patterns that were accepted into it; `slack` as in `base_model`.
+
+    Patterns are those of the first `flown` flights, by default of all.
+    """
     model = base_model(flights, found, slack)
     known = [place for place in accepted if place.effect in effects()]
-    return model.with_terms(*(term for place in known for term in effect_terms(place, model)))
+    odd = [place for place in accepted if not place.effect]
+    past = len(flights) if flown is None else flown
+    terms = [*(effect_terms(place, model) for place in known), *(pattern_terms(place, model, past) for place in odd)]
+    return model.with_terms(*(term for some in terms for term in some))
 
 
-def forecast_model(flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = ()) -> Model:
-    """The model of a rocket that its next flight is forecast with."""
-    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK))
+def forecast_model(
+    flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = (), flown: int | None = None
+) -> Model:
+    """The model of a rocket that its next flight is forecast with; `flown` as in `rocket_model`."""
+    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK, flown))
 
 
 def model_name(accepted: Sequence[Place]) -> str:
-    """`field`, or `field+wind`."""
-    return "+".join(["field", *(spoken(place.effect) for place in accepted)])
+    """`field`, `field+wind`, or `field+unexplained`."""
+    return "+".join(["field", *(spoken(place.effect) or "unexplained" for place in accepted)])
 
 
 @dataclass(frozen=True, slots=True)
@@ -170,7 +183,7 @@ def learn(
     flights[: len(flown)], left_out = fitting(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    model = forecast_model(flights, found, acting)
+    model = forecast_model(flights, found, acting, len(flown))
     if drag is not None:
         model = model.with_prior("drag", np.log(drag), DESIGN_CD_SD)
     acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
