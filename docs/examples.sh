@@ -44,6 +44,8 @@ fieldkit motors --about
 fieldkit delay --rocket Astra --motor F24
 fieldkit ballast --rocket Astra --motor F24-4W --target 800ft
 fieldkit contest --rocket Astra --season 2026
+# the score of the flights that were declared, and a plan for the next season
+fieldkit contest --rocket Astra --season 2026 --declared 2,3,9
 # one flight from what you say, none of it from your own flights
 fieldkit simulate --motor F24-4W --dry-mass 322g --diameter 66mm --cd 0.6 --alpha 1 --wind 5mps
 

@@ -1,4 +1,4 @@
-"""What plans cost beside one `predict`: `pytest -o addopts= --benchmark-only tests/bench_plan.py`.
+"""What plans cost beside one `predict`: `pytest -s -o addopts= --benchmark-only tests/bench_plan.py`.
 
 The catalogue is what fits a 29 mm mount and narrower, adapters and all, with every safety line. The ratio to one
 forecast is printed at the end, for it holds where seconds do not: on another machine, or a busy one.
@@ -68,7 +68,7 @@ def timed(benchmark: BenchmarkFixture, name: str, work: Callable[[], Any]) -> No
         work()
         SECONDS[name] = min(SECONDS.get(name, float("inf")), time.process_time() - begun)
 
-    benchmark.pedantic(measured, rounds=5, warmup_rounds=1)
+    benchmark.pedantic(measured, rounds=3, warmup_rounds=1)
 
 
 PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")

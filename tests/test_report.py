@@ -161,7 +161,11 @@ def test_names_from_files_are_text_in_markdown(day: Book, tmp_path: Path) -> Non
         ("<b>&amp;", r"&lt;b\>&amp;amp;"),
         ("https://x.example", "http&#115;://x.example"),
         ("me@x.example", "me&#64;x.example"),
-        ("F24-4W", r"F24\-4W"),
+        ("- one", r"\- one"),
+        ("---", r"\---"),
+        ("-14.4", "-14.4"),
+        ("3.2", "3.2"),
+        ("F24-4W", "F24-4W"),
     ],
 )
 def test_marks_of_markdown_are_escaped(text: str, safe: str) -> None:

@@ -169,8 +169,8 @@ def contest(
         return
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
-    for flight, own in scored:
-        say(f"  {flight.flight_id:>8}  {own:6.1f} points{'' if flight.duration is not None else ', height alone'}")
+    for flight, points in scored:
+        say(f"  {flight.flight_id:>8}  {points:6.1f} points{'' if flight.duration is not None else ', height alone'}")
     if total is not None:
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
     if ahead is not None and lines is not None:

@@ -132,7 +132,7 @@ def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
         for number, (name, metric, other) in enumerate(rows, start=1):
             height = 0.96 - number * step
             part.text(left, height, name, fontsize=9, va="center")
-            part.text(right - 0.105, height, metric, fontsize=9, va="center", ha="right")
+            part.text(right - 0.115, height, metric, fontsize=9, va="center", ha="right")
             part.text(right, height, other, fontsize=9, va="center", ha="right", color=FAINT)
 
 
@@ -167,7 +167,7 @@ def _summary(book: Book) -> Iterator["Figure"]:
 
 def _table(part: "SubFigure", headers: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
     """A table of texts; numbers to the right."""
-    places = (0.0, 0.1, 0.28, 0.46, 0.54, 0.66, 0.75, 0.83, 0.845)
+    places = (0.0, 0.1, 0.27, 0.445, 0.555, 0.675, 0.76, 0.835, 0.85)
     right = (3, 4, 5, 6, 7)
     step = 1 / (len(rows) + 1)
     for number, row in enumerate([tuple(headers), *rows]):

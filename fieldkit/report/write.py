@@ -112,7 +112,7 @@ def _markdown(book: Book, path: Path) -> Iterator[tuple[Path, bytes]]:
     for number, card in enumerate(book.cards, start=1):
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {escaped(title)}", "", escaped(subtitle), ""]
-        lines += [", ".join(f"{what} {escaped(value)}" for value, what in headline(card)) + ".", ""]
+        lines += [", ".join(f"{escaped(value)} ({what})" for value, what in headline(card)) + ".", ""]
         yield beside(f"{number}-forecast", picture(partial(forecast, card=card), (WIDE, 2.2), "png"), "Predicted")
         yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), "The log")
         for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
@@ -135,8 +135,9 @@ def escaped(text: str) -> str:
     Source: CommonMark 0.31, 2.4: any ASCII punctuation may be escaped with a backslash.
     """
     plain = printable(text)
-    quoted = re.sub(r"([\\`*_{}\[\]()#+!|~^=>$-])", r"\\\1", plain.replace("&", "&amp;").replace("<", "&lt;"))
-    return re.sub(r"(?i)\b(https?|ftp|mailto)(?=:)|(?<=www)\.|@|^(\d+)\.", _unlinked, quoted)
+    plain = plain.replace("&", "&amp;").replace("<", "&lt;")
+    quoted = re.sub(r"([\\`*_{}\[\]()#!|~^=>$]|^[+-](?=[+\s-]|$))", r"\\\1", plain)
+    return re.sub(r"(?i)\b(https?|ftp|mailto)(?=:)|(?<=www)\.|@|^(\d+)\.(?=\s|$)", _unlinked, quoted)
 
 
 def _unlinked(mark: re.Match[str]) -> str:

@@ -102,7 +102,7 @@ def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: i
 
     def triangle(knot: int) -> float:
         over = (push[knot + 1] - push[knot - 1]) * (at[knot] - at[knot - 1]) / (at[knot + 1] - at[knot - 1])
-        return abs(push[knot] - push[knot - 1] - over) * (at[knot + 1] - at[knot - 1])
+        return float(abs(push[knot] - push[knot - 1] - over) * (at[knot + 1] - at[knot - 1]))
 
     areas = [0.0, *map(triangle, range(1, len(at) - 1))]
     while len(at) > max(most, 3):
