@@ -31,13 +31,12 @@ LARGEST = 200.0
 @pytest.mark.parametrize("name", parsers())
 def test_a_bad_log_brings_lines_and_no_traceback(name: str, change) -> None:  # type: ignore[no-untyped-def]
     rng = random.Random(f"{name} {change.__name__}")
-    for seed in [seed for seed in SEEDS if seed.format == name][:2]:
-        for _ in range(3):
-            with patience():
-                must_hold(change(seed.log, rng), name)
+    seed = rng.choice([seed for seed in SEEDS if seed.format == name])
+    with patience():
+        must_hold(change(seed.log, rng), name)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(number=st.integers(0, 2**32))
 def test_any_bad_log_brings_lines_and_no_traceback(number: int) -> None:
     done, name, log = mutated(SEEDS, random.Random(number))
