@@ -76,8 +76,7 @@ def model(
     ] = None,
 ) -> None:
     """List the model versions of a rocket, or go back to one."""
-    from fieldkit.loop.candidates import Place
-    from fieldkit.loop.desk import which_rocket
+    from fieldkit.loop.desk import version_adds, which_rocket
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
@@ -88,8 +87,13 @@ def model(
     for version in versions:
         payload = version.payload
         errors = f"{payload['before']['mae_m']:.1f} -> {payload['after']['mae_m']:.1f} m"
-        added = "+".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
-        if left := payload.get("unexplained"):
-            added = f"{added or 'nothing'}, intervals {left['widened']:.2f} times as wide"
-        rows.append((str(version.number), f"{version.at:%Y-%m-%d}", added, errors, "in use" if version.active else ""))
+        rows.append(
+            (
+                str(version.number),
+                f"{version.at:%Y-%m-%d}",
+                version_adds(payload),
+                errors,
+                "in use" if version.active else "",
+            )
+        )
     print_table(("version", "made", "adds", "unseen flights", ""), rows)

@@ -25,6 +25,8 @@ class Place:
     since: str = ""
 
     def __str__(self) -> str:
+        if not self.effect:
+            return self.where
         group = f" of {self.where}" if self.where else ""
         if self.where == EACH:
             group = f" of each {effects()[self.effect].per}"

@@ -71,9 +71,20 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
     version = ledger.active_version(rocket) if which == "after" else None
     if version is None:
         return ()
-    pattern = version.payload.get("unexplained", {}).get("pattern", [])
-    entries = [*version.payload["effects"], *pattern]
+    return version_places(version.payload)
+
+
+def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
+    """The effects that a version of a model keeps, and the pattern that forecasts follow where something is unexplained."""
+    entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
     return tuple(Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in entries)
+
+
+def version_adds(payload: Mapping[str, Any]) -> str:
+    """What a version of a model adds to the plain one: `wind+wear`, `the site mead, intervals 1.20 times as wide`."""
+    added = "+".join(str(place) for place in version_places(payload)) or "nothing"
+    wider = payload.get("unexplained", {}).get("widened", 1.0)
+    return f"{added}, intervals {wider:.2f} times as wide" if wider > 1.005 else added
 
 
 def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> float:
