@@ -75,7 +75,7 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
 
 
 def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
-    """The effects that a version of a model keeps, and the pattern that forecasts follow where something is unexplained."""
+    """The effects that a version of a model keeps, and the pattern that forecasts follow, if any, each in its place."""
     entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
     return tuple(Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in entries)
 
