@@ -125,24 +125,36 @@ async def opened(file: Path, size: tuple[int, int] = (80, 24)) -> AsyncIterator[
 
 
 async def calm(pilot: Pilot[None]) -> None:
-    """Wait until nothing is being worked out, all messages were read and nothing is put off to the next paint."""
+    """Wait until nothing is being worked out, all messages were read and nothing is put off to the next paint.
+
+    A look at the queues is cheap and tells when a message still climbs from a widget to its screen; to know that
+    nobody is in the midst of one takes a round through all widgets, at the end.
+    """
     quiet = 0
-    while quiet < 5:  # a message climbs from a widget to its screen one by one
+    while quiet < 2:
+        while not _all_read(pilot):
+            await asyncio.sleep(0)
         await pilot._wait_for_screen()
         pilot.app.screen._on_timer_update()  # what waits for the next paint need not wait for its time
         screen = pilot.app.screen
         busy = [worker for worker in pilot.app.workers if not worker.is_finished]
         due = isinstance(screen, PageScreen) and screen._seen != (pilot.app.revision, pilot.app.look)
-        quiet = 0 if busy or due or screen._callbacks else quiet + 1
+        quiet = 0 if busy or due or screen._callbacks or not _all_read(pilot) else quiet + 1
         if busy or due:
             await asyncio.sleep(0.005)
+
+
+def _all_read(pilot: Pilot[None]) -> bool:
+    """Whether no message lies in a queue of the app, of the screen in front or of a widget on it."""
+    pumps = (pilot.app, *pilot.app.screen.walk_children(with_self=True))
+    return all(pump._message_queue.empty() and not pump._next_callbacks for pump in pumps)
 
 
 async def press(pilot: Pilot[None], *keys: str) -> None:
     """Press keys one after the other, each once the app is calm again; `_` is no key and waits as well."""
     for key in keys:
         if key != "_":
-            await pilot.press(key)
+            await pilot.app._press_keys([key])
         await calm(pilot)
     await calm(pilot)
 

@@ -75,7 +75,11 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert "PerfectFlite" in words(pilot)
         await press(pilot, "s", *typed("apogy=3"), "enter")
         assert "did you mean apogee" in words(pilot)
-        await press(pilot, "escape", "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "escape", "enter")
+        assert "1 imported" in words(pilot)
+        await press(pilot, "4")
+        assert "Astra B · 448 g" in words(pilot), "a log that names no rocket does not stand in the way of the next"
+        await press(pilot, "3", "u", "s", *typed("rocket=Comet"), "enter", "_", "enter")
         assert "1 imported" in words(pilot)
         await press(pilot, "backspace")
         assert "logs/" in shown(pilot)
@@ -155,10 +159,14 @@ async def test_a_plan_is_changed_and_kept_and_a_slip_in_it_is_not_taken(file: Pa
         assert "wind 8.9 m/s" in words(pilot)
 
 
-async def test_a_motor_that_does_not_exist_leaves_an_empty_list(file: Path) -> None:
+async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("zz99"), "enter", "enter", "y")
-        assert "fit" in shown(pilot)
+        await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
+        assert "0 fit" in shown(pilot)
+        await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
+        assert "0 of 1 fit" in shown(pilot)
+        assert "▸✗ AeroTech H128W" in shown(pilot)
+        assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
 
 
 # Notices
@@ -204,7 +212,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
             assert "each from all others, 8 flights" in words(pilot)
             await press(pilot, "right")
-            assert "off, in its scatter, against" in words(pilot)
+            assert "residual / expected scatter, against" in words(pilot)
             first = shown(pilot)
             await press(pilot, "c")
             assert shown(pilot) != first
@@ -357,12 +365,21 @@ async def test_no_page_loses_a_column_or_a_key_in_small_and_large_terminals(file
 
 async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
     async with opened(file) as pilot:
-        await hurry(pilot, "slash", "f", "2", "4")
+        await hurry(pilot, "slash", "f", "2", "4", "enter", "down")
         assert "4 of 12" in shown(pilot)
-        await press(pilot, "escape")
+        assert "▸8" in shown(pilot)
         await press(pilot, "2")
-        await hurry(pilot, "9", "2", "3")
+        await hurry(pilot, "8", "ctrl+u", "9", "2", "4", "backspace", "3")
         assert pilot.app.screen.query_one("#in-apogee", Input).value == "923"
+
+
+async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", "2")
+        lines = [pilot.app.screen.query_one(f"#in-{name}", Input) for name in ("apogee", "top_speed", "burn_time")]
+        assert [line.value for line in lines] == ["923ft", "140mph", "2"]
+        assert pilot.app.focused is lines[-1]
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
 
 
 async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:

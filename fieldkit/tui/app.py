@@ -22,7 +22,7 @@ from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
-WAIT, MOST_WAITS = 0.005, 600
+WAIT, MOST_WAITS = 0.005, 6000
 """How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
 
 LOOKS = {"units", "theme", "target"}
@@ -40,7 +40,7 @@ class FieldkitApp(App[None]):
         Binding("U", "redo", "Redo", show=False, tooltip="Do again what was undone"),
         Binding("T", "next_theme", "Colours", show=False, tooltip="Next colours: field, sun, night, terminal"),
         Binding("N", "next_units", "Units", show=False, tooltip="Next units: SI, US, mixed"),
-        Binding("W", "whole_notice", "Whole path", show=False, tooltip="Files of the notice by their whole paths"),
+        Binding("W", "whole_notice", "Whole notice", show=False, tooltip="All of a notice, files by their whole paths"),
         Binding("ctrl+p", "command_palette", "Palette", show=False, tooltip="Find anything by its name"),
         Binding("ctrl+q", "quit", "Quit", show=False),
         Binding("q", "quit", "Quit"),
@@ -87,7 +87,7 @@ class FieldkitApp(App[None]):
         self._show_notices()
 
     def action_whole_notice(self) -> None:
-        """The notice in front with its files by their whole paths."""
+        """All of the notice in front, files by their whole paths."""
         self._show_notices(whole=True)
 
     def _show_notices(self, whole: bool = False) -> None:
@@ -107,7 +107,7 @@ class FieldkitApp(App[None]):
         """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
         await self.switch_mode(name)
         for _ in range(MOST_WAITS):
-            if self.screen.focused is not None:
+            if not isinstance(self.screen, PageScreen) or self.screen.ready:
                 break
             await asyncio.sleep(WAIT)
 
@@ -138,7 +138,7 @@ class FieldkitApp(App[None]):
     def _journal(self, method: str, said: str) -> None:
         page = self.screen
         if isinstance(page, PageScreen):
-            page.ask(lambda: getattr(self.desk.ledger, method)(), partial(self._journalled, said), "journal")
+            page.change(lambda: getattr(self.desk.ledger, method)(), partial(self._journalled, said))
 
     def _journalled(self, said: str, change: Any) -> None:
         self.tell(f"{said}: {change.command} {change.what}")
@@ -152,6 +152,10 @@ class FieldkitApp(App[None]):
     def action_next_units(self) -> None:
         """The next system of units."""
         self.choose(units=UNITS[(UNITS.index(self.desk.settings.units) + 1) % len(UNITS)])
+
+    def get_key_display(self, binding: Binding) -> str:
+        """A key as it is printed on keyboards: `Esc`, as notices have it."""
+        return "Esc" if binding.key == "escape" else super().get_key_display(binding)
 
     def get_theme_variable_defaults(self) -> dict[str, str]:
         """What lies over a page while a question is open, in themes that do not say."""

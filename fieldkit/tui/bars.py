@@ -51,11 +51,15 @@ class NoticeBar(Static):
     """The oldest notice that was not read yet, with a mark that says what it is."""
 
     DEFAULT_CSS = """
-    NoticeBar { height: auto; max-height: 6; background: $panel; color: $foreground; padding: 0 1; display: none;
+    NoticeBar { height: auto; max-height: 4; background: $panel; color: $foreground; padding: 0 1; display: none;
         link-style: none; link-color: $foreground; link-background: $panel; }
     NoticeBar.-shown { display: block; }
+    NoticeBar.-whole { max-height: 50%; overflow-y: auto; }
     NoticeBar.-error { border-left: thick $error; }
     """
+
+    LINES = 4
+    """Of a notice that is not shown whole; `max-height` says the same."""
 
     def tell(self, notices: Sequence[Notice], whole: bool = False) -> None:
         """Show the first of these, files by their names or by their `whole` paths, and how many more there are."""
@@ -64,12 +68,18 @@ class NoticeBar(Static):
             return
         notice = notices[0]
         self.set_class(notice.error, "-error")
+        self.set_class(whole, "-whole")
         mark = Content.from_markup("[b $error]✗ error[/] " if notice.error else "[b $success]✓[/] ")
-        said = notice.text if whole else shortened(notice.text)
+        said = notice.text if whole else self._within(shortened(notice.text))
         lines = "\n".join(printable(line) for line in said.splitlines())
         more = f"  ({len(notices) - 1} more)" if len(notices) > 1 else ""
-        more += "  [@click=app.whole_notice][b]W[/] whole path[/]" if said != notice.text else ""
+        more += "  [@click=app.whole_notice][b]W[/] all of it[/]" if said != notice.text else ""
         self.update(Content.assemble(mark, lines, Content.from_markup(f"{more}  [@click=app.read][b]Esc[/] read[/]")))
+
+    def _within(self, text: str) -> str:
+        """As much of a text as leaves room for the keys that read it."""
+        room = (self.LINES - 1) * (self.app.size.width - 6)
+        return text if len(text) <= room else f"{text[:room].rsplit(' ', 1)[0]} …"
 
 
 class KeyBar(Static):

@@ -1,6 +1,7 @@
 """What the pages work on: the ledger, the motors, the settings. Opened when first asked for, by whichever worker."""
 
 from functools import cached_property
+from importlib import import_module
 from pathlib import Path
 from threading import RLock
 from typing import TYPE_CHECKING
@@ -13,6 +14,18 @@ if TYPE_CHECKING:
     from fieldkit.motors import Catalogue
 
 
+ENGINE = (
+    "fieldkit.ledger",
+    "fieldkit.motors",
+    "fieldkit.intake",
+    "fieldkit.loop.kept",
+    "fieldkit.loop.desk",
+    "fieldkit.inference.field",
+    "fieldkit.plan.guide",
+)
+"""What pages work with, imported by the first worker."""
+
+
 class Desk:
     """One flyer's things. `settings` is replaced as a whole by `choose`."""
 
@@ -22,6 +35,16 @@ class Desk:
         self._lock = RLock()
         self.settings: Settings = read_settings(settings_file)
         self.complaints: list[FieldkitError] = []
+
+    def wake(self) -> None:
+        """Import the engine, one worker at a time.
+
+        A worker that imports a part of a package, while another is in the midst of the package itself, is let through
+        by Python and finds it half there.
+        """
+        with self._lock:
+            for name in ENGINE:
+                import_module(name)
 
     @property
     def name(self) -> str:

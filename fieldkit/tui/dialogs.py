@@ -12,6 +12,7 @@ from textual.widgets import Input, Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.bars import KeyBar
+from fieldkit.tui.fields import Line
 from fieldkit.tui.page import Help
 
 
@@ -25,7 +26,7 @@ class HelpScreen(ModalScreen[None]):
     HelpScreen VerticalScroll Static { margin-bottom: 1; width: 1fr; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "dismiss", "Close", key_display="Esc"),
+        Binding("escape", "dismiss", "Close"),
         Binding("question_mark,f1,q", "dismiss", "Close", show=False),
         Binding("up", "scroll_by(-1)", "Up", show=False),
         Binding("down", "scroll_by(1)", "Down", show=False),
@@ -72,7 +73,7 @@ class AskText(ModalScreen[str | None]):
         padding: 0 1; }
     AskText Static { height: auto; }
     """
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Leave it", key_display="Esc")]
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Leave it")]
 
     def __init__(self, title: str, text: str, about: str = "") -> None:
         super().__init__()
@@ -84,12 +85,8 @@ class AskText(ModalScreen[str | None]):
             frame.border_title = Content(printable(self._title))
             if self._about:
                 yield Static(Content(printable(self._about)))
-            yield Input(printable(self._text), select_on_focus=True)
+            yield Line(printable(self._text))
             yield KeyBar()
-
-    def on_mount(self) -> None:
-        """Nothing blinks."""
-        self.query_one(Input).cursor_blink = False
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Enter takes the line."""

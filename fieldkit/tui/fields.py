@@ -1,8 +1,9 @@
 """A question with a line to type its answer in, and a note on the answer."""
 
 from collections.abc import Iterable
-from typing import ClassVar
+from typing import Any, ClassVar
 
+from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -19,12 +20,19 @@ from fieldkit.tui.bars import KeyBar
 
 
 class Line(Input):
-    """A line in which a question mark asks for help, unless it `takes_marks`."""
+    """A line in which a question mark asks for help, unless it `takes_marks`, and keys work in the order they came."""
 
-    def __init__(self, text: str, *, takes_marks: bool, id: str) -> None:
-        super().__init__(text, id=id, select_on_focus=True)
+    def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
+        super().__init__(text, select_on_focus=True, **rest)
         self.takes_marks = takes_marks
         self.cursor_blink = False
+
+    async def _on_key(self, event: events.Key) -> None:
+        """Move and delete at once. Textual hands such keys up to the app, which lets the letters behind them pass."""
+        for binding in self._bindings.key_to_bindings.get(event.key, ()):
+            event.stop()
+            event.prevent_default()
+            await self.app.run_action(binding.action, self)
 
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
         """Whether a key is a letter here."""
@@ -67,6 +75,11 @@ class Field(Horizontal):
         text = self.line.value.strip()
         return self._meant if text == printable(self._meant).strip() else text
 
+    @property
+    def typed(self) -> bool:
+        """Whether the line holds anything else than what was filled in."""
+        return self.line.value != printable(self._meant)
+
     def fill(self, text: str) -> None:
         """Put an answer in the line."""
         self._meant = text
@@ -89,15 +102,16 @@ class Form(ModalScreen[dict[str, object] | None]):
     Form { align: center middle; background: $backdrop; }
     Form > Vertical { width: 94%; max-width: 84; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
-    Form VerticalScroll { height: auto; max-height: 100%; }
+    Form VerticalScroll { height: auto; max-height: 55vh; }
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Take it", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
+        Binding("ctrl+j", "go_on", show=False, priority=True),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
-        Binding("escape", "dismiss(None)", "Leave it", key_display="Esc"),
+        Binding("escape", "dismiss(None)", "Leave it"),
     ]
 
     def __init__(self, title: str, questions: Iterable[Question], texts: dict[str, str], units: dict[str, str]) -> None:

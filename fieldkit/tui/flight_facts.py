@@ -51,7 +51,11 @@ def said_by(flight: Flight, motors: "Catalogue") -> Said:
 
 
 def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
-    """The forecast that was made for a flight, else the one that the other flights make now."""
+    """The forecast that was made for a flight, else the one that the other flights make now.
+
+    Raises FieldkitError where there can be none.
+    """
+    from fieldkit.errors import ImpossibleFlight
     from fieldkit.loop.desk import forecast_from_others
     from fieldkit.loop.kept import of_flight
 
@@ -59,6 +63,8 @@ def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
     if kept is not None:
         by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
         return Foretold(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
+    if not flight.motor:
+        raise ImpossibleFlight("the flight names no motor; e names it: motor=F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
     return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")

@@ -138,6 +138,8 @@ class FlightScreen(PageScreen):
     def _have_said(self, said: Said | str) -> None:
         from fieldkit.tui.plots import Plot, draw_density
 
+        for plot in self.query("#hills Plot"):
+            plot.display = not isinstance(said, str)
         if isinstance(said, str):
             self.query_one("#drag-title", Static).update(Content(printable(said)))
             return
@@ -204,7 +206,7 @@ class FlightScreen(PageScreen):
                 raise BadValue(f"motor: {complaint}")
             return self.desk.ledger.edit(self._flight_id, **changes)
 
-        self.ask(change, self._changed, "edit")
+        self.change(change, self._changed)
 
     def _changed(self, flight: Flight) -> None:
         self.tell(

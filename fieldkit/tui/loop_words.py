@@ -12,8 +12,12 @@ from fieldkit.safe_text import printable
 from fieldkit.tui import cards
 
 if TYPE_CHECKING:
+    from fieldkit.ledger import Version
+    from fieldkit.loop.diagnose import Diagnosis
     from fieldkit.loop.findings import Compared, Findings
 
+PLAIN = 0
+"""The number of the model without anything added."""
 Parts = list[str | tuple[str, str]]
 
 
@@ -79,7 +83,7 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
     ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
     places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
     points = [(float(x), float(y)) for x, y in zip(places, off, strict=True) if np.isfinite(x + y)]
-    return f"off, in its scatter, against {name.replace('_', ' ')}: {tested}", points, ticks
+    return f"residual / expected scatter, against {name.replace('_', ' ')}: {tested}", points, ticks
 
 
 def fingerprint(found: "Findings", turn: int) -> Content:
@@ -98,6 +102,37 @@ def fingerprint(found: "Findings", turn: int) -> Content:
         alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
         parts.append(f"\n{title:22}{_lean(mark.expected, largest)}{_lean(mark.found, largest)} {alike}")
     return Content.assemble(*parts)
+
+
+def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
+    """Effects by where they would act, best first: the place, the evidence, the strength."""
+    rows: dict[str, tuple[str, ...]] = {}
+    for item in diagnosis.ranking:
+        if item.effect:
+            mean, sd = item.best.strength()
+            place = str(item.best.candidate.place)
+            rows[place] = (place, f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g} {item.best.unit}")
+    return rows
+
+
+def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[str, ...]]:
+    """Models by their number, the plain one first: when it was made, what it added, and which is in use."""
+    used = any(version.active for version in versions)
+    rows: dict[int, tuple[str, ...]] = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
+    return rows | {version.number: _version(version, system) for version in versions}
+
+
+def _version(version: "Version", system: str) -> tuple[str, ...]:
+    """A row: what a model added, and the error before and after."""
+    from fieldkit.loop.candidates import Place
+
+    payload = version.payload
+    errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
+    added = " + ".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
+    if left := payload.get("unexplained"):
+        added = f"{added or 'nothing'}, intervals {left['widened']:.2f} times as wide"
+    made, mark = f"{version.at:%Y-%m-%d}", "in use ✓" if version.active else ""
+    return (str(version.number), made, added, " → ".join(errors), mark)
 
 
 def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:

@@ -1,7 +1,9 @@
 """What every page is: a screen between the bars, with help, a copy of its figure, and work that blocks no key."""
 
 import asyncio
+from collections import defaultdict
 from collections.abc import Callable, Iterable
+from contextlib import nullcontext
 from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
@@ -23,6 +25,8 @@ if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 T = TypeVar("T")
+LEAVE_LINE = Binding("enter", "leave_line", show=False, priority=True)
+"""Enter in a search: taken before the keys behind it are looked at, so that they go to the table."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,6 +86,12 @@ class PageScreen(Screen[None]):
     def __init__(self) -> None:
         super().__init__()
         self._seen = (-1, -1)
+        self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+
+    @property
+    def ready(self) -> bool:
+        """Whether the page has been in front, mounted and painted, and keys go where they should."""
+        return self._seen != (-1, -1)
 
     @property
     def desk(self) -> "Desk":
@@ -134,21 +144,31 @@ class PageScreen(Screen[None]):
         self.field_app.revision += 1
         self._seen = (self.field_app.revision, self.field_app.look)
 
-    def ask(self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask") -> None:
-        """Do some work off the keys and give what comes of it to `answer`; a newer question drops an older one.
-
-        An error that the flyer can mend becomes a notice.
+    def ask(
+        self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask", *, in_turn: bool = False
+    ) -> None:
+        """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
+        one, or waits for it `in_turn`. An error that the flyer can mend becomes a notice.
         """
 
-        async def work() -> None:
-            try:
-                found = await asyncio.to_thread(question)
-            except FieldkitError as error:
-                self.complain(str(error))
-                return
-            answer(found)
+        def woken() -> T:
+            self.desk.wake()
+            return question()
 
-        self.run_worker(work(), exclusive=True, group=group)
+        async def work() -> None:
+            async with self._turns[group] if in_turn else nullcontext():
+                try:
+                    found = await asyncio.to_thread(woken)
+                except FieldkitError as error:
+                    self.complain(str(error))
+                    return
+                answer(found)
+
+        self.run_worker(work(), exclusive=not in_turn, group=group)
+
+    def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
+        """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
+        self.ask(question, answer, "change", in_turn=True)
 
     def tell(self, text: str) -> None:
         """Say something good."""
@@ -162,6 +182,8 @@ class PageScreen(Screen[None]):
         """While something is typed, letters are letters."""
         if action in self.LETTERS and isinstance(self.focused, Input):
             return False
+        if action == "leave_line":
+            return isinstance(self.focused, Input)
         return super().check_action(action, parameters)
 
     def action_help(self) -> None:
@@ -191,6 +213,10 @@ class PageScreen(Screen[None]):
             self.set_focus(rest)
         elif len(self.app.screen_stack) > 1:
             self.dismiss()
+
+    def action_leave_line(self) -> None:
+        """From a line to the first table."""
+        self.set_focus(self.resting_place())
 
     def resting_place(self) -> Widget | None:
         """Where the focus goes when a field is left: the first table, if there is one."""

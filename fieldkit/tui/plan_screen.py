@@ -46,8 +46,9 @@ class PlanScreen(PageScreen):
         ("fieldkit delay --motor F24", "fieldkit ballast --target 800ft", "fieldkit contest --season 2027 --motor F24"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("left", "turn(-1)", "Answer before", show=False),
-        Binding("right", "turn(1)", "Answers", key_display="←→"),
+        Binding("escape", "back", "Back"),
+        Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
+        Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
         Binding("comma", "season(-1)", "Season before", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="The season after, or before with ,"),
     ]

@@ -13,6 +13,8 @@ from fieldkit.shapes import Array, Float
 
 POINT = 200
 """Points of a drawn density."""
+FLAT = 0.02
+"""Share of a density's height below which nothing is drawn: a cell of ink would say more than is there. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,7 +79,8 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
     low, high = np.quantile(values, [0.002, 0.998])
     at = np.linspace(low - width, high + width, POINT)
     heights = np.exp(-0.5 * ((at[:, None] - values) / width) ** 2).sum(axis=1)
-    return at.tolist(), (heights / heights.max()).tolist()
+    drawn = heights > FLAT * heights.max()
+    return at[drawn].tolist(), (heights[drawn] / heights.max()).tolist()
 
 
 def draw_density(

@@ -3,7 +3,6 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from threading import Lock
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
@@ -63,6 +62,7 @@ class TagScreen(PageScreen):
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
     TagScreen Table { height: 1fr; min-height: 5; }
+    TagScreen.-tall Table { height: 14; margin-bottom: 1; }
     TagScreen #means { height: auto; padding: 0 1; }
     TagScreen #effect { height: auto; max-height: 9; padding: 0 1; border-top: solid $border-blurred; }
     """
@@ -71,7 +71,6 @@ class TagScreen(PageScreen):
         super().__init__()
         self._flight_id, self._flight = id, flight
         self._before: Shift | None = None
-        self._one_at_a_time = Lock()
 
     def body(self) -> Iterable[Widget]:
         """The flight, the tags, the effect."""
@@ -146,12 +145,11 @@ class TagScreen(PageScreen):
         """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
 
         def work() -> None:
-            with self._one_at_a_time:
-                ledger = self.desk.ledger
-                there = tag in ledger.flight(self._flight_id).tags
-                (ledger.untag if there else ledger.tag)(self._flight_id, tag)
+            ledger = self.desk.ledger
+            there = tag in ledger.flight(self._flight_id).tags
+            (ledger.untag if there else ledger.tag)(self._flight_id, tag)
 
-        self.ask(work, lambda _: self.field_app.changed(), "tag")
+        self.change(work, lambda _: self.field_app.changed())
 
     def copied(self) -> str:
         """The tag under the cursor and what it means."""

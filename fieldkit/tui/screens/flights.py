@@ -1,10 +1,8 @@
 """Flights: the ledger as a table, newest first; filter as you type, sort by any column, open one with Enter."""
 
-from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass
-from datetime import datetime
+from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
@@ -13,10 +11,11 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from fieldkit.flight import Flight
-from fieldkit.measures import number, spelled, unit_of
+from fieldkit.measures import spelled, unit_of
 from fieldkit.tui import cards
-from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.fields import Line
+from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
+from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
@@ -24,82 +23,6 @@ if TYPE_CHECKING:
 
 FEW = 200
 """Flights whose drag and thrust are worked out together, so that others need not wait for it."""
-
-
-@dataclass(slots=True, eq=False)
-class Row:
-    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later.
-
-    `stale` says that what the forecast was made from had changed when the flight came in.
-    """
-
-    id: str
-    place: int
-    flight: Flight
-    miss: float | None = None
-    stale: bool = False
-    drag: float | None = None
-    thrust: float | None = None
-
-
-@dataclass(frozen=True, slots=True)
-class Shown:
-    """A column of the table: heading, width, what it says of a row, and what it is sorted by."""
-
-    title: str
-    width: int
-    text: Callable[[Row, str], str]
-    order: Callable[[Row], Any]
-    right: bool = False
-
-
-def _number(value: float | None, form: str) -> str:
-    return "" if value is None else format(value, form)
-
-
-def _miss(row: Row, system: str) -> str:
-    if row.miss is None:
-        return ""
-    sign = "+" if row.miss >= 0 else "-"
-    return sign + number(cards.APOGEE, abs(row.miss), system) + "*" * row.stale
-
-
-def _date(form: str) -> Callable[[Row, str], str]:
-    return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
-
-
-def _columns(width: int) -> list[Shown]:
-    """All ten columns in any width: narrow ones shorten the date and the tags."""
-    wide, tight = width >= 108, width < 76
-    return [
-        Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
-        Shown(
-            "date",
-            16 if wide else 5 if tight else 10,
-            _date("%Y-%m-%d %H:%M" if wide else "%m-%d" if tight else "%Y-%m-%d"),
-            lambda r: (r.flight.date_time or datetime.min, r.place),
-        ),
-        Shown("rocket", 14 if wide else 6, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()),
-        Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
-        Shown("motor", 14 if wide else 6 if tight else 8, lambda r, _: r.flight.motor, lambda r: r.flight.motor),
-        Shown(
-            "apogee",
-            9 if wide else 7,
-            lambda r, s: number(cards.APOGEE, r.flight.apogee, s) if r.flight.apogee is not None else "",
-            lambda r: r.flight.apogee or 0.0,
-            right=True,
-        ),
-        Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
-        Shown(
-            "α" if tight else "alpha",
-            5 if not tight else 4,
-            lambda r, _: _number(r.thrust, ".2f"),
-            lambda r: r.thrust or 0.0,
-            right=True,
-        ),
-        Shown("miss", 6 if not tight else 5, _miss, lambda r: abs(r.miss) if r.miss is not None else -1.0, right=True),
-        Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
-    ]
 
 
 class FlightsScreen(PageScreen):
@@ -117,11 +40,13 @@ class FlightsScreen(PageScreen):
             ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
             ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),
             ("miss", "Flown less forecast, for the forecast that was made before it. Empty where none was made."),
+            ("miss*", "The forecast was stale: mass, motor, weather or model had changed between it and the flight."),
             ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
         ),
         ("fieldkit flights [--rocket R] [--tag T]", "fieldkit infer", "fieldkit tag FLIGHT TAG", "fieldkit undo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
+        LEAVE_LINE,
         Binding("slash", "filter", "Filter", key_display="/", priority=True),
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
@@ -148,7 +73,7 @@ class FlightsScreen(PageScreen):
         """A line to filter with, the table, the flight beside it."""
         with Horizontal(id="filter"):
             yield Static("/", classes="slash")
-            yield Input(placeholder="filter: rocket, motor, tag, month ...", compact=True)
+            yield Line(placeholder="filter: rocket, motor, tag, month ...", compact=True)
             yield Static("", id="count")
         with Horizontal():
             yield Table(empty="reading the ledger ...", id="table")
@@ -157,28 +82,15 @@ class FlightsScreen(PageScreen):
 
     def on_mount(self) -> None:
         """Keys go to the table."""
-        self.query_one(Input).cursor_blink = False
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
         """Read the flights; what each says of drag and thrust follows."""
-        self.ask(self._read, self._have)
+        self.ask(lambda: read_rows(self.desk.ledger, self.desk.motors), self._have)
 
     def redraw(self) -> None:
         """The same rows in other units."""
         self._refill()
-
-    def _read(self) -> list[Row]:
-        from fieldkit.loop.kept import by_flight, kept
-
-        ledger = self.desk.ledger
-        flights = ledger.flights()
-        said = by_flight(kept(ledger, self.desk.motors))
-        rows = []
-        for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
-            one = said.get((flight.rocket, flight.flight_id))
-            rows.append(Row(id, place, flight, one.miss, one.stale) if one else Row(id, place, flight))
-        return rows
 
     def _have(self, rows: list[Row]) -> None:
         known = {row.id: row for row in self._rows.values() if row.drag is not None}
@@ -186,7 +98,7 @@ class FlightsScreen(PageScreen):
             if (before := known.get(row.id)) and before.flight == row.flight:
                 row.drag, row.thrust = before.drag, before.thrust
         self._rows = {row.id: row for row in rows}
-        self._hay = {row.id: _haystack(row) for row in rows}
+        self._hay = {row.id: haystack(row) for row in rows}
         self._asked = {row.id for row in rows if row.drag is not None}
         self.query_one(Table).empty = "no flights yet; a adds one, 3 imports a file"
         self._refill()
@@ -214,7 +126,7 @@ class FlightsScreen(PageScreen):
 
     def _shown(self) -> list[Shown]:
         """The columns, as wide as the table has room for."""
-        return _columns(self.query_one(Table).size.width)
+        return columns(self.query_one(Table).size.width)
 
     def _sorted(self, rows: Iterable[Row]) -> list[Row]:
         return sorted(rows, key=self._shown()[self._sort].order, reverse=self._down)
@@ -256,7 +168,7 @@ class FlightsScreen(PageScreen):
             cards.lines(cards.heading(row.flight, row.id), ()),
             cards.lines("Readouts", cards.readouts(row.flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20),
-            cards.lines("Tags", cards.tags(row.flight)),
+            cards.lines("Tags", cards.tags(row.flight)) if row.flight.tags else Content(),
         ]
         card.update(Content("\n\n").join(part for part in parts if part.plain))
 
@@ -271,10 +183,6 @@ class FlightsScreen(PageScreen):
         from fieldkit.tui.flight_screen import FlightScreen
 
         self.app.push_screen(FlightScreen(message.key))
-
-    @on(Input.Submitted)
-    def _to_table(self) -> None:
-        self.set_focus(self.query_one(Table))
 
     def on_resize(self, _event: events.Resize) -> None:
         """Columns are chosen by the width."""
@@ -311,14 +219,6 @@ class FlightsScreen(PageScreen):
     def copied(self) -> str:
         """The row under the cursor."""
         return self.query_one(Table).current_text()
-
-
-def _haystack(row: Row) -> str:
-    """What a filter looks in."""
-    flight = row.flight
-    when = flight.date_time.isoformat(" ") if flight.date_time else ""
-    texts = (row.id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)
-    return " ".join(texts).lower()
 
 
 PAGE = Page(1, "Flights", FlightsScreen)

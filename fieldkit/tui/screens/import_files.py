@@ -1,7 +1,7 @@
 """Import: pick a file, see what was recognised and what would be rejected, then store it."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -17,40 +17,24 @@ from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.import_look import (
+    UP,
+    Look,
+    Reading,
+    in_a_line,
+    left_out,
+    listed,
+    look_at,
+    name_and_size,
+    store,
+    told,
+    what_it_brings,
+)
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.intake import Receipt
-
-MOST = 200
-"""Rejected rows that are listed."""
-UP = Path("..")
-"""The row that leads to the folder above."""
-
-
-@dataclass(frozen=True, slots=True)
-class Look:
-    """What a file would bring: the format it was recognised as, and the receipt of a dry run; or why it would not."""
-
-    path: Path
-    format: str
-    receipt: "Receipt | None"
-    trouble: str = ""
-
-
-def told(folder: Path) -> str:
-    """A folder as it is named above its files."""
-    return str(folder)
-
-
-def listed(folder: Path) -> list[Path]:
-    """Folders and then files, without hidden ones. Raises FieldkitError where they cannot be read."""
-    try:
-        found = [path for path in folder.iterdir() if not path.name.startswith(".")]
-        return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]
-    except OSError as error:
-        raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
 
 class ImportScreen(PageScreen):
@@ -95,10 +79,8 @@ class ImportScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._folder = Path.cwd()
-        self._format: str | None = None
-        self._given: dict[str, str] = {}
+        self._reading = Reading()
         self._look: Look | None = None
-        self._columns: list[str] = []
 
     def body(self) -> Iterable[Widget]:
         """Where we are, the files, what one would bring."""
@@ -129,7 +111,7 @@ class ImportScreen(PageScreen):
     def _listed(self, folder: Path, mark: Path | None, paths: list[Path]) -> None:
         self._folder = folder
         self.query_one("#where", Static).update(Content(printable(told(folder))))
-        rows = {path: _row(path) for path in paths}
+        rows = {path: name_and_size(path) for path in paths}
         table = self.query_one("#files", Table)
         table.show([Head("file", 0), Head("size", 7, True)], paths, rows.__getitem__)
         if mark is not None:
@@ -150,56 +132,12 @@ class ImportScreen(PageScreen):
             self.query_one("#said", Static).update("Enter opens the folder")
             return
         self.query_one("#said", Static).update("reading ...")
-        self.ask(partial(self._read, path, self._format, dict(self._given)), self._examined, "look")
-
-    def _read(self, path: Path, format: str | None, given: dict[str, str]) -> Look:
-        from fieldkit.intake import read_file
-        from fieldkit.parsing import parsers, recognise
-
-        try:
-            receipt = self._bring_in(path, format, given, dry_run=True)
-        except FieldkitError as error:
-            return Look(path, "", None, str(error))
-        try:
-            parser = recognise(read_file(path), format, path.name)
-        except FieldkitError:
-            return Look(path, "a table of samples, by its columns", receipt)
-        name = next(name for name, one in parsers().items() if one is parser)
-        return Look(path, f"{parser.title} ({name})", receipt)
-
-    def _defaults(self, given: dict[str, str]) -> dict[str, object]:
-        from fieldkit.entry import read_changes
-        from fieldkit.flight import Flight
-
-        return read_changes(Flight(), given)
+        self.ask(partial(look_at, self.desk, path, self._reading), self._examined, "look")
 
     def _examined(self, look: Look) -> None:
         self._look = look
-        parts: list[str | tuple[str, str]] = [(printable(look.path.name), "b $primary")]
-        if look.receipt is None:
-            parts += [("\n✗ ", "b $error"), printable(look.trouble)]
-            parts.append("\n\nf names the parser to read it with")
-        else:
-            receipt = look.receipt
-            parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
-            parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
-            parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
-            given = "; ".join(f"{name}={value}" for name, value in self._given.items())
-            parts += ["\n", ("set            ", "$text-muted"), (printable(given), "b")] if given else []
-            parts += [f"\n! {printable(note)}" for note in receipt.notes[:6]]
-            if len(receipt.notes) > 6:
-                parts.append(f"\n  and {len(receipt.notes) - 6} more notes")
-            if receipt.ids:
-                parts.append(("\nEnter stores it", "b"))
-        self.query_one("#said", Static).update(Content.assemble(*parts))
-        rejected = look.receipt.rejected if look.receipt else ()
-        lines: list[str | tuple[str, str]] = [("Left out, and why", "b $primary")] if rejected else []
-        for one in rejected[:MOST]:
-            place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
-            lines += ["\n", (f"✗ {printable(place)}", "b"), f": {printable(one.error)}"]
-        if len(rejected) > MOST:
-            lines.append(f"\nand {len(rejected) - MOST} more; fieldkit import --dry-run lists all")
-        self.query_one("#rejected", Static).update(Content.assemble(*lines))
+        self.query_one("#said", Static).update(what_it_brings(look, self._reading.given))
+        self.query_one("#rejected", Static).update(left_out(look))
 
     @on(Table.Chosen, "#files")
     def _chosen(self) -> None:
@@ -210,36 +148,11 @@ class ImportScreen(PageScreen):
         elif path is not None and path.is_dir():
             self.go(path)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
-            self.ask(partial(self._store, path, self._format, dict(self._given)), self._stored, "store")
+            self.change(partial(store, self.desk, path, self._reading), self._stored)
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
             self.tell("it is still being read; Enter again stores it")
-
-    def _bring_in(self, path: Path, format: str | None, given: dict[str, str], *, dry_run: bool) -> "Receipt":
-        """What a file brings, its columns read as chosen now, or once for such a table."""
-        from fieldkit.intake import bring_in
-        from fieldkit.logs.mapping import read_choice, remembered
-
-        choices = ([read_choice(self._columns)] if self._columns else []) + list(remembered())
-        return bring_in(
-            self.desk.ledger,
-            [path],
-            self.desk.motors.complaint,
-            format=format,
-            defaults=self._defaults(given),
-            choices=choices,
-            dry_run=dry_run,
-        )
-
-    def _store(self, path: Path, format: str | None, given: dict[str, str]) -> "Receipt":
-        from fieldkit.logs.mapping import remember
-
-        receipt = self._bring_in(path, format, given, dry_run=False)
-        for mapped in receipt.mapped:
-            if mapped.chosen:
-                remember(mapped.choice)
-        return receipt
 
     def _stored(self, receipt: "Receipt") -> None:
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
@@ -257,32 +170,34 @@ class ImportScreen(PageScreen):
 
         known = ", ".join(parsers())
         self.app.push_screen(
-            AskText("Read it as", self._format or "", f"One of: {known}. Empty: by its content."), self._named
+            AskText("Read it as", self._reading.format or "", f"One of: {known}. Empty: by its content."), self._named
         )
 
     def _named(self, text: str | None) -> None:
         if text is not None:
-            self._format = text.strip() or None
-            self._examine()
+            self._read_as(replace(self._reading, format=text.strip() or None))
+
+    def _read_as(self, reading: Reading) -> None:
+        """Read the file under the cursor so, and those after it. Where that cannot be, say why."""
+        try:
+            reading.defaults()
+            reading.named()
+        except FieldkitError as error:
+            self.complain(str(error))
+            return
+        self._reading = reading
+        self._examine()
 
     def action_set(self) -> None:
         """Columns that the file leaves open."""
-        given = "; ".join(f"{name}={value}" for name, value in self._given.items())
         about = "COLUMN=VALUE for flights that leave it open, several apart by ; such as rocket=Astra; config=A"
-        self.app.push_screen(AskText("Set", given, about), self._set)
+        self.app.push_screen(AskText("Set", in_a_line(self._reading.given), about), self._set)
 
     def _set(self, text: str | None) -> None:
         if text is None:
             return
         pairs = [part.partition("=") for part in text.split(";") if part.strip()]
-        given = {name.strip(): value.strip() for name, _, value in pairs}
-        try:
-            self._defaults(given)
-        except FieldkitError as error:
-            self.complain(str(error))
-            return
-        self._given = given
-        self._examine()
+        self._read_as(replace(self._reading, given={name.strip(): value.strip() for name, _, value in pairs}))
 
     def action_columns(self) -> None:
         """Say which column of a table is what."""
@@ -290,21 +205,12 @@ class ImportScreen(PageScreen):
 
         known = ", ".join(QUANTITIES)
         about = f"CHANNEL=COLUMN, several apart by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."
-        self.app.push_screen(AskText("Columns", "; ".join(self._columns), about), self._mapped)
+        self.app.push_screen(AskText("Columns", "; ".join(self._reading.columns), about), self._mapped)
 
     def _mapped(self, text: str | None) -> None:
-        from fieldkit.logs.mapping import read_choice
-
-        if text is None:
-            return
-        columns = [part.strip() for part in text.split(";") if part.strip()]
-        try:
-            read_choice(columns)
-        except FieldkitError as error:
-            self.complain(str(error))
-            return
-        self._columns = columns
-        self._examine()
+        if text is not None:
+            columns = tuple(part.strip() for part in text.split(";") if part.strip())
+            self._read_as(replace(self._reading, columns=columns))
 
     def action_folder(self) -> None:
         """Type a path."""
@@ -324,23 +230,6 @@ class ImportScreen(PageScreen):
     def copied(self) -> str:
         """What the file would bring."""
         return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#rejected"))
-
-
-def _counted(count: int) -> str:
-    return f"{count} flight" + ("" if count == 1 else "s")
-
-
-def _row(path: Path) -> tuple[str, str]:
-    """A file's name and size; folders end in a slash."""
-    if path == UP:
-        return "../", ""
-    if path.is_dir():
-        return f"{path.name}/", ""
-    try:
-        size = path.stat().st_size
-    except OSError:
-        return path.name, "?"
-    return path.name, f"{size} B" if size < 1000 else f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
 
 
 PAGE = Page(3, "Import", ImportScreen)

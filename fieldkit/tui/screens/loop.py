@@ -14,10 +14,16 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import Flight
-from fieldkit.measures import measure
 from fieldkit.safe_text import printable
-from fieldkit.tui import cards
-from fieldkit.tui.loop_words import draw_points, fingerprint, residual_points, verdict
+from fieldkit.tui.loop_words import (
+    PLAIN,
+    draw_points,
+    fingerprint,
+    ranking_rows,
+    residual_points,
+    verdict,
+    version_rows,
+)
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
 
@@ -27,8 +33,6 @@ if TYPE_CHECKING:
     from fieldkit.loop.findings import Findings
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
-PLAIN = 0
-"""The number of the model without anything added."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -160,27 +164,9 @@ class LoopScreen(PageScreen):
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
         model = f"version {used}" if used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
-        rows: dict[int, tuple[str, ...]] = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
-        rows |= {version.number: self._version(version) for version in standing.versions}
+        rows = version_rows(standing.versions, self.desk.settings.units)
         heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("unseen flights", 18, True), Head("", 8)]
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
-
-    def _version(self, version: "Version") -> tuple[str, ...]:
-        """A row: what a model added, and the error before and after."""
-        from fieldkit.loop.candidates import Place
-
-        payload, system = version.payload, self.desk.settings.units
-        errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
-        added = " + ".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
-        if left := payload.get("unexplained"):
-            added = f"{added or 'nothing'}, intervals {left['widened']:.2f} times as wide"
-        return (
-            str(version.number),
-            f"{version.at:%Y-%m-%d}",
-            added,
-            " → ".join(errors),
-            "in use ✓" if version.active else "",
-        )
 
     def action_look(self) -> None:
         """Look for what is missing; nothing is changed."""
@@ -240,12 +226,7 @@ class LoopScreen(PageScreen):
         self.query_one("#marks", Static).update(text)
 
     def _show_ranking(self, diagnosis: "Diagnosis") -> None:
-        rows = {}
-        for item in diagnosis.ranking:
-            if item.effect:
-                mean, sd = item.best.strength()
-                place = str(item.best.candidate.place)
-                rows[place] = (place, f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g} {item.best.unit}")
+        rows = ranking_rows(diagnosis)
         heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 38)]
         self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
@@ -306,7 +287,7 @@ class LoopScreen(PageScreen):
         if plain and not found.diagnosis.accepted and found.unexplained is None:
             self.complain("nothing to accept: the plain model stands")
             return
-        self.ask(lambda: adopt(self.desk.ledger, found.rocket, found.diagnosis), self._accepted, "accept")
+        self.change(lambda: adopt(self.desk.ledger, found.rocket, found.diagnosis), self._accepted)
 
     def _accepted(self, _: None) -> None:
         self.tell("accepted: forecasts rest on it from now on; u takes it back")
@@ -324,7 +305,7 @@ class LoopScreen(PageScreen):
         rocket, number = self._standing.rocket, message.key
         work = partial(self.desk.ledger.activate, rocket, number or None)
         said = f"{rocket} predicts with " + (f"version {number}" if number else "the plain model")
-        self.ask(work, partial(self._used, said), "use")
+        self.change(work, partial(self._used, said))
 
     def _used(self, said: str, _: None) -> None:
         self.tell(f"{said}; u takes it back")

@@ -86,9 +86,7 @@ class CaptureScreen(PageScreen):
         """The ports, and what comes in."""
         from fieldkit.tui.plots import Plot
 
-        yield Table(
-            id="ports", empty="no serial port is there; plug the logger or its adapter in, then r", enter="Capture"
-        )
+        yield Table(id="ports", empty="no serial port: plug the logger in, then r looks again", enter="Capture")
         with Vertical(id="live"):
             yield Static("", id="said")
             yield Static("", id="count")

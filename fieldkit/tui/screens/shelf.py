@@ -3,7 +3,7 @@
 from collections.abc import Iterable, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -12,25 +12,33 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from fieldkit.entry import Question, answer_text
-from fieldkit.flight import BY_NAME, Flight
+from fieldkit.entry import Question
+from fieldkit.flight import BY_NAME
 from fieldkit.measures import measure, unit_of
-from fieldkit.safe_text import printable
 from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import AskText
-from fieldkit.tui.fields import Form
+from fieldkit.tui.fields import Form, Line
 from fieldkit.tui.groups import Group, Kept, grouped
-from fieldkit.tui.page import Help, Page, PageScreen
-from fieldkit.tui.table import Cells, Head, Table
+from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.shelf_lists import (
+    RAIL,
+    Listed,
+    answer_of,
+    builds_listed,
+    motors_listed,
+    on_record,
+    same,
+    settings_listed,
+    sites_listed,
+)
+from fieldkit.tui.table import Table
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
 
-
-RAIL = ("rail_length", "rail_angle")
 BUILD = (
     Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
     Question("config", "Configuration", "The name of this build."),
@@ -63,6 +71,7 @@ class ShelfScreen(PageScreen):
         ("fieldkit motors F24", "fieldkit motors --import FILE.eng", "fieldkit edit FLIGHT dry_mass=330g"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
+        LEAVE_LINE,
         Binding("left", "turn(-1)", "List before", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
         Binding("slash", "search", "Search", key_display="/", priority=True),
@@ -87,12 +96,11 @@ class ShelfScreen(PageScreen):
         yield Static("", id="kinds")
         with Horizontal(id="search"):
             yield Static("/")
-            yield Input(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
+            yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
         yield Table(empty="nothing here yet", enter="Change")
 
     def on_mount(self) -> None:
         """Keys go to the table."""
-        self.query_one(Input).cursor_blink = False
         self.set_focus(self.query_one(Table))
 
     def reload(self) -> None:
@@ -134,68 +142,24 @@ class ShelfScreen(PageScreen):
             parts.append(Content.from_markup(here))
         self.query_one("#kinds", Static).update(Content(" ").join(parts))
         self.query_one("#search").display = self._kind == 0
-        heads, keys, cells = (self._motors, self._builds, self._sites, self._settings)[self._kind]()
+        heads, keys, cells = self._list()
         table = self.query_one(Table)
         table.enter = ("About it", "Change", "Change", "Change")[self._kind]
         table.show(heads, keys, cells)
         self.query_one(KeyBar).refresh(layout=True)
 
-    def _motors(self) -> tuple[list[Head], Sequence[Any], Cells]:
-        from fieldkit.motors.motor import delays_text
-
-        wide = self.size.width >= 100
-        heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 6, True), Head("avg N", 5, True)]
-        heads += [Head("burn s", 6, True), Head("grams", 6, True)] if wide else []
-        heads += [Head("delays", 18 if wide else 12), Head("", 14 if wide else 5)]
-
-        def cells(motor: "Motor") -> list[str]:
-            gone = "" if motor.available else "no longer made" if wide else "gone"
-            figures = [f"{motor.burn_time:.3g}", f"{motor.loaded_mass * 1e3:.4g}"] if wide else []
-            first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:g}", f"{motor.total_impulse:.4g}"]
-            return [*first, f"{motor.average_thrust:.3g}", *figures, delays_text(motor.delays), gone]
-
-        return heads, self._found, cells
-
-    def _builds(self) -> tuple[list[Head], Sequence[Any], Cells]:
-        system = self.desk.settings.units
-
-        def cells(group: Group) -> list[str]:
-            numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
-            return [*group.names, *numbers, str(len(group.ids)), group.last.motor]
-
-        heads = [Head("rocket", 0), Head("config", 10), Head("dry mass", 9, True), Head("diameter", 9, True)]
-        return [*heads, Head("flights", 7, True), Head("last motor", 14)], self._kept.builds, cells
-
-    def _sites(self) -> tuple[list[Head], Sequence[Any], Cells]:
-        system = self.desk.settings.units
-
-        def cells(group: Group) -> list[str]:
-            elevation = measure(BY_NAME["site_elevation"], group.last.number("site_elevation"), system)
-            last = answer_text(group.last, "date_time")[:10]
-            return [group.names[0], elevation, str(len(group.ids)), last]
-
-        heads = [Head("site", 0), Head("elevation", 9, True), Head("flights", 7, True), Head("last", 10)]
-        return heads, self._kept.sites, cells
-
-    def _settings(self) -> tuple[list[Head], Sequence[Any], Cells]:
-        from fieldkit.places import motor_folder, settings_file
-
-        settings = self.desk.settings
-        target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
-        ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]
-        rail = ", ".join(end for end in ends if end)
-        rows = {
-            "units": (settings.units, "SI, US, or mixed: feet and grams"),
-            "theme": (settings.theme, "field, sun, night or terminal"),
-            "target": (target, "what motors are compared against"),
-            "rail": (rail or "none", "yours, for plans that name none"),
-            "ledger": (self.desk.name, "where flights are kept: --ledger, FIELDKIT_LEDGER"),
-            "own motors": (str(motor_folder()), "your .eng and .rse files"),
-            "settings": (str(settings_file()), "where these choices are kept"),
-        }
-        narrow = self.size.width < 100
-        heads = [Head("setting", 10), Head("is", 0)] + ([] if narrow else [Head("means", 52)])
-        return heads, list(rows), lambda name: (name, *rows[name][: 1 if narrow else 2])
+    def _list(self) -> Listed:
+        """The list in front, as wide as there is room for."""
+        desk, wide = self.desk, self.size.width >= 100
+        match KINDS[self._kind]:
+            case "Motors":
+                return motors_listed(self._found, wide)
+            case "Rockets":
+                return builds_listed(self._kept, desk.settings.units)
+            case "Sites":
+                return sites_listed(self._kept, desk.settings.units)
+            case _:
+                return settings_listed(desk.settings, desk.name, wide)
 
     def action_kind(self, kind: int) -> None:
         """Another list."""
@@ -213,22 +177,15 @@ class ShelfScreen(PageScreen):
         self.action_kind(0)
         self.set_focus(self.query_one(Input))
 
-    @on(Input.Submitted)
-    def _to_table(self) -> None:
-        self.set_focus(self.query_one(Table))
-
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
         (self._about_motor, self._change_build, self._change_site, self._change_setting)[self._kind](message.key)
 
     def _about_motor(self, motor: "Motor") -> None:
-        from fieldkit.motors import describe
         from fieldkit.tui.dialogs import HelpScreen
 
-        facts = [(name.replace("_", " "), _said(value)) for name, value in describe(motor).items()]
         text = f"{motor.maker} {motor.designation}"
-        known = tuple((name, printable(value)) for name, value in facts if value)
-        about = Help("What is on record of this motor.", known, (f"fieldkit motors {text} --json",))
+        about = Help("What is on record of this motor.", on_record(motor), (f"fieldkit motors {text} --json",))
         self.app.push_screen(HelpScreen(text, about, (), "On record"))
 
     def _change_build(self, group: Group) -> None:
@@ -240,15 +197,8 @@ class ShelfScreen(PageScreen):
     def _edit(self, group: Group, questions: Sequence[Question], what: str) -> None:
         """A form over a group; what is changed there is changed in every flight of it."""
         system = self.desk.settings.units
-        texts, units = dict[str, str](), dict[str, str]()
-        for question in questions:
-            column = question.column
-            texts[question.name] = (
-                answer_text(group.last, question.name)
-                if column is None
-                else measure(column, group.last.number(question.name), system)
-            )
-            units[question.name] = unit_of(column, system) if column else ""
+        texts = {question.name: answer_of(group.last, question, system) for question in questions}
+        units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
         title = f"{what}: {len(group.ids)} flights"
         self.app.push_screen(Form(title, questions, texts, units), partial(self._edited, group, what, texts))
 
@@ -258,11 +208,11 @@ class ShelfScreen(PageScreen):
         changes = {
             name: value
             for name, value in values.items()
-            if not _same(group.last, name, value, texts[name], self.desk.settings.units)
+            if not same(group.last, name, value, texts[name], self.desk.settings.units)
         }
         if changes:
             work = partial(self.desk.ledger.edit_all, group.ids, what, **changes)
-            self.ask(work, partial(self._changed, what), "edit")
+            self.change(work, partial(self._changed, what))
 
     def _changed(self, what: str, count: int) -> None:
         self.tell(f"{what}: {count} flights changed; u takes it back")
@@ -317,21 +267,6 @@ class ShelfScreen(PageScreen):
     def copied(self) -> str:
         """The row under the cursor."""
         return self.query_one(Table).current_text()
-
-
-def _same(flight: Flight, name: str, value: object, text: str, system: str) -> bool:
-    """Whether a form's value is what it was: a number that reads the same was not changed."""
-    column = BY_NAME.get(name)
-    if column is None:
-        return bool(getattr(flight, name) == value)
-    return measure(column, value if isinstance(value, float) else None, system) == text
-
-
-def _said(value: object) -> str:
-    """A fact as text; long lists are left to the command."""
-    if isinstance(value, list | tuple):
-        return ", ".join(map(str, value)) if len(value) <= 12 else f"{len(value)} entries"
-    return "" if value is None else str(value)
 
 
 PAGE = Page(6, "Setup", ShelfScreen)

@@ -1,0 +1,166 @@
+"""Files on the page Import: a folder's files, what one would bring, and storing it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from textual.content import Content
+
+from fieldkit.errors import FieldkitError
+from fieldkit.safe_text import printable
+from fieldkit.tui.bars import shortened
+
+if TYPE_CHECKING:
+    from fieldkit.intake import Receipt
+    from fieldkit.reading import Choice
+    from fieldkit.tui.desk import Desk
+
+Parts = list[str | tuple[str, str]]
+MOST, NOTES = 200, 6
+"""Rejected rows and notes that are listed."""
+UP = Path("..")
+"""The row that leads to the folder above."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a file would bring: the format it was recognised as, and the receipt of a dry run; or why it would not."""
+
+    path: Path
+    format: str
+    receipt: "Receipt | None"
+    trouble: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How files are read: the parser by name, None for the one that recognises it; what they leave open; what the
+    columns of a table are, as typed (`altitude=Alt (ft)`)."""
+
+    format: str | None = None
+    given: Mapping[str, str] = field(default_factory=dict)
+    columns: tuple[str, ...] = ()
+
+    def defaults(self) -> dict[str, object]:
+        """What files leave open, as fields of a flight. Raises BadValue."""
+        from fieldkit.entry import read_changes
+        from fieldkit.flight import Flight
+
+        return read_changes(Flight(), self.given)
+
+    def named(self) -> "list[Choice]":
+        """The columns as they are named here. Raises BadValue."""
+        from fieldkit.logs.mapping import read_choice
+
+        return [read_choice(self.columns)] if self.columns else []
+
+
+def told(folder: Path) -> str:
+    """A folder as it is named above its files."""
+    return str(folder)
+
+
+def listed(folder: Path) -> list[Path]:
+    """Folders and then files, without hidden ones. Raises FieldkitError where they cannot be read."""
+    try:
+        found = [path for path in folder.iterdir() if not path.name.startswith(".")]
+        return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]
+    except OSError as error:
+        raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
+
+
+def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
+    """What a file would bring; nothing is stored."""
+    from fieldkit.intake import read_file
+    from fieldkit.parsing import parsers, recognise
+
+    try:
+        receipt = _bring_in(desk, path, reading, dry_run=True)
+    except FieldkitError as error:
+        return Look(path, "", None, str(error))
+    try:
+        parser = recognise(read_file(path), reading.format, path.name)
+    except FieldkitError:
+        return Look(path, "a table of samples, by its columns", receipt)
+    name = next(name for name, one in parsers().items() if one is parser)
+    return Look(path, f"{parser.title} ({name})", receipt)
+
+
+def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
+    """Put what a file brings into the ledger, and remember how its columns were named."""
+    from fieldkit.logs.mapping import remember
+
+    receipt = _bring_in(desk, path, reading, dry_run=False)
+    for mapped in receipt.mapped:
+        if mapped.chosen:
+            remember(mapped.choice)
+    return receipt
+
+
+def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "Receipt":
+    from fieldkit.intake import bring_in
+    from fieldkit.logs.mapping import remembered
+
+    return bring_in(
+        desk.ledger,
+        [path],
+        desk.motors.complaint,
+        format=reading.format,
+        defaults=reading.defaults(),
+        choices=[*reading.named(), *remembered()],
+        dry_run=dry_run,
+    )
+
+
+def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
+    """What a file was recognised as, how many flights it would bring, and notes; or why it cannot be read."""
+    parts: Parts = [(printable(look.path.name), "b $primary")]
+    receipt = look.receipt
+    if receipt is None:
+        parts += [("\n✗ ", "b $error"), printable(shortened(look.trouble)), "\n\nf names the parser to read it with"]
+        return Content.assemble(*parts)
+    parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
+    parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
+    parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
+    parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
+    parts += [f"\n! {printable(shortened(note))}" for note in receipt.notes[:NOTES]]
+    if len(receipt.notes) > NOTES:
+        parts.append(f"\n  and {len(receipt.notes) - NOTES} more notes")
+    if receipt.ids:
+        parts.append(("\nEnter stores it", "b"))
+    return Content.assemble(*parts)
+
+
+def left_out(look: Look) -> Content:
+    """Each row that would be left out: where it is, and why."""
+    rejected = look.receipt.rejected if look.receipt else ()
+    parts: Parts = [("Left out, and why", "b $primary")] if rejected else []
+    for one in rejected[:MOST]:
+        place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
+        parts += ["\n", (f"✗ {printable(place)}", "b"), f": {printable(one.error)}"]
+    if len(rejected) > MOST:
+        parts.append(f"\nand {len(rejected) - MOST} more; fieldkit import --dry-run lists all")
+    return Content.assemble(*parts)
+
+
+def in_a_line(given: Mapping[str, str]) -> str:
+    """What is set, as it is typed: `rocket=Astra; config=A`."""
+    return "; ".join(f"{name}={value}" for name, value in given.items())
+
+
+def _counted(count: int) -> str:
+    return f"{count} flight" + ("" if count == 1 else "s")
+
+
+def name_and_size(path: Path) -> tuple[str, str]:
+    """A file's name and size; folders end in a slash."""
+    if path == UP:
+        return "../", ""
+    if path.is_dir():
+        return f"{path.name}/", ""
+    try:
+        size = path.stat().st_size
+    except OSError:
+        return path.name, "?"
+    return path.name, f"{size} B" if size < 1000 else f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"
