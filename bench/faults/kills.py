@@ -66,7 +66,9 @@ def _with_an_import(file: Path) -> None:
     assert fieldkit(file, "import", str(TABLE), str(LOG), "--set", "rocket=Comet")[0] == 0
 
 
-ADD = ("add", "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g", "--apogee", "935ft")
+SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
+ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
+"""With its time: else it is that of the trial, and no two ledgers are alike."""
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
@@ -93,7 +95,7 @@ def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
     with os.fdopen(reading) as pipe:
         said = pipe.read()
     os.waitpid(pid, 0)
-    return Outcome(**json.loads(said)) if said else Outcome("kill", case.name, faults=["the bench itself died"])
+    return Outcome(**json.loads(said)) if said else Outcome("kill -9", case.name, faults=["the bench itself died"])
 
 
 def _quiet() -> None:
@@ -165,7 +167,7 @@ class _Bench:
             raise _Enough
 
         put(self.template, self.file)
-        with _gated(gate), suppress(_Enough):
+        with gated(gate), suppress(_Enough):
             run(["--ledger", str(self.file), *self.case.arguments])
             os._exit(0)
 
@@ -225,7 +227,7 @@ def _torn(file: Path) -> str:
 
 
 @contextmanager
-def _gated(gate: Callable[[], None]) -> Iterator[None]:
+def gated(gate: Callable[[], object]) -> Iterator[None]:
     """Call `gate` whenever a command is about to change its ledger."""
     keep, write = opening.keep_backup, opening.writing
 
