@@ -87,6 +87,20 @@ def test_a_damaged_ledger_is_named_offered_its_copy_and_put_back(
     assert [one.read_bytes() for one in aside] == ([hurt] if hurt else [])
 
 
+def test_a_text_that_is_none_any_more_is_damage_that_sqlite_does_not_see(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    add(file, "1", "2")
+    file.write_bytes(file.read_bytes().replace(b"Astra", b"A\xf3tra"))
+    assert main(["--ledger", str(file), "flights"]) == 1
+    (said,) = capsys.readouterr().err.splitlines()
+    assert "the file is damaged (Could not decode" in said
+    assert "`fieldkit backups restore`" in said
+    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
+    assert flown(file) == ["1"]
+    assert b"A\xf3tra" in backups.backups(file)[0].file.read_bytes(), "what was there is kept"
+
+
 def test_a_damaged_ledger_pushes_no_good_copy_out(file: Path) -> None:
     add(file, "1", "2")
     content = bytearray(file.read_bytes())
