@@ -31,7 +31,6 @@ class Outcome:
     tried: int = 0
     counts: dict[str, int] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
-    seconds: float = 0.0
 
     def saw(self, what: str, fault: str = "") -> None:
         """Count one trial."""
