@@ -1,8 +1,9 @@
 """`python -m bench.score SETS`: run the product on every set, then look at the labels.
 
-Nothing of the product is imported: it is a command with JSON on its output, as the contract has it. A set's
-history goes into a ledger of its own, `loop` gives the verdict, and `predict --flights` the errors on the
-flights that came later, with the model before and after.
+Nothing of the product is imported but the sharing out of work: it is a command with JSON on its output, as the
+contract has it. A set's history goes into a ledger of its own, `loop` gives the verdict, and `predict --flights` the
+errors on the flights that came later, with the model before and after. `--keep FOLDER` keeps each set's result as it
+comes, and a second run goes on from there; `--cluster` runs the sets on Dask's workers, which need this checkout.
 """
 
 import argparse
@@ -14,8 +15,9 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from contextlib import ExitStack
 from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
@@ -24,6 +26,7 @@ import numpy as np
 
 from bench.altimeter import RESOLUTION
 from bench.make import IMPERIAL
+from fieldkit.work import done, workers
 
 WORTH_IT = 0.2
 """Part of the error that knowing the effect must take away for a set to count as decidable."""
@@ -136,6 +139,48 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
         seconds=seconds,
         top=tuple(candidate["effect"] for candidate in said["candidates"][:4]),
     )
+
+
+@dataclass(frozen=True, slots=True)
+class Set:
+    """A set with all that is needed to score it on another machine, and by which command."""
+
+    label: Mapping[str, Any]
+    tables: Mapping[str, str]
+    command: Sequence[str]
+    timeout: float
+
+
+def score_set(one: Set) -> bytes:
+    """The result of a set, as JSON."""
+    with tempfile.TemporaryDirectory() as scratch:
+        for name, text in one.tables.items():
+            (Path(scratch) / name).write_text(text, encoding="utf-8", newline="")
+        return json.dumps(asdict(score(Path(scratch), one.label, one.command, one.timeout))).encode()
+
+
+def _result(content: bytes) -> Result:
+    kept = json.loads(content)
+    errors = {name: Errors(**kept[name]) if kept[name] else None for name in ("before", "after", "given")}
+    return Result(**{**kept, **errors, "also": tuple(kept["also"]), "top": tuple(kept["top"])})
+
+
+def _sets(folder: Path, labels: Sequence[Mapping[str, Any]], command: Sequence[str], timeout: float) -> dict[str, Set]:
+    """The sets by their names."""
+    found = {}
+    for label in labels:
+        names = [f"{label['set']}{part}.csv" for part in ("", "_future")]
+        tables = {name: (folder / name).read_bytes().decode() for name in names}
+        found[str(label["set"])] = Set(label, tables, command, timeout)
+    return found
+
+
+def results(sets: Mapping[str, Set], keep: Path | None, jobs: int, cluster: str) -> Iterator[Result]:
+    """The result of each set as it comes: by threads of this process, or by the workers of a cluster."""
+    with ExitStack() as stack:
+        folder = keep or Path(stack.enter_context(tempfile.TemporaryDirectory()))
+        pool = stack.enter_context(workers(cluster) if cluster else ThreadPoolExecutor(jobs))
+        yield from (_result(content) for _, content in done(score_set, sets, folder, pool))
 
 
 def _could_be(said: Mapping[str, Any], label: str) -> bool:
@@ -259,6 +304,8 @@ def main() -> None:
     parser.add_argument("sets", type=Path)
     parser.add_argument("--command", default="fieldkit", help="how the product is called")
     parser.add_argument("--jobs", type=int, default=2)
+    parser.add_argument("--cluster", default="", help="Dask's workers: local, local:4, or a scheduler's address")
+    parser.add_argument("--keep", type=Path, help="a folder for the results of sets as they come, to go on from")
     parser.add_argument("--timeout", type=float, default=180.0, help="seconds for one call")
     parser.add_argument("--scenario", nargs="*", help="only these")
     parser.add_argument("--limit", type=int, help="only the first so many sets of each scenario")
@@ -274,16 +321,16 @@ def main() -> None:
             given.limit is None or seen[label["scenario"]] <= given.limit
         ):
             chosen.append(label)
-    results = []
-    with ThreadPoolExecutor(given.jobs) as pool:
-        command = shlex.split(given.command)
-        for result in pool.map(lambda x: score(given.sets, x, command, given.timeout), chosen):
-            results.append(result)
-            mark = result.error or ("right" if result.right else "wrong")
-            sys.stderr.write(f"{result.name} {result.scenario}: {result.verdict} {mark}\n")
-            if given.out:
-                given.out.write_text(json.dumps([asdict(r) for r in results], indent=1) + "\n")
-    sys.stdout.write(f"{table(results)}\n\n{summary(results)}\n")
+    found = []
+    sets = _sets(given.sets, chosen, shlex.split(given.command), given.timeout)
+    for result in results(sets, given.keep, given.jobs, given.cluster):
+        found.append(result)
+        mark = result.error or ("right" if result.right else "wrong")
+        sys.stderr.write(f"{result.name} {result.scenario}: {result.verdict} {mark}\n")
+        if given.out:
+            in_order = sorted(found, key=lambda one: list(sets).index(one.name))
+            given.out.write_text(json.dumps([asdict(one) for one in in_order], indent=1) + "\n")
+    sys.stdout.write(f"{table(found)}\n\n{summary(found)}\n")
 
 
 if __name__ == "__main__":

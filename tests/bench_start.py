@@ -1,19 +1,19 @@
-"""How much of a command's start is ours: `pytest -o addopts= --benchmark-only tests/bench_start.py`.
+"""How much of a command's start is ours: `pytest -o addopts= --benchmark-only -s tests/bench_start.py`.
 
-Each group holds a command as a whole process and the least that any program of its kind must do: a typer
-program without a command, or the libraries that the command needs. The ratio is printed with the group.
+Each command is a whole process, and beside it stands a bare Python that imports the very modules of other people's that
+the command woke up, and does nothing with them; beside `--help` an empty typer program. Times are of the processor.
 """
 
-import os
-import subprocess
-import sys
 from pathlib import Path
 
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-ROOT = Path(__file__).parents[1]
-FLYER = {k: v for k, v in os.environ.items() if k != "FIELDKIT_CHECK_SHAPES"} | {"PYTHONPATH": str(ROOT)}
+from tests.timing import ROOT, beside, measured, of_children, whole_process
+
+pytestmark = pytest.mark.benchmark(timer=of_children, group="start")
+HELP, PREDICT = 1.5, 1.3
+"""Times an empty typer program and bare imports, at most. [1]"""
 
 EMPTY = """
 import typer
@@ -23,46 +23,61 @@ def nothing() -> None:
     "Nothing."
 app(["--help"])
 """
-BARE = "import typer, sqlalchemy, numpy"
 FIELDKIT = "import sys; from fieldkit.cli.main import main; sys.exit(main({!r}))"
+WOKEN = """
+import contextlib, io, sys
+from fieldkit.cli.main import main
+with contextlib.redirect_stdout(io.StringIO()):
+    assert main({!r}) == 0
+own = {{*sys.stdlib_module_names, "fieldkit", "__main__"}}
+print(*[name for name in sys.modules if name.split(".")[0] not in own])
+"""
+BARE = """
+import importlib, contextlib
+for name in {!r}:
+    with contextlib.suppress(Exception):  # some are there only once others are
+        importlib.import_module(name)
+"""
+COMMANDS = {
+    "flights": [],
+    "show": ["1"],
+    "history": [],
+    "motors": ["F24"],
+    "infer": ["1"],
+    "predict": ["--motor", "F24-4W"],
+    "simulate": ["--motor", "F24-4W", "--dry-mass", "322g", "--diameter", "66mm", "--cd", "0.6"],
+    "export": [],
+}
 
 
 @pytest.fixture(scope="module")
 def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A season of twelve flights."""
     path = str(tmp_path_factory.mktemp("start") / "ledger.db")
-    start(FIELDKIT.format(["--ledger", path, "import", str(ROOT / "fieldkit/data/reference_flights.csv")]))
+    whole_process(FIELDKIT.format(["--ledger", path, "import", str(ROOT / "fieldkit/data/reference_flights.csv")]))
     return path
 
 
-def start(code: str) -> None:
-    """One whole process."""
-    subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.DEVNULL)
+def least(code: str, rounds: int = 5) -> float:
+    """Of whole processes, the one that took least. [s]"""
+    spent = []
+    for _ in range(rounds):
+        began = of_children()
+        whole_process(code)
+        spent.append(of_children() - began)
+    return min(spent)
 
 
-def measure(benchmark: BenchmarkFixture, code: str) -> None:
-    benchmark.pedantic(start, (code,), rounds=7, warmup_rounds=1)
-
-
-@pytest.mark.benchmark(group="help")
-def test_an_empty_typer_program(benchmark: BenchmarkFixture) -> None:
-    measure(benchmark, EMPTY)
-
-
-@pytest.mark.benchmark(group="help")
 def test_help(benchmark: BenchmarkFixture) -> None:
-    measure(benchmark, FIELDKIT.format(["--help"]))
+    took = measured(benchmark, whole_process, FIELDKIT.format(["--help"]))
+    assert beside(benchmark, took, least(EMPTY), "an empty typer program") <= HELP
 
 
-@pytest.mark.benchmark(group="predict")
-def test_bare_imports(benchmark: BenchmarkFixture) -> None:
-    measure(benchmark, BARE)
-
-
-@pytest.mark.benchmark(group="predict")
-def test_predict(benchmark: BenchmarkFixture, ledger: str) -> None:
-    measure(benchmark, FIELDKIT.format(["--ledger", ledger, "predict", "--motor", "F24-4W"]))
-
-
-@pytest.mark.benchmark(group="predict")
-def test_flights(benchmark: BenchmarkFixture, ledger: str) -> None:
-    measure(benchmark, FIELDKIT.format(["--ledger", ledger, "flights"]))
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command(benchmark: BenchmarkFixture, command: str, ledger: str, tmp_path: Path) -> None:
+    arguments = ["--ledger", ledger, command, *COMMANDS[command]]
+    woken = whole_process(WOKEN.format(arguments)).split()
+    took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
+    ratio = beside(benchmark, took, least(BARE.format(woken)), "bare imports")
+    if command == "predict":
+        assert ratio <= PREDICT

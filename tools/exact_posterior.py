@@ -22,8 +22,7 @@ from fieldkit.inference.integrated import Draws, Problem, integrate, normals_of,
 from fieldkit.inference.measured import SUBSETS, measure
 from fieldkit.inference.mixture import Mixture
 from fieldkit.inference.observed import ALPHA_RANGE, ALPHA_SD, CD_RANGE, disc
-from fieldkit.inference.simulated import Truth, flown_motors, simulate
-from fieldkit.inference.training.field import motors_apart
+from fieldkit.inference.simulated import Truth, flown_motors, motors_apart, simulate
 from fieldkit.motors import catalogue
 from fieldkit.shelf import trained_folder
 

@@ -23,9 +23,9 @@ from fieldkit.inference.field import intervals, posterior
 from fieldkit.inference.field_features import features
 from fieldkit.inference.measured import SUBSETS, forget, measure
 from fieldkit.inference.mixture import logits, mixture
-from fieldkit.inference.simulated import simulate
+from fieldkit.inference.simulated import motors_apart, simulate
 from fieldkit.inference.training.density import FARTHEST, Plan, fit
-from fieldkit.inference.training.field import batch, motors_apart
+from fieldkit.inference.training.field import batch
 from fieldkit.inference.training.fit import one_thread
 from fieldkit.shelf import trained_folder
 

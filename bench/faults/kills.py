@@ -66,7 +66,9 @@ def _with_an_import(file: Path) -> None:
     assert fieldkit(file, "import", str(TABLE), str(LOG), "--set", "rocket=Comet")[0] == 0
 
 
-ADD = ("add", "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g", "--apogee", "935ft")
+SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
+ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
+"""With its time: else it is that of the trial, and no two ledgers are alike."""
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
@@ -93,7 +95,7 @@ def kills(case: Case, folder: Path, trials: int, seed: int) -> Outcome:
     with os.fdopen(reading) as pipe:
         said = pipe.read()
     os.waitpid(pid, 0)
-    return Outcome(**json.loads(said)) if said else Outcome("kill", case.name, faults=["the bench itself died"])
+    return Outcome(**json.loads(said)) if said else Outcome("kill -9", case.name, faults=["the bench itself died"])
 
 
 def _quiet() -> None:
@@ -165,7 +167,7 @@ class _Bench:
             raise _Enough
 
         put(self.template, self.file)
-        with _gated(gate), suppress(_Enough):
+        with gated(gate), suppress(_Enough):
             run(["--ledger", str(self.file), *self.case.arguments])
             os._exit(0)
 
@@ -214,18 +216,22 @@ class _Bench:
 
 
 def _torn(file: Path) -> str:
-    """What is wrong with a capture whose program was killed: not all that was kept is what the unit sent."""
+    """What is wrong with a capture whose program was killed: bytes that the unit never sent, or a record unread.
+
+    Of a record that is not whole there may be nothing to read yet.
+    """
+    record = STREAM.read_bytes()
     try:
         raw = read_capture(file).raw
-        if raw:
+        if record in raw:
             logs_in(file)
     except CaptureTrouble as error:
         return str(error)
-    return "" if raw in STREAM.read_bytes() * 9 else f"{file.name}: holds bytes that were never sent"
+    return "" if raw in record * 9 else f"{file.name}: holds bytes that were never sent"
 
 
 @contextmanager
-def _gated(gate: Callable[[], None]) -> Iterator[None]:
+def gated(gate: Callable[[], object]) -> Iterator[None]:
     """Call `gate` whenever a command is about to change its ledger."""
     keep, write = opening.keep_backup, opening.writing
 

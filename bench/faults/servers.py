@@ -13,21 +13,25 @@ import socket
 import statistics
 import subprocess
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from typing import NoReturn
 
+from bench.faults.kills import ADD, gated
 from bench.faults.ledgers import LOG, TABLE, Outcome, State, fieldkit, state
 from fieldkit.cli.main import main as run
 from fieldkit.errors import LedgerError
 
 COMMANDS = {
-    "add": ("add", "--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--apogee", "935ft"),
+    "add": ADD,
     "import": ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"),
     "undo": ("undo",),
     "migrate": ("history",),
 }
+TRACEBACK = 99
+"""Exit status of a command that ended in a traceback, which a flyer would see."""
 
 
 def binaries() -> Path | None:
@@ -107,58 +111,70 @@ def _back_to_the_first_step(url: str) -> None:
     with psycopg.connect(url) as connection:
         for index in ("flights_by_id", "flights_edited", "tags_by_tag", "predictions_by_flight"):
             connection.execute(f"DROP INDEX {index}")
+        connection.execute("DROP TABLE configurations")
         connection.execute("UPDATE alembic_version SET version_num = 'm001_flights'")
 
 
 def crashes(ours: Server, name: str, trials: int, seed: int, *, of_the_server: bool) -> Outcome:
-    """Kill a command, or the server below it, so often at random moments, and look at the ledger."""
-    rng, outcome = (
-        random.Random(seed),
-        Outcome("PostgreSQL", f"{name}, {'server' if of_the_server else 'command'} killed"),
-    )
+    """Kill a command, or the server below it, so often at random moments of its change, and look at the ledger."""
+    rng = random.Random(seed)
+    outcome = Outcome("PostgreSQL", f"{name}, {'server' if of_the_server else 'command'} killed")
     _prepared(name, ours.url)
     before = state(ours.url)
-    lengths = []
-    for _ in range(3):
-        _prepared(name, ours.url)
-        began = time.monotonic()
-        os.waitpid(_forked(ours.url, COMMANDS[name]), 0)
-        lengths.append(time.monotonic() - began)
+    lengths = [_left_alone(name, ours.url) for _ in range(3)]
     done = state(ours.url)
     while outcome.tried < trials:
         _prepared(name, ours.url)
-        pid = _forked(ours.url, COMMANDS[name])
+        pid = _begun(ours.url, COMMANDS[name])
         time.sleep(rng.uniform(0.0, 1.1 * statistics.median(lengths)))
         if of_the_server:
             ours.kill()
-            _, status = os.waitpid(pid, 0)
-            ours.start()
         else:
             os.kill(pid, signal.SIGKILL)
-            _, status = os.waitpid(pid, 0)
+        _, status = os.waitpid(pid, 0)
+        if of_the_server:
+            ours.start()
         if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 0:
             continue  # it was done by then
         outcome.saw(*_look(ours.url, (before, done), status))
     return outcome
 
 
-def _forked(url: str, arguments: Sequence[str]) -> int:
+def _left_alone(name: str, url: str) -> float:
+    """How long a command takes from its first change on. [s]"""
+    _prepared(name, url)
+    pid, began = _begun(url, COMMANDS[name]), time.monotonic()
+    os.waitpid(pid, 0)
+    return time.monotonic() - began
+
+
+def _begun(url: str, arguments: Sequence[str]) -> int:
+    """The process of a command that is about to change its ledger."""
+    reading, writing = os.pipe()
     pid = os.fork()
-    if pid:
-        return pid
+    if not pid:
+        _run(url, arguments, lambda: os.write(writing, b"!"))
+    os.close(writing)
+    os.read(reading, 1)  # comes to an end with the command, too
+    os.close(reading)
+    return pid
+
+
+def _run(url: str, arguments: Sequence[str], gate: Callable[[], object]) -> NoReturn:
     nowhere = os.open(os.devnull, os.O_RDWR)
     os.dup2(nowhere, 1)
     os.dup2(nowhere, 2)
     try:
-        status = run(["--ledger", url, *arguments])
+        with gated(gate):
+            status = run(["--ledger", url, *arguments])
     except BaseException:
-        status = 99  # a traceback in a flyer's terminal
+        status = TRACEBACK
     os._exit(status)
 
 
 def _look(url: str, states: tuple[State, State], status: int) -> tuple[str, str]:
     """Which state the ledger is in, and what is wrong with it."""
-    if os.WIFEXITED(status) and os.WEXITSTATUS(status) == 99:
+    if os.WIFEXITED(status) and os.WEXITSTATUS(status) == TRACEBACK:
         return "traceback", "the command ended in a traceback when its server was gone"
     try:
         now = state(url)

@@ -39,6 +39,13 @@ def train(
     effects: Annotated[
         str, typer.Option(help="Effects that act in the field recipe's flights, apart by commas.", show_default=False)
     ] = "",
+    cluster: Annotated[
+        str,
+        typer.Option(
+            help="Simulate the field recipe's flights on Dask workers: local, local:4, or a scheduler's address.",
+            show_default=False,
+        ),
+    ] = "",
     report: Annotated[bool, typer.Option("--report", help="Print the field ensemble's whole verdict.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
@@ -49,8 +56,9 @@ def train(
     from fieldkit.errors import BadValue
     from fieldkit.inference.training import trainer
 
-    if effects and recipe is not Recipe.field:
-        raise BadValue("--effects: found them with the recipe paper, expected --recipe field")
+    for option, value in {"--effects": effects, "--cluster": cluster}.items():
+        if value and recipe is not Recipe.field:
+            raise BadValue(f"{option}: found it with the recipe paper, expected --recipe field")
     train_by_recipe = trainer(recipe.value)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
@@ -61,6 +69,8 @@ def train(
         more: dict[str, Any] = {} if n_train is None else {"n_train": n_train}
         if names := [name.strip() for name in effects.split(",") if name.strip()]:
             more["effects"] = names
+        if cluster:
+            more["cluster"] = cluster
         summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=tell, **more)
     if json:
         print_json(summary)

@@ -25,7 +25,7 @@ from fieldkit.inference.observed import (
     disc,
     figures,
 )
-from fieldkit.motors import Motor
+from fieldkit.motors import Motor, catalogue
 from fieldkit.shapes import Array, Float, Int
 from fieldkit.simulator.atmosphere import GRAVITY, altimeter_gain, pad_air
 from fieldkit.simulator.flight import fly
@@ -34,6 +34,8 @@ from fieldkit.simulator.state import Setup
 
 CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
 """Impulse classes of the motors flown; each class is as likely as any other that the catalogue has."""
+HELD_OUT = "Quest"
+"""The maker whose motors no ensemble ever sees: it is judged on them."""
 SMALLEST = 0.008
 """Motors of this diameter and less are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
@@ -101,6 +103,12 @@ class Truth:
 def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
     """Those up to class I that can lift an altimeter: the 6 mm ones cannot."""
     return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > SMALLEST]
+
+
+def motors_apart() -> tuple[list[Motor], list[Motor]]:
+    """Every motor up to class I but those of the maker held out, and those."""
+    flown = flown_motors(catalogue().motors)
+    return [m for m in flown if m.maker != HELD_OUT], [m for m in flown if m.maker == HELD_OUT]
 
 
 def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, named: Sequence[str] = ()) -> Truth:

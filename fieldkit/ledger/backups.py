@@ -176,15 +176,23 @@ def restore(file: Path, backup: Backup) -> Path | None:
             raise LedgerError(f"{backup.file}: this copy is damaged too ({found}); restore another one")
         if not file.exists() or not file.stat().st_size:
             return _put_aside(file, backup, keep=False)
-        return _put_aside(file, backup) if fault(file) else _overwrite(file, backup)
+        changes = None if fault(file) else _changes(file)
+        return _put_aside(file, backup) if changes is None else _overwrite(file, backup, changes)
     except (OSError, sqlite3.Error) as error:
         raise LedgerError(f"{file}: cannot be restored ({error}); nothing was changed") from error
 
 
-def _overwrite(file: Path, backup: Backup) -> Path:
+def _changes(file: Path) -> int | None:
+    """The length of a ledger's journal; None where SQLite finds nothing wrong with a file that has lost it. [1]"""
+    with _opened(file) as ledger:
+        if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
+            return None
+        return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
+
+
+def _overwrite(file: Path, backup: Backup, changes: int) -> Path:
     """Change a sound ledger into a copy, as one transaction that other processes see."""
     with _opened(file) as now, _opened(backup.file) as then:
-        (changes,) = now.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()
         kept = _take(now, file, changes)
         _copy(then, file)
     _rotate(file)

@@ -146,10 +146,13 @@ def _reason(error: DBAPIError) -> str | None:
     for start, why in _SQLITE.items():
         if code.startswith(start):
             return why
+    said = " ".join(str(error.orig).split())
+    if said.startswith("Could not decode to UTF-8"):  # said by Python's sqlite3, without a code
+        return f"the file is damaged ({said})"
     state = getattr(error.orig, "sqlstate", None)
     refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
     if refused or (not code and (error.connection_invalidated or type(error).__name__ == "OperationalError")):
-        return " ".join(str(error.orig).split())
+        return said
     return None
 
 

@@ -19,17 +19,17 @@ from fieldkit.inference.measured import GAIN, NOISE, OFFSET, forget, measure
 from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
 from fieldkit.inference.observed import SEEN, Observed
 from fieldkit.inference.restricted import BURN_SD
-from fieldkit.inference.simulated import PRIORS, TAIL, Truth, flown_motors, simulate
+from fieldkit.inference.simulated import HELD_OUT, PRIORS, TAIL, Truth, motors_apart, simulate
 from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.parts import drop_parts, simulate_parts
 from fieldkit.inference.training.restricted import train_restricted
 from fieldkit.inference.training.shipping import claim, ship
-from fieldkit.motors import Motor, catalogue
+from fieldkit.motors import Motor
 from fieldkit.shapes import Array, Float
+from fieldkit.work import workers
 
-HELD_OUT = "Quest"
-"""The maker whose motors no member ever sees: the ensemble is judged on them."""
 PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=20)}
 """A first look, and what is shipped."""
 JUDGED = 20_000
@@ -45,9 +45,13 @@ def train_field(
     n_train: int = 1_000_000,
     schedule: str = "published",
     effects: Sequence[str] = (),
+    cluster: str = "",
     progress: Progress | None = None,
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, judge, and say how good it came out.
+
+    On a `cluster`, as `fieldkit.work.workers` has it, flights are simulated in parts that are kept until the end in the
+    new folder, where a run that was cut short finds them; they are other flights than one machine draws in one go.
 
     Effects that are named act in every simulated flight, in training and in judging, at strengths drawn from their
     priors: a posterior that is honest about them. Raises BadValue for an unknown schedule or effect, too few flights
@@ -63,12 +67,16 @@ def train_field(
     began = time.perf_counter()
     known, others = motors_apart()
     streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(5)]
-    truth = simulate(streams[0], known, n_train, effects)
+    if cluster:
+        with workers(cluster) as pool:
+            truth = simulate_parts(out, seed, n_train, effects, pool)
+    else:
+        truth = simulate(streams[0], known, n_train, effects)
     flown = round(time.perf_counter() - began, 1)
     with one_thread(seed):
         members, mean, sd = fit(lambda: batch(streams[1], truth), plan, progress)
     exported = density_graph(members, mean, sd)
-    card = _card(seed, n_train, schedule, plan, effects) | {
+    card = _card(seed, n_train, schedule, plan, effects, apart=bool(cluster)) | {
         "simulations": len(truth),
         "simulation_seconds": flown,
         "seconds": round(time.perf_counter() - began, 1),
@@ -83,13 +91,15 @@ def train_field(
         card["restricted"] = train_restricted(seed=seed)
         card["restricted_burn_uncertain"] = train_restricted(seed=seed, burn_sd=BURN_SD)
     both = card["test"]["all ten"]
+    files = ship(out, exported, card)
+    drop_parts(out)
     return {
         "recipe": "field",
         "cd_mae": both["cd_mae"],
         "alpha_mae": both["alpha_mae"],
         "n_train": n_train,
         "seconds": card["seconds"],
-        "files": ship(out, exported, card),
+        "files": files,
     }
 
 
@@ -97,12 +107,6 @@ def _peers(known: list[Motor], others: list[Motor]) -> list[Motor]:
     """Motors that were learnt from, of the classes of those that were not."""
     classes = {motor.impulse_class for motor in others}
     return [motor for motor in known if motor.impulse_class in classes]
-
-
-def motors_apart() -> tuple[list[Motor], list[Motor]]:
-    """Every motor up to class I but those of the maker held out, and those."""
-    flown = flown_motors(catalogue().motors)
-    return [m for m in flown if m.maker != HELD_OUT], [m for m in flown if m.maker == HELD_OUT]
 
 
 def batch(rng: np.random.Generator, truth: Truth) -> Batch:
@@ -125,9 +129,9 @@ def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 
 
-def _card(seed: int, n_train: int, schedule: str, plan: Plan, effects: Sequence[str]) -> dict[str, Any]:
+def _card(seed: int, n_train: int, schedule: str, plan: Plan, effects: Sequence[str], apart: bool) -> dict[str, Any]:
     """What is known before training."""
-    named = f" --effects {','.join(effects)}" if effects else ""
+    named = (f" --effects {','.join(effects)}" if effects else "") + (" --cluster local" if apart else "")
     options = f"--schedule {schedule} --seed {seed} --n-train {n_train}{named}"
     return {
         "name": "field",

@@ -1,0 +1,87 @@
+"""Simulated flights made in parts, on any machines in any order, and the same whoever makes them."""
+
+import hashlib
+import io
+import json
+import shutil
+from collections.abc import Callable, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+
+from fieldkit import __version__, work
+from fieldkit.inference.observed import DECLARED, FIGURES, READOUT_NAMES
+from fieldkit.inference.simulated import Truth, motors_apart, simulate
+from fieldkit.shapes import Array, Float
+
+SIZE = 50_000
+"""Flights of a part: seconds of work, and 20 MB. [1]"""
+FOLDER = "parts"
+"""Where parts are kept beside the ensemble that is going to be made of them."""
+WIDTHS = (len(FIGURES), len(DECLARED), len(READOUT_NAMES), 1, 1)
+"""Columns of each of a truth's arrays. [1]"""
+Told = Callable[[int, int], None]
+"""Told how many parts there are by now, and of how many."""
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """What decides a part's flights: the seed of the whole, its number, how many flights, which effects act."""
+
+    seed: int
+    number: int
+    count: int
+    effects: tuple[str, ...]
+
+
+def simulate_parts(
+    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, told: Told | None = None
+) -> Truth:
+    """About as many flights as asked for, with the parts that an earlier run left beside `out`'s ensemble."""
+    counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
+    items = {f"{n:05d}.npy": Part(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
+    found: dict[str, Truth] = {}
+    for name, content in work.done(fly_part, items, out / FOLDER / _digest(items), pool):
+        found[name] = unpacked(content)
+        if told:
+            told(len(found), len(items))
+    columns = ([getattr(found[name], field) for name in items] for field in Truth.__dataclass_fields__)
+    return Truth(*(np.concatenate(column) for column in columns))
+
+
+def drop_parts(out: Path) -> None:
+    """Let the parts of a finished ensemble go."""
+    shutil.rmtree(out / FOLDER, ignore_errors=True)
+
+
+def fly_part(part: Part) -> bytes:
+    """The flights of a part, as bytes; its random numbers are its own, whoever draws them."""
+    stream = np.random.SeedSequence(part.seed, spawn_key=(0, part.number))
+    known, _ = motors_apart()
+    return packed(simulate(np.random.default_rng(stream), known, part.count, part.effects))
+
+
+def packed(truth: Truth) -> bytes:
+    """Flights as a table in numpy's own format, in which nothing but numbers fits."""
+    columns = (getattr(truth, name).reshape(len(truth), -1) for name in Truth.__dataclass_fields__)
+    file = io.BytesIO()
+    np.lib.format.write_array(file, np.hstack(list(columns)), allow_pickle=False)
+    return file.getvalue()
+
+
+def unpacked(content: bytes) -> Truth:
+    """The flights of such a table."""
+    table: Float[Array, "flight column"] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
+    ends = np.cumsum([0, *WIDTHS])
+    motor, declared, readouts, area, alpha = (table[:, a:b] for a, b in pairwise(ends))
+    return Truth(motor, declared, readouts, area[:, 0], alpha[:, 0])
+
+
+def _digest(items: dict[str, Part]) -> str:
+    """Of what the parts are made from: those of another seed, recipe or fieldkit are never taken for them."""
+    motors = [motor.name for motor in motors_apart()[0]]
+    said = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
+    return hashlib.sha256(said.encode()).hexdigest()[:16]

@@ -1,0 +1,85 @@
+"""Kills in earnest, a few of each kind; `python -m bench.faults` has the thousand."""
+
+import os
+import sqlite3
+import tempfile
+from collections.abc import Iterator
+from contextlib import closing
+from pathlib import Path
+
+import pytest
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, journal
+
+if not hasattr(os, "fork"):
+    pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
+
+from bench.faults import damage, kills, ledgers, servers
+
+FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
+
+
+@pytest.mark.parametrize("name", ["add", "migrate", pytest.param("undo", marks=pytest.mark.slow)])
+def test_a_killed_command_leaves_the_ledger_as_before_or_as_after(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(kills, "MEASURED", 1)
+    case = next(case for case in kills.CASES if case.name == name)
+    outcome = kills.kills(case, tmp_path / "kills", 3, seed=1)
+    assert outcome.tried == 3
+    assert outcome.faults == []
+
+
+def test_the_bench_sees_a_half_written_change(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    states = []
+    with Ledger.open(file) as ledger:
+        for flight in (FIRST, SECOND):
+            ledger.add([flight])
+            states.append(ledgers.state(file))
+    assert ledgers.after(file, states) == ("after", "")
+    with closing(sqlite3.connect(file)) as raw:
+        raw.execute("DELETE FROM journal WHERE number = 2")
+        raw.commit()
+    assert ledgers.after(file, states) == ("half", "neither as before nor as after the command")
+
+
+def test_bits_that_flip_are_seen_or_harmless(tmp_path: Path) -> None:
+    assert damage.bits_flipped(tmp_path / "bits", 3, seed=1).faults == []
+    assert damage.cut_short(tmp_path / "cut", 6, seed=1).faults == []
+
+
+@pytest.fixture
+def server() -> Iterator[servers.Server]:
+    """A PostgreSQL server that may be killed."""
+    if not servers.binaries():
+        pytest.skip("there is no PostgreSQL on this machine")
+    with tempfile.TemporaryDirectory() as scratch:
+        Path(scratch).chmod(0o755)  # the server is another user
+        with servers.server(Path(scratch) / "server") as ours:
+            yield ours
+
+
+@pytest.mark.postgres
+def test_a_server_that_dies_in_mid_transaction_loses_that_change_alone(
+    server: servers.Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with Ledger.open(server.url) as ledger:
+        ledger.add([FIRST])
+        enter = journal._enter
+
+        def as_the_server_dies(*arguments: object, **values: object) -> None:
+            server.kill()
+            enter(*arguments, **values)  # type: ignore[arg-type]
+
+        monkeypatch.setattr(journal, "_enter", as_the_server_dies)
+        with pytest.raises(LedgerError, match=r"127\.0\.0\.1") as error:
+            ledger.add([SECOND])
+        assert "\n" not in str(error.value)
+        monkeypatch.setattr(journal, "_enter", enter)
+        server.start()
+        assert ledger.flights() == [FIRST]
+        ledger.add([SECOND])
+        assert [change.number for change in ledger.history()] == [1, 2]
