@@ -148,7 +148,10 @@ TAGS: Mapping[str, str] = MappingProxyType(
 )
 """Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
 CHECKED = "checked"
-"""The tag by which a flyer says that every readout of a flight is right, however little one fits the others."""
+KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
+    {**TAGS, CHECKED: "No anomaly: every readout was looked at and is right, however little one fits the others."}
+)
+"""Every tag that means something to fieldkit."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -220,7 +223,7 @@ def read_tags(text: str) -> tuple[str, ...]:
     """Tags apart by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelt."""
     tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
     known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
-    return tuple(dict.fromkeys(k if k in TAGS else tag for k, tag in zip(known, tags, strict=True)))
+    return tuple(dict.fromkeys(k if k in KNOWN_TAGS else tag for k, tag in zip(known, tags, strict=True)))
 
 
 def read_date(text: str) -> datetime | None:

@@ -5,7 +5,7 @@ from collections.abc import Iterable, Sequence
 from textual.content import Content
 
 from fieldkit.entry import answer_text
-from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, SETUP, TAGS, Column, Flight
+from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
 
@@ -47,7 +47,7 @@ def heading(flight: Flight, id: str) -> str:
 
 def tags(flight: Flight) -> list[tuple[str, str]]:
     """The tags of a flight and what each means."""
-    return [(tag, TAGS.get(tag, "your own; the flight still teaches the model")) for tag in flight.tags]
+    return [(tag, KNOWN_TAGS.get(tag, "your own; the flight still teaches the model")) for tag in flight.tags]
 
 
 def as_text(title: str, pairs: Pairs) -> str:

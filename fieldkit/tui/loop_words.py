@@ -124,15 +124,12 @@ def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[
 
 def _version(version: "Version", system: str) -> tuple[str, ...]:
     """A row: what a model added, and the error before and after."""
-    from fieldkit.loop.candidates import Place
+    from fieldkit.loop.desk import version_adds
 
     payload = version.payload
     errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
-    added = " + ".join(str(Place(e["effect"], e["where"], e["since"])) for e in payload["effects"])
-    if left := payload.get("unexplained"):
-        added = f"{added or 'nothing'}, intervals {left['widened']:.2f} times as wide"
     made, mark = f"{version.at:%Y-%m-%d}", "in use ✓" if version.active else ""
-    return (str(version.number), made, added, " → ".join(errors), mark)
+    return (str(version.number), made, version_adds(payload), " → ".join(errors), mark)
 
 
 def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:

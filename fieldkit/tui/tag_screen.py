@@ -11,7 +11,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import TAGS, Flight
+from fieldkit.flight import KNOWN_TAGS, Flight
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
@@ -52,7 +52,7 @@ class TagScreen(PageScreen):
         "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach "
         "the model any more. Below the list you see what that does to the rocket's drag and to the forecast of its "
         "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
-        tuple(TAGS.items()),
+        tuple(KNOWN_TAGS.items()),
         ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -96,9 +96,8 @@ class TagScreen(PageScreen):
         """The tags, with a mark at those that the flight bears."""
         self._flight = flight
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
-        tags = dict(TAGS) | {
-            tag: "your own: it is kept, and the flight still teaches" for tag in flight.tags if tag not in TAGS
-        }
+        own = (tag for tag in flight.tags if tag not in KNOWN_TAGS)
+        tags = dict(KNOWN_TAGS) | dict.fromkeys(own, "your own: it is kept, and the flight still teaches")
         rows = {tag: ("[x]" if tag in flight.tags else "[ ]", tag, text) for tag, text in tags.items()}
         rows[OWN] = ("", OWN, "type a tag of your own")
         self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
@@ -125,7 +124,7 @@ class TagScreen(PageScreen):
 
     @on(Table.Moved)
     def _moved(self, message: Table.Moved) -> None:
-        text = TAGS.get(message.key, "a tag of your own keeps the flight teaching")
+        text = KNOWN_TAGS.get(message.key, "a tag of your own keeps the flight teaching")
         self.query_one("#means", Static).update(Content(printable(f"{message.key}: {text}")))
 
     @on(Table.Chosen)
