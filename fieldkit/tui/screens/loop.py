@@ -169,10 +169,11 @@ class LoopScreen(PageScreen):
         self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
 
     def action_look(self) -> None:
-        """Look for what is missing; nothing is changed."""
+        """Look for what is missing, and show how far that is; nothing is changed."""
         if self._standing is None:
             return
         rocket = self._standing.rocket
+        self.action_panel(PANELS.index("Verdict"))
         self.post_message(self.Told("reading flights", 0.0))
         self.ask(partial(self._look, rocket), self._looked, "look")
 
@@ -278,7 +279,7 @@ class LoopScreen(PageScreen):
     def action_accept(self) -> None:
         """Predict with what was found."""
         if self._found is None:
-            self.complain("nothing to accept yet: l looks for what is missing")
+            self.complain("nothing to accept yet: l looks for what is missing, and Verdict shows how far it is")
             return
         from fieldkit.loop.desk import adopt
 
