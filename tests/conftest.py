@@ -1,4 +1,8 @@
-"""Every annotated shape is checked while the tests run; an ordinary run pays nothing for them."""
+"""Annotated shapes are checked while the tests run; an ordinary run pays nothing for them.
+
+Checks double the time of the engine, so test modules of whole runs (`CHECK_SHAPES = False`) go without: what they call
+is checked piece by piece in the others.
+"""
 
 import os
 import sys
@@ -6,6 +10,10 @@ import sys
 # read by fieldkit.shapes when it is imported; where speed is measured, checking shapes would slow it
 os.environ["FIELDKIT_CHECK_SHAPES"] = "" if "--benchmark-only" in sys.argv else "1"
 
+from collections.abc import Iterator
+
+import jaxtyping
+import pytest
 from hypothesis import settings
 from jaxtyping import install_import_hook
 
@@ -25,3 +33,11 @@ if os.environ["FIELDKIT_CHECK_SHAPES"]:
 
 settings.register_profile("fieldkit", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("fieldkit")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _shapes(request: pytest.FixtureRequest) -> Iterator[None]:
+    """Shapes are checked in this module, unless it says otherwise."""
+    jaxtyping.config.update("jaxtyping_disable", not getattr(request.module, "CHECK_SHAPES", True))
+    yield
+    jaxtyping.config.update("jaxtyping_disable", False)

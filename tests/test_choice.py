@@ -18,6 +18,8 @@ from fieldkit.loop.model import OBSERVED, Model, base_model, observe, shown
 from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.motors import catalogue
 
+CHECK_SHAPES = False
+
 says = arrays(float, st.integers(3, 20), elements=st.floats(-3, 10))
 
 

@@ -13,6 +13,8 @@ import pytest
 from fieldkit.cli.main import GROUPS, main
 from fieldkit.ledger import Ledger
 
+CHECK_SHAPES = False
+
 TABLE = """flight_id,rocket,config,motor,dry_mass_g,diameter_mm,apogee_m,tags,notes,log,Lot
 1,Astra,A,F24-4W,322,66,281.3,,good,,B7
 2,Astra,A,F24-4W,322,66,246.6,off_axis,,,

@@ -14,6 +14,8 @@ from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
 from tools.manual import pages
 
+CHECK_SHAPES = False
+
 ROOT = Path(__file__).parents[1]
 README = (ROOT / "README.md").read_text(encoding="utf-8")
 PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / "docs").glob("*.md"))}

@@ -7,6 +7,8 @@ import pytest
 
 from fieldkit.inference.mixture import WIDTH, logits, mixture
 
+CHECK_SHAPES = False
+
 torch = pytest.importorskip("torch")
 pytest.importorskip("onnx")
 pytestmark = pytest.mark.train

@@ -10,6 +10,8 @@ from fieldkit.loop.model import OBSERVED, base_model, doubted, shown
 from fieldkit.loop.predict import Prediction, predict
 from fieldkit.motors import Found, catalogue
 
+CHECK_SHAPES = False
+
 MOTORS = ("F24", "F39", "E35")
 PLAN = Flight("plan", "Test", "A", "F24", dry_mass=0.322, diameter=0.066, delay=10.0)
 Flown = list[tuple[Flight, Found]]

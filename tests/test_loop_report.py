@@ -36,6 +36,8 @@ from fieldkit.report.paper import pages
 from fieldkit.report.style import styled
 from fieldkit.report.write import write_report
 
+CHECK_SHAPES = False
+
 HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
 """A flight id, rocket, motor spelling or site as a file may have it."""
 

@@ -19,6 +19,8 @@ from fieldkit.loop.paper.words import findings
 from fieldkit.simulator import paper
 from fieldkit.simulator.single import paper_flight
 
+CHECK_SHAPES = False
+
 
 @pytest.fixture(scope="module")
 def flights() -> Reference:

@@ -31,6 +31,8 @@ from fieldkit.plan.safety import Line, first_thrust, safety_lines
 from fieldkit.plan.words import ballast_in_words
 from fieldkit.settings import Settings
 
+CHECK_SHAPES = False
+
 NAMES = [
     "rail exit speed",
     "thrust to weight",

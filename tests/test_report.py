@@ -18,6 +18,8 @@ from fieldkit.report.paper import PER_PAGE, headline, pages, remarks
 from fieldkit.report.style import A4, styled
 from fieldkit.report.write import check_report, escaped, write_report
 
+CHECK_SHAPES = False
+
 HOSTILE = "<script>alert(1)</script> $x^2$ **b** [l](http://evil.example) | \u202eback\x1b[31m"
 """A rocket, site, tag or note as a file may have it."""
 FIRST = Flight(

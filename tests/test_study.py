@@ -20,6 +20,8 @@ from fieldkit.loop.paper.two_flights import LIKELY, TwoFlights, two_flights
 from fieldkit.loop.paper.worlds import Step, step, worlds
 from fieldkit.motors import catalogue
 
+CHECK_SHAPES = False
+
 ROOT = Path(__file__).parents[1]
 NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?")
 

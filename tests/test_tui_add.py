@@ -10,6 +10,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.tui.screens.add import AddScreen
 from tests.pressing import frozen, opened, press, season, shown, typed, words
 
+CHECK_SHAPES = False
+
 READ_OFF = ("923ft", "140mph", "2.14", "7.9", "2.98", "5.6", "-.4", "905", "14mph", "48.3")
 
 

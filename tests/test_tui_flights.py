@@ -10,6 +10,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.tui.table import Table
 from tests.pressing import frozen, hurry, opened, press, season, shown, told, typed, words
 
+CHECK_SHAPES = False
+
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

@@ -17,6 +17,8 @@ from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
 
+CHECK_SHAPES = False
+
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

@@ -18,6 +18,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.tui.themes import SUN, THEMES
 from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, typed
 
+CHECK_SHAPES = False
+
 SIZES = ((80, 24), (160, 50))
 SCENES: dict[str, tuple[str, ...]] = {
     "flights": ("down", "slash", *typed("f24"), "enter"),

@@ -6,6 +6,8 @@ import pytest
 
 from tests.pressing import frozen, opened, press, season, told, typed, words
 
+CHECK_SHAPES = False
+
 
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:

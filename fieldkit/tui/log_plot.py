@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from fieldkit.flight import BY_NAME
+from fieldkit.tui.plots import spaced
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -76,15 +77,7 @@ def draw_trace(trace: Trace, events: dict[str, float], plt: Any, ink: Any) -> No
     for time in inside.values():
         plt.plot([time, time], [low, high], marker="│", color=ink.mark)
     ends = {f"{trace.time[-1]:.0f} s": trace.time[-1]}
-    ticks = _apart({**inside, **ends}, (trace.time[-1] - trace.time[0]) / 8)
-    plt.xticks(list(ticks.values()), list(ticks))
+    at = sorted((time, name) for name, time in {**inside, **ends}.items())
+    labels = spaced(at, trace.time[0], trace.time[-1], ink.width)
+    plt.xticks(list(labels), list(labels.values()))
     plt.yfrequency(3)
-
-
-def _apart(ticks: dict[str, float], least: float) -> dict[str, float]:
-    """Labels far enough from each other to be read, the earlier ones first."""
-    kept: dict[str, float] = {}
-    for name, time in sorted(ticks.items(), key=lambda item: item[1]):
-        if all(abs(time - other) > least for other in kept.values()):
-            kept[name] = time
-    return kept

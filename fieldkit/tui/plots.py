@@ -19,8 +19,9 @@ FLAT = 0.02
 
 @dataclass(frozen=True, slots=True)
 class Ink:
-    """Colours of a plot as plotext takes them: RGB, or "default" for the terminal's own."""
+    """Colours of a plot as plotext takes them: RGB, or "default" for the terminal's own; and its width in columns."""
 
+    width: int
     paper: Any
     text: Any
     line: Any
@@ -62,11 +63,29 @@ class Plot(PlotextPlot):
     def _ink(self) -> Ink:
         names = self.app.theme_variables
         if self.app.current_theme.ansi:
-            return Ink("default", "default", "default", "default")
+            return Ink(self.size.width, "default", "default", "default", "default")
         paper, text, line, mark = (
             Color.parse(names[name]).rgb for name in ("surface", "foreground", "primary", "accent")
         )
-        return Ink(paper, text, line, mark)
+        return Ink(self.size.width, paper, text, line, mark)
+
+
+AXIS = 8
+"""Columns of a plot that may be left of its axis."""
+
+
+def spaced(ticks: Sequence[tuple[float, str]], low: float, high: float, width: int) -> dict[float, str]:
+    """Labels below an axis from one value to another that leave each other room, the first ones before the others.
+
+    Of labels that overlap plotext drops one or the other by chance.
+    """
+    column = (width - AXIS) / max(high - low, 1e-9)
+    kept: dict[float, str] = {}
+    for place, text in ticks:
+        room = ((len(text) + len(other)) / 2 + 2 for other in kept.values())
+        if all(abs(place - other) * column >= least for other, least in zip(kept, room, strict=True)):
+            kept[place] = text
+    return kept
 
 
 def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
@@ -86,7 +105,8 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
 def draw_density(
     values: Float[Array, "draw"], marks: Sequence[tuple[float, str]], number: Callable[[float], str]
 ) -> Callable[[Any, Ink], None]:
-    """Draws a density with upright lines at some values; `number` writes the values below it."""
+    """Draws a density with upright lines at some values; `number` writes the values below it, the first ones where not
+    all have room."""
     at, heights = density(values)
 
     def draw(plt: Any, ink: Ink) -> None:
@@ -97,9 +117,10 @@ def draw_density(
         plt.yfrequency(0)
         plt.yaxes(False, False)
         plt.xaxes(True, False)
-        plt.xlim(min(at[0], *(p for p, _ in marks)), max(at[-1], *(p for p, _ in marks)))
-        ticks = [place for place, _ in marks]
-        plt.xticks(ticks, [f"{name} {number(place)}".strip() for place, name in marks])
+        low, high = min(at[0], *(p for p, _ in marks)), max(at[-1], *(p for p, _ in marks))
+        plt.xlim(low, high)
+        labels = spaced([(place, f"{name} {number(place)}".strip()) for place, name in marks], low, high, ink.width)
+        plt.xticks(list(labels), list(labels.values()))
 
     return draw
 

@@ -258,9 +258,9 @@ class NextScreen(PageScreen):
         """The distribution of the apogee, with its interval and the target."""
         from fieldkit.tui.plots import Plot, draw_density
 
-        marks = [(float(place), "") for place in said.apogee_quantiles()]
-        if target := self.desk.settings.target:
-            marks.append((target, "◎"))
+        target = self.desk.settings.target
+        marks = [(target, "◎")] if target else []
+        marks += [(float(place), "") for place in said.apogee_quantiles()]
         system = self.desk.settings.units
         self.query_one(Plot).show(draw_density(said.apogee, marks, lambda height: next_words.whole(height, system)))
 
