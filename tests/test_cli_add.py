@@ -287,7 +287,7 @@ def converse_in_terminal(file: Path, answers: list[str], last_words: str) -> tup
     adding = subprocess.Popen(command, stdin=terminal, stdout=terminal, stderr=terminal, start_new_session=True)
     os.close(terminal)
     os.write(controller, "".join(f"{answer}\n" for answer in answers).encode())
-    said, deadline = "", time.monotonic() + 15
+    said, deadline = "", time.monotonic() + 60
     while last_words not in said and time.monotonic() < deadline:
         if select.select([controller], [], [], 0.1)[0]:
             said += os.read(controller, 4096).decode()
