@@ -135,6 +135,7 @@ async def calm(pilot: Pilot[None]) -> None:
         while not _all_read(pilot):
             await asyncio.sleep(0)
         await pilot._wait_for_screen()
+        await pilot.app.animator.wait_until_complete()  # a page that scrolls
         pilot.app.screen._on_timer_update()  # what waits for the next paint need not wait for its time
         screen = pilot.app.screen
         busy = [worker for worker in pilot.app.workers if not worker.is_finished]
