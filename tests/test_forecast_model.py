@@ -50,6 +50,12 @@ def test_a_motor_on_which_the_simulator_is_wrong_is_forecast_from_its_own_flight
         assert np.median(next_on(motor, flown).apogee) == pytest.approx(mean_apogee(motor, flown), rel=0.05)
 
 
+def test_it_is_the_simulator_that_is_doubted_and_not_the_altimeter() -> None:
+    """In standard air an altimeter shows what is true, also on the motor about which the simulator is wrong."""
+    said = next_on("F24", season({"F24": 1.25}))
+    assert np.median(said.true_apogee) == pytest.approx(np.median(said.apogee), rel=0.01)
+
+
 def test_a_rocket_never_flown_is_forecast_from_its_priors() -> None:
     low, middle, high = next_on("F24", []).apogee_quantiles()
     assert 0 < 1.3 * low < middle < high / 1.3

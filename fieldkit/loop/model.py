@@ -220,7 +220,10 @@ def shown(
         bias = bent(model, values, name)
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
-    return out | {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS} | {"true": flown.apogee}
+    figures = {name: np.where(grounded, np.nan, getattr(flown, name)) for name in EXTRAS}
+    higher = np.exp(bent(model, values, "apogee"))  # the simulator is doubted here, not the altimeter
+    sinking = out["duration"] - figures["rise_time"] - np.fmax(np.nan_to_num(out["apogee_to_eject"]), 0.0)
+    return out | figures | {"true": flown.apogee * higher, "duration": out["duration"] + (higher - 1) * sinking}
 
 
 def tops(
