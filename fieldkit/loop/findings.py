@@ -17,7 +17,7 @@ from fieldkit.recording import Recorded
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
 FORWARD = (
     "each flight forecast from the flights before it, effect chosen anew from those at every flight "
-    "(readouts linear about the fit to all flights; no second effects)"
+    "(readouts linear about the fit to all flights)"
 )
 SHOWN = 3
 """Effects whose fingerprint is shown, and tests that are advised."""
