@@ -10,7 +10,7 @@ import pytest
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
-from fieldkit.loop.fit import fit
+from fieldkit.loop.fit import _Walk, fit
 from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.model import (
     LOGARITHMIC,
@@ -103,6 +103,49 @@ def calibrated(error: np.ndarray[Any, Any], level: float) -> bool:
     inside = int((np.abs(error) < norm.ppf(0.5 + level / 2)).sum())
     low, high = binom.interval(0.9995, error.size, level)
     return bool(low <= inside <= high)
+
+
+# Where ejection meets apogee
+
+
+def kinked(seed: int) -> tuple[Model, Data]:
+    """Flights whose charges fire a little before they would have topped out, and their model."""
+    rng = np.random.default_rng(seed)
+    terms = model().terms
+    drawn = np.array([term.mean for term in terms]) + 0.5 * rng.normal(size=len(terms)) * [term.sd for term in terms]
+    truth = np.clip(drawn, [term.low for term in terms], [term.high for term in terms])[None]
+    scatter = {kind.bends: rng.normal(size=(1, len(PLANS))) * kind.sd for kind in SCATTER}
+    coast = shown(model(), truth, {})["coast_time"][0]
+    plans = [plan.with_changes(delay=float(time) - 0.6) for plan, time in zip(PLANS, coast, strict=True)]
+    early = base_model(plans, [catalogue().resolve(plan.motor) for plan in plans])
+    shows = shown(early, truth, scatter)
+    raw = np.stack([shows[name][0] for name in OBSERVED], axis=-1)
+    named = (dict(zip(OBSERVED, map(float, row), strict=True)) for row in raw)
+    flown = [plan.with_changes(**row) for plan, row in zip(plans, named, strict=True)]
+    return early, observe(flown, [True] * len(flown))
+
+
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_fit_settles_where_ejection_meets_apogee(seed: int) -> None:
+    early, data = kinked(seed)
+    after_five, after_nine = (fit(early, data, rounds=rounds).log_evidence for rounds in (5, 9))
+    assert after_five == pytest.approx(after_nine, abs=0.1)
+
+
+def test_a_step_that_turns_back_goes_half_as_far() -> None:
+    settled = fits()[0]
+    walk = _Walk(settled.tangent.at)
+    wanted = settled.mean[int(np.argmax(settled.log_weight))]
+    walk.at, sd = wanted - 0.5 * term_sds(model())[0], term_sds(model())[0]
+    assert walk.goes_on(settled)
+    np.testing.assert_allclose(walk.at, wanted, atol=1e-12)
+    walk.at = wanted + 0.4 * sd
+    assert walk.goes_on(settled)
+    free = [term.low == -np.inf for term in model().terms]
+    np.testing.assert_allclose(((walk.at - wanted) / sd)[free], 0.2, atol=1e-9)
+    assert walk.goes_on(settled)
+    np.testing.assert_allclose(((walk.at - wanted) / sd)[free], 0.0, atol=1e-9)
+    assert not walk.goes_on(settled)
 
 
 # Recovery

@@ -18,6 +18,8 @@ from fieldkit.shapes import Array, Float
 
 ROUNDS = 5
 """Times the point of linearisation is moved."""
+SETTLED = 0.03
+"""Move of a point that is none, in standard deviations of the prior. [1]"""
 HOPELESS = 8.0
 """Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
 OPENINGS = (0.15, 0.6, 1.2)
@@ -77,11 +79,11 @@ def fit_lanes(
     A lane whose log evidence stays below `worth` is not followed further. `tell` hears the share done.
     """
     parts = [model.only(lane.terms) for lane in lanes]
-    at = [np.asarray(lane.start, float) for lane in lanes]
+    walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
     results: list[Fit | None] = [None] * len(lanes)
     moving = list(range(len(lanes)))
     for turn in range(rounds):
-        near = tangents(model, [(lanes[i].terms, at[i]) for i in moving], lean)
+        near = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], lean)
         for number, (i, tangent) in enumerate(zip(moving, near, strict=True)):
             if tell:
                 tell((turn + (number + 1) / len(moving)) / rounds)
@@ -92,7 +94,7 @@ def fit_lanes(
             for i in moving
             if (turn == 0 or _above(results[i], best[lanes[i].kind] - HOPELESS))
             and _above(results[i], worth)
-            and _advance(at, i, results[i])
+            and walks[i].goes_on(results[i])
         ]
         if not moving:
             break
@@ -112,18 +114,32 @@ def _above(result: Fit | None, log_evidence: float) -> bool:
     return result is not None and result.log_evidence > log_evidence
 
 
-def _advance(at: list[Array], lane: int, result: Fit | None) -> bool:
-    """Move a lane's point towards its posterior mean; False where it is there already."""
-    assert result is not None
-    terms = result.model.terms
-    sds = np.array([term.sd for term in terms])
-    wanted = result.mean[int(np.argmax(result.log_weight))]
-    target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
-    move = np.clip(target - at[lane], -2 * sds, 2 * sds)
-    if np.all(np.abs(move) < 0.03 * sds):
-        return False
-    at[lane] = at[lane] + move
-    return True
+class _Walk:
+    """The way of a lane's point to its posterior mean.
+
+    Where ejection meets apogee readouts have a kink, and a point could step to and fro across it for ever: a term
+    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction.
+    """
+
+    def __init__(self, at: Array) -> None:
+        self.at = at
+        self._last, self._share = np.zeros_like(at), np.ones_like(at)
+
+    def goes_on(self, result: Fit | None) -> bool:
+        """Move the point towards the posterior mean; False where it is there already."""
+        assert result is not None
+        terms = result.model.terms
+        sds = np.array([term.sd for term in terms])
+        wanted = result.mean[int(np.argmax(result.log_weight))]
+        target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
+        move = np.clip(target - self.at, -2 * sds, 2 * sds)
+        turned = np.sign(move * self._last)
+        self._share = np.minimum(self._share * 2.0**turned, 1.0)
+        move = self._last = self._share * move
+        if np.all(np.abs(move) < SETTLED * sds):
+            return False
+        self.at = self.at + move
+        return True
 
 
 def fit_robustly(model: Model, data: Data) -> Fit:
@@ -153,8 +169,8 @@ def _trusted(result: Fit) -> Data:
 
 def _followed(result: Fit) -> Fit:
     """The fit linearised anew where its posterior lies; itself where that is where it was linearised."""
-    at, lean = [result.tangent.at], result.tangent.scatter_slope[..., -1]
-    if not _advance(at, 0, result):
+    walk, lean = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
+    if not walk.goes_on(result):
         return result
-    (near,) = tangents(result.model, [(tuple(range(len(at[0]))), at[0])], lean)
+    (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], lean)
     return solve(result.model, result.data, near)

@@ -14,9 +14,10 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Flags, Float
+from fieldkit.simulator.alike import fly_alike
 from fieldkit.simulator.effect import Effect
 from fieldkit.simulator.field import field_setup, recorded
-from fieldkit.simulator.flight import apogees, fly
+from fieldkit.simulator.flight import apogees
 from fieldkit.simulator.state import Setup
 
 OBSERVED = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
@@ -210,7 +211,7 @@ def shown(
     `scatter` bends single flights. A flight that would not leave the pad has nan throughout.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
-    flown = fly(setup)
+    flown = fly_alike(setup)
     readings: Mapping[str, Any] = flown.readouts()
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)

@@ -11,11 +11,12 @@ from fieldkit.simulator.effect import Effect
 
 STEP = 0.25
 """Step of the difference for a strength, in standard deviations of its prior. [1]"""
-STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "delay": 0.02, "mass": 0.005, "opening": 0.1}
-"""Steps of the difference for everything else that terms bend, small beside what they may be."""
-_ASIDE = [kind for kind in SCATTER if STEPS.get(kind.bends, kind.sd) != kind.sd]
-"""Scatter flown by its whole standard deviation: where ejection meets apogee a small step sees one side only."""
-_MOVED = (*STEPS.items(), *((kind.bends, kind.sd) for kind in _ASIDE))
+STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "mass": 0.005, "opening": 0.1}
+"""Step of the difference for everything else that terms bend, small beside what they may be."""
+BOTH_WAYS = {"delay": 0.08}
+"""Steps taken to both sides, as far as single flights scatter: where ejection meets apogee readouts have a kink, of
+which a small step sees one side."""
+_MOVED = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_WAYS.items() for side in (1, -1)))
 """What is bent in the rows after a lane's point, and by how much."""
 
 
@@ -57,7 +58,7 @@ def tangents(
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)
-    bends = {kind: np.zeros((count, len(model.flights))) for kind in STEPS}
+    bends = {kind: np.zeros((count, len(model.flights))) for kind, _ in _MOVED}
     firsts = np.cumsum([0, *(len(block.values) for block in blocks)])
     for first in firsts[:-1]:
         for row, (kind, step) in enumerate(_MOVED, start=first + 1):
@@ -102,9 +103,11 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) 
     with np.errstate(invalid="ignore"):
         moved = np.nan_to_num(flown - flown[0])
     per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
+    for number, (kind, step) in enumerate(BOTH_WAYS.items()):
+        there, back = moved[1 + len(STEPS) + 2 * number :][:2]
+        per_kind[kind] = (there - back) / (2 * step)
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
     scattered = {kind.bends: per_kind[kind.bends] * kind.sd for kind in SCATTER if kind.bends in per_kind}
-    scattered |= {kind.bends: moved[row] for row, kind in enumerate(_ASIDE, start=1 + len(STEPS))}
     scatter = [scattered.get(kind.bends, lean) for kind in SCATTER]
     slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
     return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
