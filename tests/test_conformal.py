@@ -9,7 +9,8 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.loop.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
-from fieldkit.loop.desk import forecast_document, keep_forecasts, predict_plans
+from fieldkit.loop.desk import keep_forecasts, predict_plans
+from fieldkit.loop.documents import forecast_document
 from fieldkit.loop.forward import Forecast, corrected_by_earlier
 from fieldkit.loop.words import in_words
 from fieldkit.motors import catalogue

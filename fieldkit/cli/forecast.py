@@ -37,7 +37,8 @@ def predict(
     **given: str | None,
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
-    from fieldkit.loop.desk import forecast_document, predict_plans
+    from fieldkit.loop.desk import predict_plans
+    from fieldkit.loop.documents import forecast_document
 
     check = MotorCheck()
     with open_ledger(context) as ledger:

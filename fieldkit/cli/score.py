@@ -34,7 +34,8 @@ def score(
 ) -> None:
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
     from fieldkit.errors import NoFlights
-    from fieldkit.loop.desk import finite, flown, keep_forecasts, which_rocket
+    from fieldkit.loop.desk import flown, keep_forecasts, which_rocket
+    from fieldkit.loop.documents import finite
     from fieldkit.loop.forward import corrected_by_earlier, forward
     from fieldkit.loop.kept import kept
     from fieldkit.loop.rivals import judged_report
