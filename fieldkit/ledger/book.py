@@ -1,37 +1,19 @@
-"""Flights in the tables: taking in, finding, replacing and taking out."""
+"""Flights into the tables and out: taking in, replacing, renewing, removing."""
 
-import zlib
-from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
-from difflib import get_close_matches
-from typing import Any
+from collections.abc import Sequence
 
-from sqlalchemy import Connection, Select, func, insert, or_, select, tuple_
+from sqlalchemy import Connection, func, select
 
 from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
+from fieldkit.ledger.finding import Held, Identity, find
 from fieldkit.ledger.journal import Pen
+from fieldkit.ledger.logs import keep_log
+from fieldkit.ledger.naming import ids
 from fieldkit.ledger.records import Added, Conflict
-from fieldkit.ledger.rows import Row, agrees, differences, flight_of, row_of, same
-from fieldkit.ledger.tables import EDITED, flights, logs, tags
-
-Identity = tuple[str, str]
-"""A rocket and a flight_id, which together name a flight."""
-LARGEST_LOG = 1 << 30
-"""No log that is unpacked is larger. [byte]"""
-FEW = 500
-"""So many are asked for by name; of more, everything is read. [1]"""
-
-
-@dataclass(frozen=True, slots=True)
-class Held:
-    """A flight and where it stands; `entered` is how it came in, where it was edited since."""
-
-    entry: int
-    flight: Flight
-    entered: Flight | None
-    log_digest: str | None
+from fieldkit.ledger.rows import Row, agrees, differences, row_of, same
+from fieldkit.ledger.tables import flights, tags
 
 
 class Known:
@@ -123,65 +105,6 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
     return None
 
 
-def load(
-    connection: Connection,
-    *,
-    rocket: str | None = None,
-    tag: str | None = None,
-    entries: Sequence[int] | None = None,
-) -> list[Held]:
-    """Flights by date and then by entry; of a rocket, with a tag, at these entries."""
-    query = select(flights).order_by(flights.c.date_time.nulls_last(), flights.c.entry)
-    if rocket is not None:
-        query = query.where(flights.c.rocket == rocket)
-    if tag is not None:
-        query = query.where(flights.c.entry.in_(select(tags.c.entry).where(tags.c.tag == tag)))
-    if entries is not None and len(entries) <= FEW:
-        query = query.where(flights.c.entry.in_(entries))
-    held = _all_held(connection, query)
-    if entries is not None and len(entries) > FEW:
-        wanted = set(entries)
-        held = [one for one in held if one.entry in wanted]
-    return held
-
-
-def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
-    """The flights that bear one of these identities now, or bore it as they came in."""
-    held: list[Held] = []
-    for start in range(0, len(identities), FEW):
-        some = identities[start : start + FEW]
-        entered = tuple_(*(flights.c.entered[name].as_string() for name in ("rocket", "flight_id")))
-        now = select(flights.c.entry).where(tuple_(flights.c.rocket, flights.c.flight_id).in_(some))
-        once = select(flights.c.entry).where(EDITED, entered.in_(some))
-        held += _all_held(connection, select(flights).where(flights.c.entry.in_(now.union(once))))
-    return held
-
-
-def _all_held(connection: Connection, query: Select[Any]) -> list[Held]:
-    columns = flights.c.keys()
-    rows = [dict(zip(columns, row, strict=True)) for row in connection.execute(query)]
-    labels: dict[int, list[str]] = {row["entry"]: [] for row in rows}
-    for label in connection.execute(_labels(labels)):
-        if label.entry in labels:
-            labels[label.entry].append(label.tag)
-    return [_held(row, labels[row["entry"]]) for row in rows]
-
-
-def _labels(entries: Collection[int]) -> Select[Any]:
-    """The tags of these flights, and of others where they are many."""
-    query = select(tags).order_by(tags.c.entry, tags.c.position)
-    return query.where(tags.c.entry.in_(entries)) if len(entries) <= FEW else query
-
-
-def _held(row: Mapping[str, Any], labels: Sequence[str]) -> Held:
-    """A row and its tags as a flight. Raises LedgerError for a row that no fieldkit wrote."""
-    try:
-        once = flight_of(row["entered"], row["entered"]["tags"]) if row["entered"] else None
-        return Held(row["entry"], flight_of(row, labels), once, row["log_digest"])
-    except (ValueError, TypeError, LookupError) as error:
-        raise LedgerError(f"flight {row['flight_id']!r} of {row['rocket']!r}: its row is damaged ({error})") from error
-
-
 def replace(pen: Pen, held: Held, flight: Flight) -> bool:
     """Put a changed flight in a held one's place; False where nothing changed.
 
@@ -232,108 +155,3 @@ def remove(pen: Pen, held: Held) -> None:
 
 def _tag_rows(entry: int, labels: Sequence[str]) -> list[Row]:
     return [{"entry": entry, "position": position, "tag": tag} for position, tag in enumerate(labels)]
-
-
-def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
-    """The id of each of these flights: its flight_id where that says enough, else `rocket/flight_id`."""
-    meant: dict[str, int] = {}
-    for rocket, flight_id in _meant(connection, {flight_id for _, flight_id in wanted}):
-        for name in {flight_id, f"{rocket}/{flight_id}"}:
-            meant[name] = meant.get(name, 0) + 1
-    return {(r, f): f if meant[f] == 1 else f"{r}/{f}" for r, f in wanted}
-
-
-def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
-    """The flights that any of these texts may mean, as `flight_id` or as `rocket/flight_id`; of many texts, all."""
-    query = select(flights.c.rocket, flights.c.flight_id)
-    if len(texts) <= FEW:
-        halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
-        pair = tuple_(flights.c.rocket, flights.c.flight_id)
-        query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
-    return [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
-
-
-def resolve(connection: Connection, id: str) -> Held:
-    """The flight that an id means. Raises LedgerError that suggests near ones, or lists several."""
-    return resolve_all(connection, [id])[0]
-
-
-def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
-    """The flights that ids mean, in their order. Raises LedgerError that suggests near ones, or lists several."""
-    known = ids(connection, _meant(connection, set(texts)))
-    meant: dict[str, list[Identity]] = {}
-    for identity in known:
-        for name in {identity[1], "/".join(identity)}:
-            meant.setdefault(name, []).append(identity)
-    wanted = [_the_one(connection, text, meant.get(text, []), known) for text in texts]
-    held = {(one.flight.rocket, one.flight.flight_id): one for one in find(connection, wanted)}
-    return [held[identity] for identity in wanted]
-
-
-def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: Mapping[Identity, str]) -> Identity:
-    """The identity that an id means, among those it may mean. Raises LedgerError."""
-    if len(found) > 1:  # one of them may bear the id in full
-        found = [identity for identity in found if known[identity] == id] or found
-    if len(found) > 1:
-        raise LedgerError(f"{id} may be {' or '.join(sorted(known[one] for one in found))}")
-    if not found:
-        everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
-        near = get_close_matches(id, ids(connection, everything).values(), n=3, cutoff=0.4)
-        hint = f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {len(everything)} flights"
-        raise LedgerError(f"no flight {id!r}; {hint}")
-    return found[0]
-
-
-def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
-    """What the flights name in one of their text fields, the last used first."""
-    column = flights.c[field]
-    query = select(column).where(column != "").group_by(column).order_by(func.max(flights.c.entry).desc())
-    return list(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
-
-
-def latest(connection: Connection, rocket: str | None, config: str | None) -> Flight | None:
-    """The flight entered last."""
-    wanted = {flights.c.rocket: rocket, flights.c.config: config}
-    where = [column == value for column, value in wanted.items() if value is not None]
-    entry = connection.scalar(select(func.max(flights.c.entry)).where(*where))
-    return load(connection, entries=[entry])[0].flight if entry else None
-
-
-def next_flight_id(connection: Connection, rocket: str) -> str:
-    """One more than the highest number among a rocket's flight ids."""
-    taken = connection.scalars(select(flights.c.flight_id).where(flights.c.rocket == rocket))
-    return str(max((int(one) for one in taken if one.isdecimal()), default=0) + 1)
-
-
-def keep_log(connection: Connection, original: Original) -> None:
-    """Keep a log's bytes under their digest, once."""
-    if connection.scalar(select(logs.c.digest).where(logs.c.digest == original.digest)) is None:
-        row = {"digest": original.digest, "size": original.size, "content": original.packed}
-        connection.execute(insert(logs).values(**row))
-
-
-def log_of(connection: Connection, held: Held) -> bytes | None:
-    """The original bytes of a held flight's log."""
-    return _content(connection, held.log_digest)
-
-
-def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
-    """The original bytes of the further files of a held flight."""
-    contents = [_content(connection, digest) for digest in held.flight.extra.get(OTHER_LOGS, "").split()]
-    return [content for content in contents if content is not None]
-
-
-def _content(connection: Connection, digest: str | None) -> bytes | None:
-    row = connection.execute(select(logs.c.content, logs.c.size).where(logs.c.digest == digest)).first()
-    return None if row is None else _unpacked(row.content, row.size)
-
-
-def _unpacked(packed: bytes, size: int) -> bytes:
-    """The bytes of a log, never more than its row says. Raises LedgerError for another size, zlib.error."""
-    if not 0 <= size <= LARGEST_LOG:
-        raise LedgerError(f"found a log of {size} bytes, expected at most {LARGEST_LOG}")
-    unpacking = zlib.decompressobj()
-    content = unpacking.decompress(packed, size + 1)
-    if len(content) != size:
-        raise LedgerError(f"found a log of another size than the {size} bytes of its row, which is damaged")
-    return content

@@ -16,7 +16,7 @@ from sqlalchemy import Connection, Engine
 from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.ledger import book, drafts, journal, models, opening, past, starts
+from fieldkit.ledger import book, drafts, finding, journal, logs, models, naming, opening, past, starts
 from fieldkit.ledger.journal import Change, Pen
 from fieldkit.ledger.records import Added, Past, Prediction, Renewal, Start, Version
 
@@ -97,8 +97,8 @@ class Ledger:
     ) -> list[Flight]:
         """Flights by date and then by entry, those without a date last; of one rocket, named by id, with a tag."""
         with self._reading() as connection:
-            entries = None if ids is None else [held.entry for held in book.resolve_all(connection, ids)]
-            return [held.flight for held in book.load(connection, rocket=rocket, tag=tag, entries=entries)]
+            entries = None if ids is None else [held.entry for held in naming.resolve_all(connection, ids)]
+            return [held.flight for held in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
 
     def flight(self, id: str) -> Flight:
         """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.
@@ -106,44 +106,44 @@ class Ledger:
         Raises LedgerError that suggests near ones, or lists those that it may mean.
         """
         with self._reading() as connection:
-            return book.resolve(connection, id).flight
+            return naming.resolve(connection, id).flight
 
     def entered(self, id: str) -> Flight | None:
         """A flight as it came in, None where it was not edited since."""
         with self._reading() as connection:
-            return book.resolve(connection, id).entered
+            return naming.resolve(connection, id).entered
 
     def ids(self, flights: Sequence[Flight]) -> list[str]:
         """The id that names each of these flights of the ledger."""
         identities = [(flight.rocket, flight.flight_id) for flight in flights]
         with self._reading() as connection:
-            names = book.ids(connection, identities)
+            names = naming.ids(connection, identities)
         return [names[identity] for identity in identities]
 
     def log(self, id: str) -> bytes | None:
         """The original bytes of a flight's log, or None where there is none."""
         with self._reading() as connection:
-            return book.log_of(connection, book.resolve(connection, id))
+            return logs.log_of(connection, naming.resolve(connection, id))
 
     def other_logs(self, id: str) -> list[bytes]:
         """The original bytes of the other files that a flight's logger wrote of it."""
         with self._reading() as connection:
-            return book.other_logs_of(connection, book.resolve(connection, id))
+            return logs.other_logs_of(connection, naming.resolve(connection, id))
 
     def names(self, field: str, rocket: str | None = None) -> list[str]:
         """Every `rocket`, `config`, `motor` or `site` that flights name, the last used first."""
         with self._reading() as connection:
-            return book.names(connection, field, rocket)
+            return finding.names(connection, field, rocket)
 
     def latest(self, rocket: str | None = None, config: str | None = None) -> Flight | None:
         """The flight entered last, whose set-up the next one is likely to share."""
         with self._reading() as connection:
-            return book.latest(connection, rocket, config)
+            return finding.latest(connection, rocket, config)
 
     def next_flight_id(self, rocket: str) -> str:
         """The next free number, as a flight_id, for a rocket."""
         with self._reading() as connection:
-            return book.next_flight_id(connection, rocket)
+            return finding.next_flight_id(connection, rocket)
 
     def edit(self, id: str, **changes: object) -> Flight:
         """Change fields of a flight and return it. Raises LedgerError when another bears the new name."""
@@ -153,7 +153,7 @@ class Ledger:
     def edit_all(self, ids: Sequence[str], what: str, **changes: object) -> int:
         """Change fields of several flights as one command, named by `what`; how many it changed."""
         with self._changing() as pen:
-            held = book.resolve_all(pen.connection, ids)
+            held = naming.resolve_all(pen.connection, ids)
             done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
             if done:
                 pen.sign("edit", f"{what} ({', '.join(changes)})")
@@ -188,7 +188,7 @@ class Ledger:
 
     def _alter(self, id: str, command: str, what: str, change: Callable[[Flight], Flight]) -> Flight:
         with self._changing() as pen:
-            held = book.resolve(pen.connection, id)
+            held = naming.resolve(pen.connection, id)
             flight = change(held.flight)
             if book.replace(pen, held, flight):
                 pen.sign(command, what)
@@ -197,7 +197,7 @@ class Ledger:
     def remove(self, *ids: str) -> list[Flight]:
         """Take flights out and return them; `undo` brings them back."""
         with self._changing() as pen:
-            gone = list({held.entry: held for held in book.resolve_all(pen.connection, ids)}.values())
+            gone = list({held.entry: held for held in naming.resolve_all(pen.connection, ids)}.values())
             for held in gone:
                 book.remove(pen, held)
             if gone:
@@ -316,7 +316,7 @@ class Ledger:
 
 
 def _renew(pen: Pen, one: Renewal) -> bool:
-    return book.renew(pen, book.resolve(pen.connection, one.id), one.flight, one.entered, one.others)
+    return book.renew(pen, naming.resolve(pen.connection, one.id), one.flight, one.entered, one.others)
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:

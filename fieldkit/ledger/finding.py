@@ -1,0 +1,107 @@
+"""Flights as the tables hold them: reading them, and what they name."""
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from sqlalchemy import Connection, Select, func, select, tuple_
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.ledger.rows import flight_of
+from fieldkit.ledger.tables import EDITED, flights, tags
+
+Identity = tuple[str, str]
+"""A rocket and a flight_id, which together name a flight."""
+FEW = 500
+"""So many are asked for by name; of more, everything is read. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Held:
+    """A flight and where it stands; `entered` is how it came in, where it was edited since."""
+
+    entry: int
+    flight: Flight
+    entered: Flight | None
+    log_digest: str | None
+
+
+def load(
+    connection: Connection,
+    *,
+    rocket: str | None = None,
+    tag: str | None = None,
+    entries: Sequence[int] | None = None,
+) -> list[Held]:
+    """Flights by date and then by entry; of a rocket, with a tag, at these entries."""
+    query = select(flights).order_by(flights.c.date_time.nulls_last(), flights.c.entry)
+    if rocket is not None:
+        query = query.where(flights.c.rocket == rocket)
+    if tag is not None:
+        query = query.where(flights.c.entry.in_(select(tags.c.entry).where(tags.c.tag == tag)))
+    if entries is not None and len(entries) <= FEW:
+        query = query.where(flights.c.entry.in_(entries))
+    held = _all_held(connection, query)
+    if entries is not None and len(entries) > FEW:
+        wanted = set(entries)
+        held = [one for one in held if one.entry in wanted]
+    return held
+
+
+def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
+    """The flights that bear one of these identities now, or bore it as they came in."""
+    held: list[Held] = []
+    for start in range(0, len(identities), FEW):
+        some = identities[start : start + FEW]
+        entered = tuple_(*(flights.c.entered[name].as_string() for name in ("rocket", "flight_id")))
+        now = select(flights.c.entry).where(tuple_(flights.c.rocket, flights.c.flight_id).in_(some))
+        once = select(flights.c.entry).where(EDITED, entered.in_(some))
+        held += _all_held(connection, select(flights).where(flights.c.entry.in_(now.union(once))))
+    return held
+
+
+def _all_held(connection: Connection, query: Select[Any]) -> list[Held]:
+    columns = flights.c.keys()
+    rows = [dict(zip(columns, row, strict=True)) for row in connection.execute(query)]
+    labels: dict[int, list[str]] = {row["entry"]: [] for row in rows}
+    for label in connection.execute(_labels(labels)):
+        if label.entry in labels:
+            labels[label.entry].append(label.tag)
+    return [_held(row, labels[row["entry"]]) for row in rows]
+
+
+def _labels(entries: Collection[int]) -> Select[Any]:
+    """The tags of these flights, and of others where they are many."""
+    query = select(tags).order_by(tags.c.entry, tags.c.position)
+    return query.where(tags.c.entry.in_(entries)) if len(entries) <= FEW else query
+
+
+def _held(row: Mapping[str, Any], labels: Sequence[str]) -> Held:
+    """A row and its tags as a flight. Raises LedgerError for a row that no fieldkit wrote."""
+    try:
+        once = flight_of(row["entered"], row["entered"]["tags"]) if row["entered"] else None
+        return Held(row["entry"], flight_of(row, labels), once, row["log_digest"])
+    except (ValueError, TypeError, LookupError) as error:
+        raise LedgerError(f"flight {row['flight_id']!r} of {row['rocket']!r}: its row is damaged ({error})") from error
+
+
+def names(connection: Connection, field: str, rocket: str | None) -> list[str]:
+    """What the flights name in one of their text fields, the last used first."""
+    column = flights.c[field]
+    query = select(column).where(column != "").group_by(column).order_by(func.max(flights.c.entry).desc())
+    return list(connection.scalars(query if rocket is None else query.where(flights.c.rocket == rocket)))
+
+
+def latest(connection: Connection, rocket: str | None, config: str | None) -> Flight | None:
+    """The flight entered last."""
+    wanted = {flights.c.rocket: rocket, flights.c.config: config}
+    where = [column == value for column, value in wanted.items() if value is not None]
+    entry = connection.scalar(select(func.max(flights.c.entry)).where(*where))
+    return load(connection, entries=[entry])[0].flight if entry else None
+
+
+def next_flight_id(connection: Connection, rocket: str) -> str:
+    """One more than the highest number among a rocket's flight ids."""
+    taken = connection.scalars(select(flights.c.flight_id).where(flights.c.rocket == rocket))
+    return str(max((int(one) for one in taken if one.isdecimal()), default=0) + 1)

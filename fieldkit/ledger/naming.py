@@ -1,0 +1,60 @@
+"""What a flight is called: its flight_id where that says enough, else rocket/flight_id."""
+
+from collections.abc import Collection, Mapping, Sequence
+from difflib import get_close_matches
+
+from sqlalchemy import Connection, or_, select, tuple_
+
+from fieldkit.errors import LedgerError
+from fieldkit.ledger.finding import FEW, Held, Identity, find
+from fieldkit.ledger.tables import flights
+
+
+def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
+    """The id of each of these flights: its flight_id where that says enough, else `rocket/flight_id`."""
+    meant: dict[str, int] = {}
+    for rocket, flight_id in _meant(connection, {flight_id for _, flight_id in wanted}):
+        for name in {flight_id, f"{rocket}/{flight_id}"}:
+            meant[name] = meant.get(name, 0) + 1
+    return {(r, f): f if meant[f] == 1 else f"{r}/{f}" for r, f in wanted}
+
+
+def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
+    """The flights that any of these texts may mean, as `flight_id` or as `rocket/flight_id`; of many texts, all."""
+    query = select(flights.c.rocket, flights.c.flight_id)
+    if len(texts) <= FEW:
+        halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
+        pair = tuple_(flights.c.rocket, flights.c.flight_id)
+        query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
+    return [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
+
+
+def resolve(connection: Connection, id: str) -> Held:
+    """The flight that an id means. Raises LedgerError that suggests near ones, or lists several."""
+    return resolve_all(connection, [id])[0]
+
+
+def resolve_all(connection: Connection, texts: Sequence[str]) -> list[Held]:
+    """The flights that ids mean, in their order. Raises LedgerError that suggests near ones, or lists several."""
+    known = ids(connection, _meant(connection, set(texts)))
+    meant: dict[str, list[Identity]] = {}
+    for identity in known:
+        for name in {identity[1], "/".join(identity)}:
+            meant.setdefault(name, []).append(identity)
+    wanted = [_the_one(connection, text, meant.get(text, []), known) for text in texts]
+    held = {(one.flight.rocket, one.flight.flight_id): one for one in find(connection, wanted)}
+    return [held[identity] for identity in wanted]
+
+
+def _the_one(connection: Connection, id: str, found: Sequence[Identity], known: Mapping[Identity, str]) -> Identity:
+    """The identity that an id means, among those it may mean. Raises LedgerError."""
+    if len(found) > 1:  # one of them may bear the id in full
+        found = [identity for identity in found if known[identity] == id] or found
+    if len(found) > 1:
+        raise LedgerError(f"{id} may be {' or '.join(sorted(known[one] for one in found))}")
+    if not found:
+        everything = [(r, f) for r, f in connection.execute(select(flights.c.rocket, flights.c.flight_id))]
+        near = get_close_matches(id, ids(connection, everything).values(), n=3, cutoff=0.4)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"the ledger holds {len(everything)} flights"
+        raise LedgerError(f"no flight {id!r}; {hint}")
+    return found[0]
