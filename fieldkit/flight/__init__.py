@@ -1,0 +1,33 @@
+"""The records everything shares: a flight, its columns, and the time series of a log.
+
+`COLUMNS` is the one list of what is known of a flight as numbers. The flight table, the prompts, the
+ledger, the exports and the JSON are all read off it. Values are SI inside a `Flight`; a column's name
+carries the unit that flyers see.
+"""
+
+from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, READOUTS, SETUP, Column
+from fieldkit.flight.flight import FIELDS, Flight
+from fieldkit.flight.series import Series
+from fieldkit.flight.table import MOTOR_TEMPERATURE, TEXT_COLUMNS, read_date, table_headers, table_row
+from fieldkit.flight.tags import CHECKED, KNOWN_TAGS, TAGS, read_tags
+
+__all__ = [
+    "BY_NAME",
+    "CHECKED",
+    "COLUMNS",
+    "CONDITIONS",
+    "FIELDS",
+    "KNOWN_TAGS",
+    "MOTOR_TEMPERATURE",
+    "READOUTS",
+    "SETUP",
+    "TAGS",
+    "TEXT_COLUMNS",
+    "Column",
+    "Flight",
+    "Series",
+    "read_date",
+    "read_tags",
+    "table_headers",
+    "table_row",
+]

@@ -1,0 +1,127 @@
+"""What is known of a flight as numbers: each column's name, unit, meaning and plausible range."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+from fieldkit import units
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One number of a flight: how it is named at the edge, what it means, what is plausible.
+
+    `name` is the field of `Flight`; `low` and `high` bound what is taken without a question, in SI.
+    """
+
+    name: str
+    quantity: str
+    unit: str
+    suffix: str
+    title: str
+    help: str
+    low: float
+    high: float
+
+    @property
+    def header(self) -> str:
+        """The column's name at the edge, unit and all: `apogee_m`."""
+        return f"{self.name}_{self.suffix}"
+
+    @property
+    def sd_header(self) -> str:
+        """The extra column that holds the standard deviation of a measured readout: `apogee_sd_m`."""
+        return f"{self.name}_sd_{self.suffix}"
+
+    @property
+    def stated_header(self) -> str:
+        """The extra column that holds what the device itself stated: `stated_apogee_m`."""
+        return f"stated_{self.header}"
+
+    def parse(self, text: str, unit: str | None = None) -> float:
+        """The SI value of a text; a number without a unit is in `unit`, or this column's own."""
+        return units.parse(text, self.quantity, unit or self.unit)
+
+    def render(self, value: float) -> str:
+        """The number at the edge, in this column's unit."""
+        return units.render(value, self.quantity, self.unit)
+
+
+def _column(name: str, quantity: str, unit: str, title: str, low: float, high: float, text: str) -> Column:
+    suffix = {"m/s": "mps", "°": "deg", "%": "pct"}.get(unit, unit)
+    scale = units.unit(quantity, unit)
+    return Column(name, quantity, unit, suffix, title, text, scale.to_si(low), scale.to_si(high))
+
+
+SETUP = (
+    _column(
+        "dry_mass",
+        "mass",
+        "g",
+        "Dry mass",
+        5,
+        50000,
+        "Weighed at the pad with recovery and payload, no motor.",
+    ),
+    _column("diameter", "length", "mm", "Diameter", 8, 400, "Largest body diameter: the reference area of Cd."),
+    _column("delay", "time", "s", "Ejection delay", 0, 20, "From burnout to the ejection charge."),
+)
+
+CONDITIONS = (
+    _column("site_elevation", "length", "m", "Site elevation", -430, 5000, "Pad above sea level."),
+    _column("temperature", "temperature", "c", "Temperature", -40, 50, "Air at the pad."),
+    _column(
+        "pressure",
+        "pressure",
+        "hpa",
+        "Pressure",
+        800,
+        1060,
+        "Reduced to sea level (QNH), as weather reports say.",
+    ),
+    _column("humidity", "fraction", "%", "Humidity", 0, 100, "Relative humidity at the pad."),
+    _column("wind", "speed", "m/s", "Wind", 0, 20, "Mean wind at the pad."),
+    _column("rail_length", "length", "m", "Rail length", 0.3, 10, "Of the rod or rail the rocket is guided by."),
+    _column("rail_angle", "angle", "deg", "Rail angle", 0, 30, "Tilt of the rod or rail from vertical."),
+)
+
+READOUTS = (
+    _column("apogee", "length", "m", "Apogee", 5, 10000, "Highest point above the pad."),
+    _column("top_speed", "speed", "m/s", "Top speed", 3, 700, "Highest speed, reached as thrust ends."),
+    _column("burn_time", "time", "s", "Burn time", 0.1, 15, "From lift-off to top speed."),
+    _column(
+        "peak_accel",
+        "acceleration",
+        "g",
+        "Peak acceleration",
+        0.5,
+        60,
+        "Strongest acceleration under thrust.",
+    ),
+    _column(
+        "avg_accel",
+        "acceleration",
+        "g",
+        "Average acceleration",
+        0.1,
+        40,
+        "Top speed over burn time, net of gravity.",
+    ),
+    _column("coast_to_apogee", "time", "s", "Coast to apogee", 0.1, 60, "From top speed to apogee."),
+    _column(
+        "apogee_to_eject",
+        "time",
+        "s",
+        "Apogee to ejection",
+        -10,
+        20,
+        "Negative when ejection came before apogee.",
+    ),
+    _column("eject_altitude", "length", "m", "Ejection altitude", 0, 10000, "Height above the pad at ejection."),
+    _column("descent_speed", "speed", "m/s", "Descent speed", 0.5, 60, "Under the parachute or streamer."),
+    _column("duration", "time", "s", "Duration", 1, 1200, "From lift-off to landing."),
+)
+"""The ten readouts, in the order in which the AltimeterTwo shows them."""
+
+COLUMNS = SETUP + CONDITIONS + READOUTS
+BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS})

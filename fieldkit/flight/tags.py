@@ -1,0 +1,32 @@
+"""What a flight can be tagged with, and which tags keep it from teaching the model."""
+
+import re
+from collections.abc import Mapping
+from types import MappingProxyType
+
+TAGS: Mapping[str, str] = MappingProxyType(
+    {
+        "weak_launch": "The motor pushed less than it should: slow off the pad.",
+        "off_axis": "The rocket flew clearly off the vertical.",
+        "extra_drag": "Something stuck out or came loose: more drag than this rocket has.",
+        "early_ejection": "The ejection charge fired well before apogee.",
+        "altimeter_fault": "The altimeter's figures are not to be believed.",
+        "damaged": "The rocket broke in flight.",
+        "cato": "The motor failed.",
+        "staged": "A flight with more than one stage burning.",
+        "cluster": "A flight on several motors at once.",
+    }
+)
+"""Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
+CHECKED = "checked"
+KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
+    {**TAGS, CHECKED: "No anomaly: every readout was looked at and is right, however little one fits the others."}
+)
+"""Every tag that means something to fieldkit."""
+
+
+def read_tags(text: str) -> tuple[str, ...]:
+    """Tags apart by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelt."""
+    tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
+    known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
+    return tuple(dict.fromkeys(k if k in KNOWN_TAGS else tag for k, tag in zip(known, tags, strict=True)))
