@@ -3,15 +3,8 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.integrated import (
-    LATENTS,
-    Latent,
-    integrate,
-    log_likelihood,
-    normals_of,
-    parameters,
-    problem,
-)
+from fieldkit.inference.integrated import integrate
+from fieldkit.inference.likelihood import LATENTS, Latent, log_likelihood, normals_of, parameters, problem
 from fieldkit.inference.measured import SUBSETS, measure
 from fieldkit.inference.observed import ALPHA_SD
 from fieldkit.inference.simulated import flown_motors, simulate

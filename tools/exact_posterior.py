@@ -18,7 +18,8 @@ from scipy.stats import norm
 
 from fieldkit.inference.ensemble import Ensemble, load_folder
 from fieldkit.inference.field import posterior
-from fieldkit.inference.integrated import Draws, Problem, integrate, normals_of, parameters, problem
+from fieldkit.inference.integrated import Draws, integrate
+from fieldkit.inference.likelihood import Problem, normals_of, parameters, problem
 from fieldkit.inference.measured import SUBSETS, measure
 from fieldkit.inference.mixture import Mixture
 from fieldkit.inference.observed import ALPHA_RANGE, ALPHA_SD, CD_RANGE, disc
