@@ -1,58 +1,20 @@
-"""Rockets, seasons and flights to put effects into: everything honest, nothing hidden yet.
+"""Seasons and flights to put effects into: everything honest, nothing hidden yet.
 
 A `Flown` is a flight as planned by an all-knowing flyer (`launch`), the luck it meets (`scatter`) and what is
 written down of it (`declared`). Effects bend the launch and leave luck and paper alone.
 """
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from datetime import date, datetime, timedelta
 
 import numpy as np
 
-from bench import barrowman
-from bench.motors import motors
-from bench.vertical import climb
-from bench.world import Air, Airframe, Drag, Launch, Motor
+from bench.rockets import Combination, Needs, Rocket, draw_rocket
+from bench.world import Air, Launch
 
-CLASSES: Mapping[str, tuple[tuple[str, ...], tuple[float, float], tuple[float, float]]] = {
-    "tiny": (("C6", "C11", "D13W", "D24T"), (0.025, 0.034), (0.045, 0.095)),
-    "small": (("C11", "D12", "D15T", "E12", "E20W", "E28T"), (0.034, 0.042), (0.10, 0.22)),
-    "medium": (("E28T", "E35W", "F24W", "F39T", "F35W"), (0.041, 0.066), (0.26, 0.52)),
-    "large": (("F26FJ", "F27R", "F37W", "F40W", "F52T", "F67W", "G38FJ", "G40W", "G54W"), (0.056, 0.079), (0.5, 1.0)),
-    "heavy": (("G40W", "G64W", "G80T", "G125T", "H100W", "H128W", "H165R"), (0.066, 0.102), (0.9, 1.7)),
-    "fast": (("F52T", "F67W", "G54W", "G80T", "G125T"), (0.031, 0.040), (0.14, 0.30)),
-}
-"""Sizes of rocket: the motors they take, diameters in m, dry masses in kg."""
 SITES = ("North Field", "Quarry", "Lake Bed", "Old Airstrip", "School", "Ridge")
 ROCKETS = ("Astra", "Bolide", "Corvus", "Draco", "Ember", "Falcon", "Gannet", "Heron", "Ibis", "Juno")
-
-
-@dataclass(frozen=True, slots=True)
-class Needs:
-    """What a scenario asks of the rocket and the season before anything is bent."""
-
-    classes: tuple[str, ...] = ("tiny", "small", "medium", "medium", "large", "large", "heavy")
-    configs: int = 0
-    """Exactly so many; 0: one or two."""
-    sites: int = 0
-    """At least so many; 0: one to three."""
-    margin: tuple[float, float] = (1.2, 1.8)
-    """Static margin on the pad. [calibre]"""
-    rail: tuple[float, float] = (1.5, 2.4)
-    conditions: str = ""
-    """`all`, `wind` or `none` of the conditions are declared; empty: by chance."""
-    readouts: tuple[str, ...] = ("all", "all", "three", "apogee")
-    """What may be read: all ten, apogee with speed and coast, or the apogee alone."""
-    scatter: float = 1.0
-    """Factor on the scatter of thrust and drag."""
-    lift: tuple[float, float] = (5.0, 40.0)
-    """Thrust over weight in the first 0.4 s."""
-    cd: tuple[float, float] = (0.38, 0.75)
-    top_speed: float = 0.0
-    """That the fastest motor must exceed. [m/s]"""
-    high: float = 1500.0
-    """Elevation up to which sites lie where all conditions are declared. [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,44 +71,20 @@ class _Day:
     wind: float
 
 
-@dataclass(frozen=True, slots=True)
-class _Combination:
-    """A motor in a configuration, with the delay a careful flyer picks for it."""
-
-    motor: Motor
-    key: str
-    config: str
-    mass: float
-    delay: float
-    coast: float
-    top_speed: float
-
-
-@dataclass(frozen=True, slots=True)
-class _Plan:
-    frame: Airframe
-    drag: Drag
-    rail: float
-    chute: float
-    lean: float
-    """Nominal tilt of the rail, declared. [rad]"""
-    combinations: tuple[_Combination, ...] = field(default=())
-
-
 def draw(rng: np.random.Generator, needs: Needs) -> Season:
     """A season: one rocket in one or two configurations, two to four motors, several days."""
     conditions = needs.conditions or str(rng.choice(["all", "wind", "none"], p=[0.45, 0.2, 0.35]))
-    plan = _plan(rng, needs, conditions)
+    rocket = draw_rocket(rng, needs, conditions)
     history, future = int(rng.integers(16, 25)), int(rng.integers(8, 13))
     days = _days(rng, needs, conditions, history + future)
     flights = []
     for day, count in days:
         hours = np.sort(rng.uniform(9.5, 16.5, count))
         for hour in hours:
-            flights.append(_flown(rng, needs, plan, day, float(hour), conditions))
+            flights.append(_flown(rng, needs, rocket, day, float(hour), conditions))
     return Season(
         rocket=str(rng.choice(ROCKETS)),
-        flights=_all_seen(rng, flights, history, plan),
+        flights=_all_seen(rng, flights, history, rocket),
         future=future,
         readouts=str(rng.choice(list(needs.readouts))),
         conditions=conditions,
@@ -175,66 +113,6 @@ def scattered(flown: Flown) -> Launch:
     )
 
 
-def _plan(rng: np.random.Generator, needs: Needs, conditions: str) -> _Plan:
-    """A rocket with at least two motors that lift it well and have a delay that suits it."""
-    while True:
-        names, diameters, masses = CLASSES[str(rng.choice(list(needs.classes)))]
-        diameter, mass = float(rng.uniform(*diameters)), float(rng.uniform(*masses))
-        configs = {"A": mass}
-        if needs.configs == 2 or (needs.configs == 0 and rng.random() < 0.5):
-            configs["B"] = mass * float(rng.uniform(1.08, 1.35))
-        frame = Airframe(
-            diameter=diameter,
-            length=diameter * float(rng.uniform(13, 19)),
-            nose=diameter * float(rng.uniform(3, 5)),
-            fins=int(rng.choice([3, 4])),
-            root=diameter * float(rng.uniform(1.4, 2.0)),
-            tip=diameter * float(rng.uniform(0.7, 1.1)),
-            span=diameter * float(rng.uniform(0.9, 1.2)),
-            sweep=diameter * float(rng.uniform(0.5, 1.0)),
-            dry_cg=0.0,
-        )
-        heaviest = max((motors()[n] for n in names), key=lambda m: m.total_mass)
-        margin = float(rng.uniform(*needs.margin))
-        cg = barrowman.cg_for_margin(frame, mass, heaviest.total_mass, heaviest.length, margin)
-        if not 0.35 * frame.length < cg < 0.75 * frame.length:
-            continue
-        plan = _Plan(
-            frame=replace(frame, dry_cg=cg),
-            drag=Drag(float(rng.uniform(*needs.cd))),
-            rail=float(rng.uniform(*needs.rail)),
-            chute=mass * float(rng.uniform(0.35, 0.9)),
-            lean=float(np.radians(rng.choice([0, 0, 0, 3, 5]))) if conditions == "all" else 0.0,
-        )
-        found = _combinations(plan, names, configs, needs)
-        usable = sorted({c.key for c in found if {d.config for d in found if d.key == c.key} == set(configs)})
-        chosen = [str(key) for key in rng.permutation(usable)[: int(rng.integers(2, 5))]]
-        picked = tuple(c for c in found if c.key in chosen)
-        if len(chosen) >= 2 and max(c.top_speed for c in picked) > needs.top_speed:
-            return replace(plan, combinations=picked)
-
-
-def _combinations(
-    plan: _Plan, names: tuple[str, ...], configs: Mapping[str, float], needs: Needs
-) -> list[_Combination]:
-    """Motors and configurations that leave the rail well and find a delay near the coast they need."""
-    found = []
-    for key in names:
-        motor = motors()[key]
-        early = np.linspace(0, 0.4, 41)
-        push = float(np.interp(early, motor.time, motor.thrust).mean())
-        for config, mass in configs.items():
-            weight = 9.80665 * (mass + motor.total_mass)
-            if not needs.lift[0] < push / weight < needs.lift[1]:
-                continue
-            flight = climb(Launch(plan.frame, mass, motor, plan.drag, Air(), plan.rail))
-            fitting = [d for d in motor.delays if -0.4 <= d - flight.coast <= 2.5]
-            if fitting and flight.apogee > 60:
-                delay = float(min(fitting, key=lambda d: abs(d - flight.coast - 0.5)))
-                found.append(_Combination(motor, key, config, mass, delay, flight.coast, flight.top_speed))
-    return found
-
-
 def _days(rng: np.random.Generator, needs: Needs, conditions: str, total: int) -> list[tuple[_Day, int]]:
     """Flying days with their weather, and how many flights each has."""
     number = max(needs.sites, int(rng.integers(1, 4)))
@@ -257,9 +135,9 @@ def _days(rng: np.random.Generator, needs: Needs, conditions: str, total: int) -
     return days
 
 
-def _flown(rng: np.random.Generator, needs: Needs, plan: _Plan, day: _Day, hour: float, conditions: str) -> Flown:
+def _flown(rng: np.random.Generator, needs: Needs, rocket: Rocket, day: _Day, hour: float, conditions: str) -> Flown:
     """One flight of a day."""
-    choice = plan.combinations[int(rng.integers(len(plan.combinations)))]
+    choice = rocket.combinations[int(rng.integers(len(rocket.combinations)))]
     wind = day.wind * float(rng.uniform(0.7, 1.3))
     air = Air(
         elevation=day.elevation,
@@ -269,16 +147,16 @@ def _flown(rng: np.random.Generator, needs: Needs, plan: _Plan, day: _Day, hour:
     )
     mass = choice.mass * (1 + 0.005 * float(rng.standard_normal()))
     launch = Launch(
-        airframe=plan.frame,
+        airframe=rocket.frame,
         dry_mass=mass,
         motor=choice.motor,
-        drag=plan.drag,
+        drag=rocket.drag,
         air=air,
-        rail_length=plan.rail,
-        tilt=plan.lean,
+        rail_length=rocket.rail,
+        tilt=rocket.lean,
         heading=float(rng.uniform(0, 2 * np.pi)),
         delay=choice.delay,
-        chute_area=plan.chute,
+        chute_area=rocket.chute,
         opening=0.4,
     )
     return Flown(
@@ -308,7 +186,7 @@ def _luck(rng: np.random.Generator, factor: float) -> Scatter:
     )
 
 
-def _declared(launch: Launch, choice: _Combination, conditions: str) -> dict[str, str | float]:
+def _declared(launch: Launch, choice: Combination, conditions: str) -> dict[str, str | float]:
     """What the flyer writes down, in the units of the flight table."""
     row: dict[str, str | float] = {
         "motor": launch.motor.printed(choice.delay),
@@ -326,20 +204,20 @@ def _declared(launch: Launch, choice: _Combination, conditions: str) -> dict[str
     return row
 
 
-def _all_seen(rng: np.random.Generator, flights: list[Flown], history: int, plan: _Plan) -> tuple[Flown, ...]:
+def _all_seen(rng: np.random.Generator, flights: list[Flown], history: int, rocket: Rocket) -> tuple[Flown, ...]:
     """The flights, with every motor in every configuration flown about twice in the history."""
-    for config in sorted({c.config for c in plan.combinations}):
-        for key in sorted({c.key for c in plan.combinations}):
+    for config in sorted({c.config for c in rocket.combinations}):
+        for key in sorted({c.key for c in rocket.combinations}):
             seen = [f for f in flights[:history] if (f.config, f.motor) == (config, key)]
             if len(seen) >= 2:
                 continue
-            choice = next(c for c in plan.combinations if (c.config, c.key) == (config, key))
+            choice = next(c for c in rocket.combinations if (c.config, c.key) == (config, key))
             for place in rng.choice(history, 2, replace=False):
                 flights[place] = _swap(flights[int(place)], choice)
     return tuple(flights)
 
 
-def _swap(flown: Flown, choice: _Combination) -> Flown:
+def _swap(flown: Flown, choice: Combination) -> Flown:
     """The same flight on another motor or in another configuration."""
     launch = replace(flown.launch, dry_mass=choice.mass, motor=choice.motor, delay=choice.delay)
     row = dict(flown.declared) | {

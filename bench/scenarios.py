@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
-from bench.fleet import Needs
+from bench.rockets import Needs
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,10 +15,10 @@ import subprocess
 import sys
 import tempfile
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from contextlib import ExitStack
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
@@ -26,70 +26,9 @@ import numpy as np
 
 from bench.altimeter import RESOLUTION
 from bench.make import IMPERIAL
+from bench.result import Errors, Result, effects
+from bench.tables import summary, table
 from fieldkit.work import done, workers
-
-WORTH_IT = 0.2
-"""Part of the error that knowing the effect must take away for a set to count as decidable."""
-
-
-@dataclass(frozen=True, slots=True)
-class Errors:
-    """Of predicted apogees on the future flights."""
-
-    mae: float
-    bias: float
-    covered: int
-    flights: int
-
-
-@dataclass(frozen=True, slots=True)
-class Result:
-    """What the product said of one set, beside its label; `error` if it said nothing."""
-
-    name: str
-    scenario: str
-    label: str
-    reach: float
-    """Part of the error that knowing the truth takes away, as the bench's own simulator has it. [1]"""
-    ideal: float
-    """Error on the future flights that the bench's own simulator leaves with the truth known. [m]"""
-    verdict: str = ""
-    also: tuple[str, ...] = ()
-    confidence: float = float("nan")
-    before: Errors | None = None
-    after: Errors | None = None
-    given: Errors | None = None
-    """With the true effect given to the product, whatever it made of the flights."""
-    seconds: float = float("nan")
-    error: str = ""
-    level: int = 0
-    top: tuple[str, ...] = field(default=())
-    """The best candidates, best first."""
-
-    @property
-    def gain(self) -> float:
-        """Part of the error on the future flights that the fit of the true effect takes away. [1]"""
-        return 1 - self.given.mae / self.before.mae if self.given and self.before else 0.0
-
-    @property
-    def decidable(self) -> bool:
-        """Whether what is missing matters: to the product's fit of it, or in truth where nothing known is it."""
-        return (self.reach if self.label == "unexplained" else self.gain) >= WORTH_IT
-
-    @property
-    def named(self) -> bool:
-        """Whether the verdict is the label."""
-        return effects(self.verdict) == effects(self.label)
-
-    @property
-    def right(self) -> bool:
-        """Whether the verdict is the label, or names it as one that these flights cannot tell apart."""
-        return effects(self.label) in {effects(name) for name in (self.verdict, *self.also)}
-
-
-def effects(name: str) -> frozenset[str]:
-    """The effects that a verdict names, in no order."""
-    return frozenset(name.split("+"))
 
 
 def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeout: float) -> Result:
@@ -220,82 +159,6 @@ def _errors(predictions: Sequence[Mapping[str, Any]], later: Path) -> Errors:
     error = np.array([p["p50"] for p in found]) - apogee
     inside = [p["p05"] <= y <= p["p95"] for p, y in zip(found, apogee, strict=True)]
     return Errors(float(np.abs(error).mean()), float(error.mean()), int(sum(inside)), len(rows))
-
-
-def table(results: Sequence[Result]) -> str:
-    """A row per scenario and one for all, in Markdown; errors in metres over the future flights."""
-    lines = [
-        "| scenario | sets | named | right | decidable | right there | before | after | given | ideal "
-        "| coverage before | after | said instead |",
-        "|---|---|---|---|---|---|---|---|---|---|---|---|---|",
-    ]
-    for scenario in [*dict.fromkeys(sorted(r.scenario for r in results)), "all"]:
-        chosen = [r for r in results if scenario in (r.scenario, "all")]
-        lines.append(_row(scenario, chosen, confusions=scenario != "all"))
-    return "\n".join(lines)
-
-
-def _row(scenario: str, results: Sequence[Result], confusions: bool) -> str:
-    decidable = [r for r in results if r.decidable]
-    said = Counter(r.verdict or "error" for r in results if not r.right).most_common(4) if confusions else []
-    cells = [
-        scenario,
-        str(len(results)),
-        _rate(r.named for r in results),
-        _rate(r.right for r in results),
-        str(len(decidable)),
-        _rate(r.right for r in decidable),
-        _mean(results, lambda r: r.before.mae if r.before else None),
-        _mean(results, lambda r: r.after.mae if r.after else None),
-        _mean(results, lambda r: r.given.mae if r.given else None),
-        _mean(results, lambda r: r.ideal),
-        _coverage([r.before for r in results]),
-        _coverage([r.after for r in results]),
-        ", ".join(f"{name} {count}" for name, count in said),
-    ]
-    return f"| {' | '.join(cells)} |"
-
-
-def _rate(right: Iterable[bool]) -> str:
-    values = list(right)
-    return f"{100 * sum(values) / len(values):.0f} %" if values else ""
-
-
-def _mean(results: Sequence[Result], value: Callable[[Result], float | None]) -> str:
-    values = [v for r in results if (v := value(r)) is not None]
-    return f"{np.mean(values):.1f}" if values else ""
-
-
-def _coverage(errors: Sequence[Errors | None]) -> str:
-    found = [e for e in errors if e]
-    return f"{100 * sum(e.covered for e in found) / sum(e.flights for e in found):.0f} %" if found else ""
-
-
-def summary(results: Sequence[Result]) -> str:
-    """The figures that decide: decidable sets, false alarms, part of the possible gain."""
-    said = [r for r in results if r.before and r.after]
-    effect = [r for r in said if r.label not in ("none", "unexplained")]
-    decidable = [r for r in effect if r.decidable]
-    nulls = [r for r in said if r.label == "none"]
-    lines = [
-        f"right verdicts where the fit of the true effect takes away at least {WORTH_IT:.0%} of the error: "
-        f"{sum(r.right for r in decidable)} of {len(decidable)}, "
-        f"{sum(r.right for r in decidable if '+' not in r.label)} of {sum('+' not in r.label for r in decidable)} "
-        "of them with one effect",
-        f"false alarms on nulls: {sum(r.verdict != 'none' for r in nulls)} of {len(nulls)}, "
-        f"{sum(r.verdict == 'unexplained' for r in nulls)} of them as unexplained",
-        f"wrong effect named where nobody's effect was: "
-        f"{sum(r.verdict not in ('none', 'unexplained') for r in said if r.label == 'unexplained')} "
-        f"of {sum(r.label == 'unexplained' for r in said)}",
-    ]
-    possible = sum(r.before.mae - r.given.mae for r in decidable if r.before and r.given)
-    made = sum(r.before.mae - r.after.mae for r in decidable if r.before and r.after)
-    if possible > 0:
-        lines.append(f"part of the possible gain made there: {made / possible:.0%}")
-    lines.append(f"sets with an error: {len(results) - len(said)}")
-    if said:
-        lines.append(f"loop: {np.median([r.seconds for r in said]):.1f} s in the median")
-    return "\n".join(lines)
 
 
 def main() -> None:

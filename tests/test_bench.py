@@ -19,8 +19,10 @@ from bench.effects import EFFECTS
 from bench.fleet import Flown
 from bench.make import case, make
 from bench.motors import motors
+from bench.result import Result, effects
 from bench.scenarios import SCENARIOS
-from bench.score import Result, _planned, effects, score, summary, table
+from bench.score import _planned, score
+from bench.tables import summary, table
 from bench.vertical import climb
 from bench.world import Air, Airframe, Drag, Launch, Track
 

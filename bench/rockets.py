@@ -1,0 +1,134 @@
+"""Rockets to put effects into, and the motors and delays that a careful flyer picks for them."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from bench import barrowman
+from bench.motors import motors
+from bench.vertical import climb
+from bench.world import Air, Airframe, Drag, Launch, Motor
+
+CLASSES: Mapping[str, tuple[tuple[str, ...], tuple[float, float], tuple[float, float]]] = {
+    "tiny": (("C6", "C11", "D13W", "D24T"), (0.025, 0.034), (0.045, 0.095)),
+    "small": (("C11", "D12", "D15T", "E12", "E20W", "E28T"), (0.034, 0.042), (0.10, 0.22)),
+    "medium": (("E28T", "E35W", "F24W", "F39T", "F35W"), (0.041, 0.066), (0.26, 0.52)),
+    "large": (("F26FJ", "F27R", "F37W", "F40W", "F52T", "F67W", "G38FJ", "G40W", "G54W"), (0.056, 0.079), (0.5, 1.0)),
+    "heavy": (("G40W", "G64W", "G80T", "G125T", "H100W", "H128W", "H165R"), (0.066, 0.102), (0.9, 1.7)),
+    "fast": (("F52T", "F67W", "G54W", "G80T", "G125T"), (0.031, 0.040), (0.14, 0.30)),
+}
+"""Sizes of rocket: the motors they take, diameters in m, dry masses in kg."""
+
+
+@dataclass(frozen=True, slots=True)
+class Needs:
+    """What a scenario asks of the rocket and the season before anything is bent."""
+
+    classes: tuple[str, ...] = ("tiny", "small", "medium", "medium", "large", "large", "heavy")
+    configs: int = 0
+    """Exactly so many; 0: one or two."""
+    sites: int = 0
+    """At least so many; 0: one to three."""
+    margin: tuple[float, float] = (1.2, 1.8)
+    """Static margin on the pad. [calibre]"""
+    rail: tuple[float, float] = (1.5, 2.4)
+    conditions: str = ""
+    """`all`, `wind` or `none` of the conditions are declared; empty: by chance."""
+    readouts: tuple[str, ...] = ("all", "all", "three", "apogee")
+    """What may be read: all ten, apogee with speed and coast, or the apogee alone."""
+    scatter: float = 1.0
+    """Factor on the scatter of thrust and drag."""
+    lift: tuple[float, float] = (5.0, 40.0)
+    """Thrust over weight in the first 0.4 s."""
+    cd: tuple[float, float] = (0.38, 0.75)
+    top_speed: float = 0.0
+    """That the fastest motor must exceed. [m/s]"""
+    high: float = 1500.0
+    """Elevation up to which sites lie where all conditions are declared. [m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Combination:
+    """A motor in a configuration, with the delay a careful flyer picks for it."""
+
+    motor: Motor
+    key: str
+    config: str
+    mass: float
+    delay: float
+    coast: float
+    top_speed: float
+
+
+@dataclass(frozen=True, slots=True)
+class Rocket:
+    """An airframe with its drag, rail and parachute [m^2], and the motors that it flies on."""
+
+    frame: Airframe
+    drag: Drag
+    rail: float
+    chute: float
+    lean: float
+    """Nominal tilt of the rail, declared. [rad]"""
+    combinations: tuple[Combination, ...] = field(default=())
+
+
+def draw_rocket(rng: np.random.Generator, needs: Needs, conditions: str) -> Rocket:
+    """A rocket with at least two motors that lift it well and have a delay that suits it."""
+    while True:
+        names, diameters, masses = CLASSES[str(rng.choice(list(needs.classes)))]
+        diameter, mass = float(rng.uniform(*diameters)), float(rng.uniform(*masses))
+        configs = {"A": mass}
+        if needs.configs == 2 or (needs.configs == 0 and rng.random() < 0.5):
+            configs["B"] = mass * float(rng.uniform(1.08, 1.35))
+        frame = Airframe(
+            diameter=diameter,
+            length=diameter * float(rng.uniform(13, 19)),
+            nose=diameter * float(rng.uniform(3, 5)),
+            fins=int(rng.choice([3, 4])),
+            root=diameter * float(rng.uniform(1.4, 2.0)),
+            tip=diameter * float(rng.uniform(0.7, 1.1)),
+            span=diameter * float(rng.uniform(0.9, 1.2)),
+            sweep=diameter * float(rng.uniform(0.5, 1.0)),
+            dry_cg=0.0,
+        )
+        heaviest = max((motors()[n] for n in names), key=lambda m: m.total_mass)
+        margin = float(rng.uniform(*needs.margin))
+        cg = barrowman.cg_for_margin(frame, mass, heaviest.total_mass, heaviest.length, margin)
+        if not 0.35 * frame.length < cg < 0.75 * frame.length:
+            continue
+        rocket = Rocket(
+            frame=replace(frame, dry_cg=cg),
+            drag=Drag(float(rng.uniform(*needs.cd))),
+            rail=float(rng.uniform(*needs.rail)),
+            chute=mass * float(rng.uniform(0.35, 0.9)),
+            lean=float(np.radians(rng.choice([0, 0, 0, 3, 5]))) if conditions == "all" else 0.0,
+        )
+        found = _combinations(rocket, names, configs, needs)
+        usable = sorted({c.key for c in found if {d.config for d in found if d.key == c.key} == set(configs)})
+        chosen = [str(key) for key in rng.permutation(usable)[: int(rng.integers(2, 5))]]
+        picked = tuple(c for c in found if c.key in chosen)
+        if len(chosen) >= 2 and max(c.top_speed for c in picked) > needs.top_speed:
+            return replace(rocket, combinations=picked)
+
+
+def _combinations(
+    rocket: Rocket, names: tuple[str, ...], configs: Mapping[str, float], needs: Needs
+) -> list[Combination]:
+    """Motors and configurations that leave the rail well and find a delay near the coast they need."""
+    found = []
+    for key in names:
+        motor = motors()[key]
+        early = np.linspace(0, 0.4, 41)
+        push = float(np.interp(early, motor.time, motor.thrust).mean())
+        for config, mass in configs.items():
+            weight = 9.80665 * (mass + motor.total_mass)
+            if not needs.lift[0] < push / weight < needs.lift[1]:
+                continue
+            flight = climb(Launch(rocket.frame, mass, motor, rocket.drag, Air(), rocket.rail))
+            fitting = [d for d in motor.delays if -0.4 <= d - flight.coast <= 2.5]
+            if fitting and flight.apogee > 60:
+                delay = float(min(fitting, key=lambda d: abs(d - flight.coast - 0.5)))
+                found.append(Combination(motor, key, config, mass, delay, flight.coast, flight.top_speed))
+    return found
