@@ -11,7 +11,7 @@ from fieldkit.parsing import Found, Note, Reading, claims, parsers, read_togethe
 from fieldkit.standard_air import pressure_height
 from tests.recorded import recorded
 from tests.samples import any_motor
-from tools.sample_logs import PAD, flight
+from tools.samples.two_parachutes import PAD, flight
 
 LOGS = Path(__file__).parent.parent / "sample_logs"
 V5 = "header does not fit its rows of 70 cells, read up to main_voltage"

@@ -10,7 +10,7 @@ from fieldkit.flight import Series
 from fieldkit.parsing import Found, Note, Reading, parsers
 from fieldkit.units import FOOT
 from tests.recorded import recorded
-from tools.sample_logs import flight
+from tools.samples.two_parachutes import flight
 
 LOGS = Path(__file__).parent.parent / "sample_logs"
 HEADER = "PerfectFlite Pnut\r\nFirmware: 1.0\r\nSerial Number: 1\r\nApogee: 100' AGL\r\n"

@@ -1,16 +1,12 @@
-"""Writes the sample logs of tables and of simulation exports into sample_logs/: python tools/sample_tables.py
-
-One small flight, integrated here with plain drag, written as each program or team would write it. Formats are
-those of the parsers' own descriptions; no recording of anybody's flight is in them.
-"""
+"""Tables of teams and exports of simulations: one small flight, integrated with plain drag, as each would write it."""
 
 from collections.abc import Callable, Iterable
-from pathlib import Path
 
 import numpy as np
 
-FOLDER = Path(__file__).parent.parent / "sample_logs"
-G, FOOT = 9.80665, 0.3048
+from fieldkit.standard_air import GRAVITY
+from fieldkit.units import FOOT
+
 ZERO_WIDTH = "\u200b"
 
 
@@ -23,7 +19,7 @@ def flight(step: float, until: float) -> dict[str, np.ndarray]:
         drag = (0.02 if chute and t >= chute else 0.00035) * v * abs(v)
         mass = 0.11 - 0.01 * min(t, 1.2) / 1.2
         thrust = 10.0 * burning
-        a = (thrust - drag) / mass - G
+        a = (thrust - drag) / mass - GRAVITY
         if h <= 0 and v <= 0:
             a = max(a, 0.0)
         rows.append((t, h, v, a, thrust, drag, mass))
@@ -90,13 +86,13 @@ def table(header: Iterable[str], row: Callable[[float, float, float, float], str
     pad = int(wait / step)
     t = np.arange(pad + len(f["t"])) * step
     h = np.concatenate([np.zeros(pad), f["h"]]) + random.normal(0, 0.1, pad + len(f["t"]))
-    felt = np.concatenate([np.full(pad, G), f["a"] + G]) + random.normal(0, 0.05, len(t))
+    felt = np.concatenate([np.full(pad, GRAVITY), f["a"] + GRAVITY]) + random.normal(0, 0.05, len(t))
     return (
         "\n".join([*header, *(row(*cells, p) for *cells, p in zip(t, h, felt, pressure(h), strict=True))]) + "\n"
     ).encode()
 
 
-def write() -> None:
+def tables() -> dict[str, bytes]:
     """Every sample of this file."""
     english = (
         "Time (s),Altitude (m),Vertical velocity (m/s),Vertical acceleration (m/s²),Thrust (N),Drag force (N),Mass (g)"
@@ -104,7 +100,7 @@ def write() -> None:
     german = (
         "Zeit (s);Höhe (m);Vertikale Geschwindigkeit (m/s);Vertikale Beschleunigung (m/s²);Schub (N);Cd ({});Masse (g)"
     )
-    samples = {
+    return {
         "openrocket__as_it_comes.csv": openrocket(",", "#", english),
         "openrocket__semicolons_and_german_names.csv": openrocket(";", "%", german.format(ZERO_WIDTH)),
         "openrocket__latin_1_and_the_header_mark_taken_off.csv": openrocket(
@@ -120,20 +116,17 @@ def write() -> None:
         ),
         "mapped_table__unix_time_and_three_axes.csv": table(
             ["timestamp_seconds,pressure_pascals,raw_acceleration_x_gs,raw_acceleration_y_gs,raw_acceleration_z_gs"],
-            lambda t, h, felt, p: f"{1.7e9 + t:.3f},{p:.1f},{0.05:.3f},{-0.02:.3f},{felt / G:.4f}",
+            lambda t, h, felt, p: f"{1.7e9 + t:.3f},{p:.1f},{0.05:.3f},{-0.02:.3f},{felt / GRAVITY:.4f}",
             0.1,
             20.0,
         ),
         "mapped_table__time_three_axes_total_and_feet.csv": table(
             ["Time (s),Accel X (g),Accel Y (g),Accel Z (g),Total Accel (g),Altitude (ft)"],
-            lambda t, h, felt, p: f"{t:.2f},0.05,{felt / G:.3f},-0.02,{abs(felt / G):.3f},{h / FOOT:.1f}",
+            lambda t, h, felt, p: f"{t:.2f},0.05,{felt / GRAVITY:.3f},-0.02,{abs(felt / GRAVITY):.3f},{h / FOOT:.1f}",
             0.1,
             0.0,
         ),
     }
-    for name, content in samples.items():
-        (FOLDER / name).write_bytes(content)
 
 
-if __name__ == "__main__":
-    write()
+MAKERS = (tables,)
