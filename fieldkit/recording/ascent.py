@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.recording.ballistic import Coast, fitted_coast
 from fieldkit.recording.channels import Heights, Push
+from fieldkit.recording.guess import Guess, fastest, first_guess
 from fieldkit.recording.numbers import lag_one, mad_sd, median_step
 from fieldkit.recording.outline import Outline
 from fieldkit.recording.smooth import Design, Fit, Grid, apply, basis, design, fit
@@ -40,8 +41,6 @@ _SLOW, _BLOWN = 8.0, 2.0
 charge in the airframe, which comes and goes for so long [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
-_BLIND = 0.3
-"""An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
 _FREE = 300.0
 """How much acceleration wanders once a parachute may be out. [m^2/s^5]"""
 
@@ -63,15 +62,6 @@ class Ascent:
     """Of the time of burnout as heights alone have it; 0 where an accelerometer saw it. [s]"""
     fused: bool
     """Whether an accelerometer shaped the curve."""
-
-
-@dataclass(frozen=True, slots=True, eq=False)
-class _Guess:
-    """An acceleration on the knots and its integrals. [m/s^2], [m/s], [m]"""
-
-    acceleration: Float[Array, "knot"]
-    speed: Float[Array, "knot"]
-    height: Float[Array, "knot"]
 
 
 def ascend(
@@ -99,7 +89,7 @@ def ascend(
     for disturbed in (False, True):
         time, height = track.time[near], track.height[near] - seen.pad
         coast = fitted_coast(time, height, begin, burnout, released)
-        guess, fused = _guess(grid, coast, push, lift, burnout, released)
+        guess, fused = first_guess(grid, coast, push, lift, burnout, released)
         speed = np.interp(track.time, grid.time, guess.speed)
         sonic = near & (np.abs(speed / _SOUND - 1) < _NEAR_SOUND)
         if disturbed or not fallen.any() or not sonic.any() or (near & ~sonic).sum() < 10:
@@ -109,20 +99,14 @@ def ascend(
     charge = blow if blow is not None else np.inf
     gas = np.where((time >= charge - 0.05) & (time < charge + _GAS_LASTS), _GAS, 0.0)
     if fused:
-        burnout = _fastest(grid, guess, lift, released)
+        burnout = fastest(grid, guess, lift, released)
     found = _fitted(samples, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
     if not fused and lift is not None:
         burnout, spread = _likeliest(samples, time, height, coast, found, lift, burnout, released)
-        guess, _ = _guess(grid, coast, None, lift, burnout, released)
+        guess, _ = first_guess(grid, coast, None, lift, burnout, released)
         found = _fitted(samples, time, height, guess, _phases(grid, lift, burnout, released), track.noise, fused, gas)
         return _drawn(grid, guess, found, fused, spread)
     return _drawn(grid, guess, found, fused, 0.0)
-
-
-def _fastest(grid: Grid, guess: _Guess, lift: float | None, released: float) -> float:
-    """When a guess is fastest between lift-off and release. [s]"""
-    inside = (grid.time >= (lift if lift is not None else grid.start)) & (grid.time <= released)
-    return float(grid.time[inside][np.argmax(guess.speed[inside])]) if inside.any() else released
 
 
 def _likeliest(
@@ -140,7 +124,7 @@ def _likeliest(
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, released - 0.1), 25)
     evidence = []
     for burnout in every:
-        guess, _ = _guess(grid, coast, None, lift, burnout, released)
+        guess, _ = first_guess(grid, coast, None, lift, burnout, released)
         phases = _phases(grid, lift, burnout, released)
         evidence.append(settled.again(samples, height - np.interp(time, grid.time, guess.height), phases).evidence)
     share = np.exp(np.array(evidence) - np.max(evidence))
@@ -165,53 +149,6 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
         np.add.at(edges, last, -1)
         low = np.cumsum(edges[:-1]) > 0
     return low
-
-
-def _guess(
-    grid: Grid, coast: Coast | None, push: Push | None, lift: float | None, burnout: float, released: float
-) -> tuple[_Guess, bool]:
-    """A first acceleration, zero on the pad, and whether an accelerometer gave it."""
-    knots = grid.time
-    start = lift if lift is not None else knots[0]
-    if coast is None:
-        guess, top_speed = np.full(knots.size, -GRAVITY), GRAVITY * max(released - burnout, 0.0)
-    else:
-        guess = np.interp(knots, coast.time, coast.acceleration)
-        top_speed = float(np.interp(burnout, coast.time, coast.speed))
-    if lift is not None:
-        guess[(knots >= start) & (knots < burnout)] = top_speed / max(burnout - start, 0.1)
-    fused = False
-    if push is not None:
-        level = _levelled(push, lift)
-        inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
-        boost = push.time[(push.time > start) & (push.time < burnout)]
-        if (
-            level is not None
-            and np.diff(boost).max(initial=0.0) < _BLIND
-            and (inside & (knots > start) & (knots < burnout)).sum() > 2
-        ):
-            total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
-            gained = np.gradient(np.interp(knots, push.time, total), grid.step)
-            guess[inside] = gained[inside]
-            fused = True
-    if lift is not None:
-        guess[knots < lift] = 0.0
-    speed = np.concatenate(([0.0], np.cumsum((guess[1:] + guess[:-1]) / 2))) * grid.step
-    rise = speed[:-1] * grid.step + (2 * guess[:-1] + guess[1:]) * grid.step**2 / 6
-    return _Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
-
-
-def _levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
-    """Net acceleration with the accelerometer's zero as the pad shows it; None where it is not believed."""
-    if lift is None:
-        return push.felt - GRAVITY
-    rest = push.felt[(push.time < lift - 0.1) & (push.time > lift - 10)]
-    if rest.size < 3:
-        return push.felt - GRAVITY
-    level = float(np.median(rest))
-    if abs(level - GRAVITY) > 12.0:
-        return None
-    return push.felt - (level if abs(level - GRAVITY) < 1.5 else GRAVITY)
 
 
 def _phases(grid: Grid, lift: float | None, burnout: float, released: float) -> Int[Integers, "interval"]:
@@ -241,7 +178,7 @@ def _fitted(
     samples: Design,
     time: Float[Array, "time"],
     height: Float[Array, "time"],
-    guess: _Guess,
+    guess: Guess,
     phases: Int[Integers, "interval"],
     noise: float,
     fused: bool,
@@ -305,7 +242,7 @@ def _searched(
     return np.asarray(minimize(cost, start, method="Nelder-Mead", options=options).x)  # type: ignore[attr-defined]
 
 
-def _drawn(grid: Grid, guess: _Guess, settled: _Settled, fused: bool, spread: float) -> Ascent:
+def _drawn(grid: Grid, guess: Guess, settled: _Settled, fused: bool, spread: float) -> Ascent:
     """The curve, guess and rest together, and draws of it."""
     knots = grid.time
     coefficients = settled.curve.draws(DRAWS, np.random.default_rng(0))
