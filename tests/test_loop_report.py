@@ -4,7 +4,6 @@ import json
 import re
 from base64 import b64decode
 from dataclasses import replace
-from html.parser import HTMLParser
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -35,6 +34,7 @@ from fieldkit.report.loop.page import check_page, page, write_page
 from fieldkit.report.paper import pages
 from fieldkit.report.style import styled
 from fieldkit.report.write import write_report
+from tests.pages import Page
 
 CHECK_SHAPES = False
 
@@ -245,24 +245,6 @@ def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
 
 
 # The page
-
-
-class Page(HTMLParser):
-    """Tags and text of a page, and the pictures in it."""
-
-    def __init__(self, html: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.text: list[str] = []
-        self.sources: list[str] = []
-        self.feed(html)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
-
-    def handle_data(self, data: str) -> None:
-        self.text.append(data)
 
 
 @pytest.fixture(scope="module")

@@ -2,7 +2,6 @@
 
 import re
 from datetime import datetime
-from html.parser import HTMLParser
 from pathlib import Path
 
 import pytest
@@ -17,6 +16,7 @@ from fieldkit.report.book import Book, book, table
 from fieldkit.report.paper import PER_PAGE, headline, pages, remarks
 from fieldkit.report.style import A4, styled
 from fieldkit.report.write import check_report, escaped, write_report
+from tests.pages import Page
 
 CHECK_SHAPES = False
 
@@ -102,24 +102,6 @@ def test_the_table_lays_predictions_beside_flights(day: Book) -> None:
     assert rows[1][6] == "262.0"
     assert rows[1][8].startswith("stale prediction")
     assert {what: value for value, what in day.figures}["predicted before"] == "1"
-
-
-class Page(HTMLParser):
-    """Tags, text and sources of a page."""
-
-    def __init__(self, html: str) -> None:
-        super().__init__()
-        self.tags: list[str] = []
-        self.text: list[str] = []
-        self.sources: list[str] = []
-        self.feed(html)
-
-    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
-        self.tags.append(tag)
-        self.sources += [value or "" for name, value in attrs if name in ("src", "href")]
-
-    def handle_data(self, data: str) -> None:
-        self.text.append(data)
 
 
 def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: Book, tmp_path: Path) -> None:
