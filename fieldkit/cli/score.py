@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -11,13 +11,10 @@ from fieldkit.cli.screen import complain, print_json, print_table, progress, say
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.loop.forward import Forecast
     from fieldkit.loop.proper import Calibration
     from fieldkit.loop.rivals import Report
 
 app = typer.Typer()
-
-EVALUATION = "forward in time: each flight from the earlier ones of its rocket"
 
 
 @app.command()
@@ -35,8 +32,8 @@ def score(
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
     from fieldkit.errors import NoFlights
     from fieldkit.loop.desk import flown, keep_forecasts, which_rocket
-    from fieldkit.loop.documents import finite
-    from fieldkit.loop.forward import corrected_by_earlier, forward
+    from fieldkit.loop.documents import finite, kept_document, score_document
+    from fieldkit.loop.forward import corrected_by_earlier, corrected_shares, forward
     from fieldkit.loop.kept import kept
     from fieldkit.loop.rivals import judged_report
     from fieldkit.loop.track_record import record
@@ -63,7 +60,7 @@ def score(
         complain(f"calibration drawn to {out}")
     if json:
         stale = sum(one.stale for one in made if one.flown is not None)
-        print_json(finite({**_document(replayed), "kept": None if said is None else _kept_document(said, stale)}))
+        print_json(finite({**score_document(replayed), "kept": None if said is None else kept_document(said, stale)}))
         return
     if said is not None:
         say_wrapped(f"Predictions kept, made before the flight: {len(said.rows)} flown and clean")
@@ -71,7 +68,7 @@ def score(
         say()
     say_wrapped(f"Replayed forward in time: {len(rows)} flights, each forecast from the earlier ones of its rocket")
     _print(replayed)
-    if corrected := _corrected(replayed.rows):
+    if corrected := corrected_shares(replayed.rows):
         say_wrapped(
             f"the intervals of the last {corrected['flights']} are corrected by how the ones before fared: "
             f"{corrected['coverage90']:.0%} inside, {corrected['own_coverage90']:.0%} without"
@@ -150,47 +147,3 @@ def histogram(found: "Calibration") -> "Iterator[str]":
         least, most = one.expected
         verdict = "as it should" if one.honest else "too narrow" if one.held < one.level else "too wide"
         yield f"  {one.level:.0%} interval: {one.held:.0%} of {count}, by chance {least:.0%} to {most:.0%}: {verdict}"
-
-
-def _document(found: "Report") -> dict[str, Any]:
-    """The replay as JSON has it."""
-    from dataclasses import asdict
-
-    from fieldkit.loop.forward import tally
-
-    ways, inside = tally(found.rows)
-    return {
-        "flights": [_flight(row) for row in found.rows],
-        "errors": [asdict(way) for way in ways],
-        "coverage90": inside,
-        "corrected": _corrected(found.rows),
-        "evaluation": EVALUATION,
-        **found.json(),
-    }
-
-
-def _kept_document(found: "Report", stale: int) -> dict[str, Any]:
-    """Kept predictions in the same words."""
-    document = _document(found)
-    del document["corrected"]
-    return document | {"evaluation": "as predicted before the flight", "stale": stale}
-
-
-def _flight(row: "Forecast") -> dict[str, Any]:
-    from dataclasses import fields
-
-    from fieldkit.loop.proper import crps, pit
-
-    named = {one.name: getattr(row, one.name) for one in fields(row) if one.name not in ("draws", "spreads")}
-    scores = {} if row.draws is None else {"pit": pit(row.draws, row.flown), "crps": crps(row.draws, row.flown)}
-    return {**named, "when": row.when.isoformat() if row.when else None, **scores}
-
-
-def _corrected(rows: "tuple[Forecast, ...]") -> dict[str, Any] | None:
-    """Coverage of the intervals that earlier flights corrected, and of the model's own for the same flights."""
-    later = [row for row in rows if row.corrected]
-    if not later:
-        return None
-    own = [row.p05 <= row.flown <= row.p95 for row in later]
-    shares = {"coverage90": sum(row.inside for row in later) / len(later), "own_coverage90": sum(own) / len(later)}
-    return {"flights": len(later), **shares, "last_stretch": later[-1].stretch}

@@ -1,7 +1,7 @@
-"""Forecasts and what the loop found as JSON, under the keys of the contract."""
+"""Forecasts, what the loop found and how forecasts fared as JSON, under the keys of the contract."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from typing import Any
 
 import numpy as np
@@ -9,9 +9,14 @@ import numpy as np
 from fieldkit.loop.choice import Ranked
 from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.testimony import document as testimony_document
+from fieldkit.loop.forward import Forecast, corrected_shares, tally
 from fieldkit.loop.predict import Prediction, median
+from fieldkit.loop.proper import crps, pit
 from fieldkit.loop.residual import fingerprint
+from fieldkit.loop.rivals import Report
 from fieldkit.loop.telling import Advice
+
+FORWARD = "forward in time: each flight from the earlier ones of its rocket"
 
 
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
@@ -124,6 +129,32 @@ def _forward(found: Findings) -> dict[str, Any]:
 
 def _gain(compared: Compared) -> dict[str, Any]:
     return {"mae_m": finite(compared.gain), "interval90": finite(compared.gain_interval)}
+
+
+def score_document(found: Report) -> dict[str, Any]:
+    """Forecasts replayed forward in time, judged."""
+    ways, inside = tally(found.rows)
+    return {
+        "flights": [_forecast(row) for row in found.rows],
+        "errors": [asdict(way) for way in ways],
+        "coverage90": inside,
+        "corrected": corrected_shares(found.rows),
+        "evaluation": FORWARD,
+        **found.json(),
+    }
+
+
+def kept_document(found: Report, stale: int) -> dict[str, Any]:
+    """Kept predictions in the same words; `stale` of them no longer follow from what the ledger holds."""
+    document = score_document(found)
+    del document["corrected"]
+    return document | {"evaluation": "as predicted before the flight", "stale": stale}
+
+
+def _forecast(row: Forecast) -> dict[str, Any]:
+    named = {one.name: getattr(row, one.name) for one in fields(row) if one.name not in ("draws", "spreads")}
+    scores = {} if row.draws is None else {"pit": pit(row.draws, row.flown), "crps": crps(row.draws, row.flown)}
+    return {**named, "when": row.when.isoformat() if row.when else None, **scores}
 
 
 def finite(value: Any) -> Any:

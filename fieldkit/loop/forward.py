@@ -161,6 +161,16 @@ def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:
     return found
 
 
+def corrected_shares(rows: Sequence[Forecast]) -> dict[str, float | None] | None:
+    """Coverage of the intervals that earlier flights corrected, and of the model's own for the same flights. [1]"""
+    later = [row for row in rows if row.corrected]
+    if not later:
+        return None
+    own = [row.p05 <= row.flown <= row.p95 for row in later]
+    shares = {"coverage90": sum(row.inside for row in later) / len(later), "own_coverage90": sum(own) / len(later)}
+    return {"flights": len(later), **shares, "last_stretch": later[-1].stretch}
+
+
 @dataclass(frozen=True, slots=True)
 class Tally:
     """Errors of one way to forecast, as shares of the apogee flown and in metres."""
