@@ -10,9 +10,8 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.loop.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
 from fieldkit.loop.desk import keep_forecasts, predict_plans
-from fieldkit.loop.documents import forecast_document
 from fieldkit.loop.forward import Forecast, corrected_by_earlier
-from fieldkit.loop.words import in_words
+from fieldkit.loop.told import forecast_document, in_words
 from fieldkit.motors import catalogue
 
 INTERVAL = (80.0, 100.0, 130.0)

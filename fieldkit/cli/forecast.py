@@ -38,7 +38,7 @@ def predict(
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
     from fieldkit.loop.desk import predict_plans
-    from fieldkit.loop.documents import forecast_document
+    from fieldkit.loop.told import forecast_document
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
@@ -83,7 +83,7 @@ def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> 
 
 
 def _print_one(prediction: "Prediction") -> None:
-    from fieldkit.loop.words import in_words
+    from fieldkit.loop.told import in_words
 
     for note in prediction.found.notes:
         complain(f"note: {note}")

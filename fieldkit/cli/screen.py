@@ -22,12 +22,13 @@ def say(text: str = "") -> None:
 
 def say_wrapped(text: str, hanging: str = "") -> None:
     """Print one line of a result on as many as the terminal needs, later ones below its first word and `hanging`."""
+    from shutil import get_terminal_size
     from textwrap import wrap
 
-    from rich.console import Console
-
     start = text[: len(text) - len(text.lstrip())]
-    for line in wrap(text.strip(), min(Console().width, 100), initial_indent=start, subsequent_indent=start + hanging):
+    for line in wrap(
+        text.strip(), min(get_terminal_size().columns, 100), initial_indent=start, subsequent_indent=start + hanging
+    ):
         say(line)
 
 

@@ -1,4 +1,4 @@
-"""Forecasts, what the loop found and how forecasts fared as JSON, under the keys of the contract."""
+"""What the loop found and how forecasts fared as JSON, under the keys of the contract."""
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
@@ -10,43 +10,12 @@ from fieldkit.loop.choice import Ranked
 from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.testimony import document as testimony_document
 from fieldkit.loop.forward import Forecast, corrected_shares, tally
-from fieldkit.loop.predict import Prediction, median
 from fieldkit.loop.proper import crps, pit
 from fieldkit.loop.residual import fingerprint
 from fieldkit.loop.rivals import Report
 from fieldkit.loop.telling import Advice
 
 FORWARD = "forward in time: each flight from the earlier ones of its rocket"
-
-
-def forecast_document(prediction: Prediction) -> dict[str, Any]:
-    """A prediction under the contract's keys, and what it rests on."""
-    p05, p50, p95 = prediction.apogee_quantiles()
-    document: dict[str, Any] = {"flight_id": prediction.plan.flight_id} if prediction.plan.flight_id else {}
-    document |= {
-        "rocket": prediction.plan.rocket,
-        "config": prediction.plan.config,
-        "motor": prediction.plan.motor,
-        "apogee_m": {
-            "mean": float(prediction.apogee.mean()),
-            "sd": float(prediction.apogee.std()),
-            "p05": float(p05),
-            "p50": float(p50),
-            "p95": float(p95),
-        },
-        "true_apogee_m": float(np.median(prediction.true_apogee)),
-        "ejection_s": prediction.median_eject,
-        "coast_s": median(prediction.coast),
-        "top_speed_mps": median(prediction.top_speed),
-        "rail_speed_mps": median(prediction.rail_speed),
-        "cd": {"mean": float(prediction.cd.mean()), "sd": float(prediction.cd.std())},
-        "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
-        "flights": prediction.rests_on,
-        "model": prediction.model,
-        "left_out": list(prediction.left_out),
-        "interval": {"stretched_by": prediction.stretched_by, "earlier_forecasts": prediction.earlier_forecasts},
-    }
-    return document
 
 
 def loop_document(found: Findings) -> dict[str, Any]:

@@ -1,45 +1,9 @@
-"""Predictions and diagnoses as lines for a flyer: what, how sure, and what it rests on."""
+"""A closed loop as lines for a flyer: what is missing, how sure that is, and what it rests on."""
 
 from collections.abc import Iterator
 
 from fieldkit.loop.findings import Findings
 from fieldkit.loop.force.words import climbs_in_words
-from fieldkit.loop.predict import Prediction
-from fieldkit.units import FOOT
-
-
-def in_words(prediction: Prediction) -> Iterator[str]:
-    """A prediction, a line for each thing a flyer wants to know."""
-    plan, motor = prediction.plan, prediction.found.motor
-    p05, p50, p95 = (float(x) for x in prediction.apogee_quantiles())
-    name = " ".join(part for part in (plan.rocket, plan.config) if part) or "this rocket"
-    yield f"{name} on {motor.maker} {plan.motor}, {(plan.dry_mass or 0) * 1e3:.0f} g without the motor"
-    yield f"  apogee    {p50:.0f} m ({p50 / FOOT:.0f} ft) as the altimeter will show it"
-    yield f"            90 % between {p05:.0f} and {p95:.0f} m ({p05 / FOOT:.0f} and {p95 / FOOT:.0f} ft)"
-    yield f"  ejection  {_ejection(prediction)}"
-    yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
-    yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
-    yield f"  rests on  {_rests_on(prediction)}"
-    if prediction.earlier_forecasts:
-        yield (
-            f"            the interval is {prediction.stretched_by:.2f} times the model's own, as "
-            f"{prediction.earlier_forecasts} earlier forecasts would have had to be"
-        )
-
-
-def _ejection(prediction: Prediction) -> str:
-    eject = prediction.median_eject
-    if eject is None:
-        return "no delay known for this motor; write it with the name, such as F24-4W"
-    when = "after" if eject >= 0 else "BEFORE"
-    return f"{abs(eject):.1f} s {when} apogee"
-
-
-def _rests_on(prediction: Prediction) -> str:
-    count = prediction.rests_on
-    if not count:
-        return "no flight of this rocket: priors of drag and thrust alone, so the interval is wide"
-    return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
 
 
 def report(found: Findings) -> Iterator[str]:
