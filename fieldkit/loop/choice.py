@@ -88,6 +88,11 @@ class Ranked:
         return self.own_weight - float(np.log(ODDS))
 
     @property
+    def whole_belief(self) -> float:
+        """The same against the plain model."""
+        return self.belief + (self.beside.whole_belief if self.beside else 0.0)
+
+    @property
     def counts(self) -> bool:
         """Whether it may be chosen: it helps, and convinces against the model without it."""
         return self.helps and self.own_weight > _log_odds(DECISIVE)
@@ -96,8 +101,13 @@ class Ranked:
     def fold_weight(self) -> Float[Array, "flight"]:
         """`weight` without each flight; minus infinity where it would not be chosen there."""
         own = self.fold_steady + self.log_odds
-        before = 0.0 if self.beside is None else self.beside.fold_steady + self.beside.log_odds
-        return np.where(self.fold_helps & (own > _log_odds(DECISIVE)), own + before, -np.inf)
+        return np.where(self.fold_helps & (own > _log_odds(DECISIVE)), self._fold_odds, -np.inf)
+
+    @property
+    def _fold_odds(self) -> Float[Array, "flight"]:
+        """Log posterior odds against the plain model without each flight."""
+        before = self.beside._fold_odds if self.beside else 0.0
+        return np.asarray(self.fold_steady + self.log_odds + before)
 
 
 def _log_odds(probability: float) -> float:
@@ -203,10 +213,10 @@ def probability(options: Sequence[Ranked]) -> float:
 
 
 def confidence(chosen: Ranked, options: Sequence[Ranked]) -> float:
-    """Posterior probability that it is this which is missing, and not something else or nothing."""
-    rivals = [0.0, *(item.belief for item in options if item.beside is chosen.beside)]
-    share = float(np.exp(chosen.belief - np.logaddexp.reduce(rivals)))
-    return share if chosen.beside is None else share * confidence(chosen.beside, options)
+    """Posterior probability that these effects are there, alone or with others, among all that was tried."""
+    beliefs = np.array([0.0, *(item.whole_belief for item in options)])
+    there = [False, *(set(chosen.effects) <= set(item.effects) for item in options)]
+    return float(np.exp(np.logaddexp.reduce(beliefs[there]) - np.logaddexp.reduce(beliefs)))
 
 
 def choose(options: Sequence[Ranked]) -> Ranked | None:

@@ -42,7 +42,7 @@ class Second:
 class Diagnosis:
     """What the flights say: the plain model, the ranking, the verdict, errors of unseen flights before and after.
 
-    `effect` is the name of the effect (two joined by `+`), "none" or "unexplained". `accepted` are the
+    `effect` is the name of the effect (several joined by `+`), "none" or "unexplained". `accepted` are the
     candidates of the new model, empty without one. `also` are effects that these flights cannot tell from
     the accepted one. `seconds` are the pairs tried, empty where the effect was given. `pattern` is what forecasts
     follow where something is unexplained and they are better for it.
@@ -76,6 +76,8 @@ FIRSTS = 3
 """Effects beside which a second one is looked for."""
 LIKELY = -2.0
 """Log odds against the plain model that it must have for that. [nat]"""
+MOST_EFFECTS = 4
+"""At once: as long as adding one convinces and helps, another is looked for. [1]"""
 SECOND = 0.5
 """Log evidence that a second one must add at first sight to be looked at more closely. [nat]"""
 BEHIND = 6.0
@@ -113,7 +115,7 @@ def diagnose(model: Model, data: Data, progress: Progress | None = None, given: 
         after, verdict = chosen.forecasts, _accepted((*ranking, chosen), chosen)
     else:
         seconds = _seconds(ranking, data, families, tell)
-        options = (*ranking, *(pair for second in seconds for pair in second.ranking))
+        options = _further((*ranking, *(pair for second in seconds for pair in second.ranking)), data, families, tell)
         after = choose_in_folds(options, before)
         verdict = _verdict(options, choose(options), score(after, truth, seen), plain_score)
     if verdict.effect == "none":
@@ -145,13 +147,31 @@ def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Pr
     """Second effects beside the likeliest ones."""
     found: list[Second] = []
     for number, first in enumerate(firsts := likely_firsts(ranking)):
-        others = {name: family for name, family in families.items() if name and name != first.effect}
 
-        def further(text: str, share: float, done: int = number, name: str = first.effect) -> None:
+        def said(text: str, share: float, done: int = number, name: str = first.effect) -> None:
             tell(f"{name or 'a pattern'} and {text}", 0.5 + 0.5 * (done + share) / len(firsts))
 
-        found.append(_beside(first, data, others, further))
+        found.append(_beside(first, data, _others(first, families), said))
     return tuple(found)
+
+
+def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: Progress) -> tuple[Ranked, ...]:
+    """The options, and what is tried beside the best two effects, the best three, as long as those may be chosen."""
+    for count in range(2, MOST_EFFECTS):
+        best = choose([item for item in options if len(item.effects) == count])
+        if best is None or best.weight < max(item.weight for item in options) - BEHIND:
+            break
+
+        def said(text: str, share: float, names: str = "+".join(best.effects)) -> None:
+            tell(f"{names} and {text}", 1.0)
+
+        options = (*options, *_beside(best, data, _others(best, families), said).ranking)
+    return options
+
+
+def _others(first: Ranked, families: Families) -> Families:
+    """The effects that are not in an option yet."""
+    return {name: family for name, family in families.items() if name and name not in first.effects}
 
 
 def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> Second:
@@ -205,9 +225,11 @@ def _search(
 
 
 def likely_firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
-    """The effects beside which a second one may be there: the likeliest, if they are likely at all."""
+    """The options beside which a second effect may be there: the likeliest effects if they are likely at all, and the
+    patterns if they are no less so; what patterns imitate does not hide the effects that are there."""
     likely = sorted(ranking, key=lambda item: -item.weight)[:FIRSTS]
-    return [item for item in likely if item.weight > max(likely[0].weight - BEHIND, LIKELY)]
+    best = max((item.weight for item in likely if item.effect), default=-np.inf)
+    return [item for item in likely if item.weight > max(best - BEHIND, LIKELY)]
 
 
 def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, before: Score) -> _Verdict:
