@@ -131,6 +131,7 @@ def export(
     import sys
 
     from fieldkit.export import csv_table, document
+    from fieldkit.files import write
 
     with open_ledger(context) as ledger:
         flights = ledger.flights(rocket)
@@ -144,14 +145,5 @@ def export(
             sys.stdout.reconfigure(encoding="utf-8")  # whatever the terminal: it is a file on its way
         sys.stdout.write(text)
     else:
-        _write(file, text)
+        write(file, text.encode())
         complain(f"{len(flights)} flights written to {file}")
-
-
-def _write(file: Path, text: str) -> None:
-    from fieldkit.errors import FieldkitError
-
-    try:
-        file.write_text(text, encoding="utf-8", newline="")
-    except OSError as error:
-        raise FieldkitError(f"{file}: cannot be written ({error.strerror})") from error
