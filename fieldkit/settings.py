@@ -1,11 +1,11 @@
 """What a flyer chose once and keeps: units, colours, the height to hit. A small JSON file in the user's folder."""
 
 import json
-import os
 from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fieldkit.errors import FieldkitError
+from fieldkit.files import replace
 from fieldkit.places import settings_file
 
 UNITS = ("SI", "US", "mixed")
@@ -51,12 +51,8 @@ def _number(kept: object, most: float) -> float | None:
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:
     """Keep the settings, as a whole or not at all. Raises FieldkitError where the file cannot be written."""
-    file = file or settings_file()
-    beside = file.with_name(f"{file.name}.{os.getpid()}")
+    document = json.dumps(asdict(settings), indent=2) + "\n"
     try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        beside.write_text(json.dumps(asdict(settings), indent=2) + "\n", encoding="utf-8")
-        beside.replace(file)
-    except OSError as error:
-        why = f"cannot be written ({error.strerror}), what was chosen holds until you quit"
-        raise FieldkitError(f"{file}: {why}") from error
+        replace(file or settings_file(), document.encode())
+    except FieldkitError as error:
+        raise FieldkitError(f"{error}, what was chosen holds until you quit") from error

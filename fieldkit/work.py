@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import TypeVar
 
 from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.files import replace
 
 Item = TypeVar("Item")
 PATIENCE = 20.0
@@ -61,15 +62,8 @@ def done(
         yield from ((name, (folder / name).read_bytes()) for name in there)
         for future in as_completed(waiting):
             result = future.result()
-            _keep(folder / waiting[future], result)
+            replace(folder / waiting[future], result)
             yield waiting[future], result
     finally:
         for future in waiting:
             future.cancel()
-
-
-def _keep(file: Path, content: bytes) -> None:
-    """Write a file as a whole or not at all."""
-    half = file.with_name(f".{file.name}.half")
-    half.write_bytes(content)
-    os.replace(half, file)

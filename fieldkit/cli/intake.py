@@ -13,6 +13,7 @@ from fieldkit.cli.screen import complain, print_json, say, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
+    from fieldkit.intake import Receipt
     from fieldkit.ledger import Ledger
 
 app = typer.Typer()
@@ -49,8 +50,6 @@ def import_(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Take logs and flight tables into the ledger; what is there already changes nothing."""
-    from dataclasses import asdict
-
     from fieldkit.intake import gather, take_in
     from fieldkit.logs.mapping import read_choice, remember, remembered
 
@@ -61,33 +60,47 @@ def import_(
     with open_ledger(context) as ledger:
         receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run)
         foretold = [] if json or dry_run or not receipt.ids else list(_foretold(ledger, receipt.ids))
+    for mapped in receipt.mapped:
+        if mapped.chosen and not dry_run:
+            remember(mapped.choice)
+    _complain_of(receipt)
+    if json:
+        print_json(_document(receipt))
+    else:
+        _say(receipt, "would be imported" if dry_run else "imported", foretold)
+
+
+def _complain_of(receipt: "Receipt") -> None:
+    """Rows that were refused and what else is worth a note, a line each."""
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
     for note in receipt.notes:
         complain(f"note: {note}")
-    for mapped in receipt.mapped:
-        if mapped.chosen and not dry_run:
-            remember(mapped.choice)
-    if json:
-        print_json(
-            {
-                "imported": len(receipt.ids),
-                "duplicates": receipt.duplicates,
-                "rejected": [asdict(row) for row in receipt.rejected],
-                "flights": list(receipt.ids),
-                "joined": list(receipt.joined),
-            }
-        )
-    else:
-        said = "would be imported" if dry_run else "imported"
-        counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
-        joined = f"{len(receipt.joined)} joined to their flight, " if receipt.joined else ""
-        say(f"{len(receipt.ids)} {said}, {joined}{counts}")
-        for line in foretold[:FORETOLD]:
-            say_wrapped(line, "  ")
-        if len(foretold) > FORETOLD:
-            say(f"and {len(foretold) - FORETOLD} more that were foretold; see `fieldkit predictions`")
+
+
+def _document(receipt: "Receipt") -> dict[str, object]:
+    """What came in, under the contract's keys."""
+    from dataclasses import asdict
+
+    return {
+        "imported": len(receipt.ids),
+        "duplicates": receipt.duplicates,
+        "rejected": [asdict(row) for row in receipt.rejected],
+        "flights": list(receipt.ids),
+        "joined": list(receipt.joined),
+    }
+
+
+def _say(receipt: "Receipt", done: str, foretold: Sequence[str]) -> None:
+    """What came in, in a line, and beside it what had been foretold."""
+    counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
+    joined = f"{len(receipt.joined)} joined to their flight, " if receipt.joined else ""
+    say(f"{len(receipt.ids)} {done}, {joined}{counts}")
+    for line in foretold[:FORETOLD]:
+        say_wrapped(line, "  ")
+    if len(foretold) > FORETOLD:
+        say(f"and {len(foretold) - FORETOLD} more that were foretold; see `fieldkit predictions`")
 
 
 def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
@@ -118,25 +131,19 @@ def export(
     import sys
 
     from fieldkit.export import csv_table, document
+    from fieldkit.files import write
 
     with open_ledger(context) as ledger:
         flights = ledger.flights(rocket)
     as_json = format is Form.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
-    documents = {"flights": [document(flight) for flight in flights]}
-    text = json.dumps(documents, indent=2, allow_nan=False) + "\n" if as_json else csv_table(flights)
+    if as_json:
+        text = json.dumps({"flights": [document(one) for one in flights]}, indent=2, allow_nan=False) + "\n"
+    else:
+        text = csv_table(flights)
     if file is None:
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(encoding="utf-8")  # whatever the terminal: it is a file on its way
         sys.stdout.write(text)
     else:
-        _write(file, text)
+        write(file, text.encode())
         complain(f"{len(flights)} flights written to {file}")
-
-
-def _write(file: Path, text: str) -> None:
-    from fieldkit.errors import FieldkitError
-
-    try:
-        file.write_text(text, encoding="utf-8", newline="")
-    except OSError as error:
-        raise FieldkitError(f"{file}: cannot be written ({error.strerror})") from error

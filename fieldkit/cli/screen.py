@@ -11,9 +11,6 @@ from fieldkit.safe_text import printable
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
 
-OTHER_UNITS = {"m": "ft", "mm": "in", "g": "oz", "m/s": "mph", "c": "f", "hpa": "inhg"}
-"""The unit printed beside a column's own, for those who think in it."""
-
 
 def say(text: str = "") -> None:
     """Print one line of a result."""
@@ -93,15 +90,15 @@ def in_both_units(name: str, value: float | None) -> str:
     """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
     from fieldkit import units
     from fieldkit.flight import BY_NAME
-    from fieldkit.measures import spelled
+    from fieldkit.measures import spelled, unit_of
 
     column = BY_NAME[name]
     if value is None:
         return ""
     scale = units.unit(column.quantity, column.unit)
     text = f"{scale.from_si(value):.5g} {spelled(column.unit)}"
-    other = OTHER_UNITS.get(column.unit) if column.quantity != "acceleration" else None
-    if other is None:
+    other = unit_of(column, "US")
+    if other == column.unit:
         return text
     return f"{text} ({units.unit(column.quantity, other).from_si(value):.4g} {spelled(other)})"
 

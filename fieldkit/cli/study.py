@@ -49,14 +49,11 @@ def _hand_out(page: str, out: Path | None) -> None:
     import sys
 
     from fieldkit.cli.screen import complain
-    from fieldkit.errors import FieldkitError
+    from fieldkit.files import write
     from fieldkit.safe_text import printable
 
     if out is None:
         sys.stdout.write("".join(printable(line) + "\n" for line in page.splitlines()))
         return
-    try:
-        out.write_text(page, encoding="utf-8", newline="")
-    except OSError as error:
-        raise FieldkitError(f"{out}: cannot be written ({error.strerror})") from error
+    write(out, page.encode())
     complain(f"page written to {out}")

@@ -1,12 +1,10 @@
-"""Pages of HTML from templates, and any page to its file: what files said is escaped, and no script would run."""
+"""Pages of HTML from templates: what files said is escaped, and no script would run."""
 
 from base64 import b64encode
 from collections.abc import Mapping
 from importlib.resources import files
-from pathlib import Path
 from typing import Any
 
-from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 
 
@@ -31,14 +29,6 @@ def rendered(template: str, content: Mapping[str, Any]) -> str:
 def embedded(picture: bytes) -> str:
     """An SVG as the source of an image in the page itself."""
     return f"data:image/svg+xml;base64,{b64encode(picture).decode()}"
-
-
-def save(path: Path, content: bytes) -> None:
-    """Write a page. Raises FieldkitError where that cannot be."""
-    try:
-        path.write_bytes(content)
-    except OSError as error:
-        raise FieldkitError(f"{path}: cannot be written ({error.strerror})") from error
 
 
 def _printable(value: Any) -> Any:

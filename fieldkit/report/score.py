@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.errors import BadValue
+from fieldkit.files import write
 from fieldkit.loop.proper import BINS, calibration, pit
 from fieldkit.loop.rivals import RIVALS, Report
-from fieldkit.report.html import save
 from fieldkit.report.style import AFTER, BEFORE, FAINT, INK, drawn, styled
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def write_picture(reports: Mapping[str, Report | None], path: Path) -> None:
         for part, (title, report) in zip(parts, there.items(), strict=True):
             part.suptitle(f"{title}: {len(report.rows)} flights", fontsize=11, weight="bold", x=0.02, ha="left")
             draw(part, report)
-        save(path, drawn(figure, path.suffix.lower()[1:]))
+        write(path, drawn(figure, path.suffix.lower()[1:]))
 
 
 def draw(figure: "Figure | SubFigure", report: Report) -> None:

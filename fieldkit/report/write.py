@@ -7,9 +7,10 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import BadValue
+from fieldkit.files import write
 from fieldkit.report.book import Book, table
 from fieldkit.report.card import Card
-from fieldkit.report.html import embedded, rendered, save
+from fieldkit.report.html import embedded, rendered
 from fieldkit.report.loop.pictures import svg
 from fieldkit.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
 from fieldkit.report.pictures import forecast, foretold_flown, log, picture
@@ -34,7 +35,7 @@ def write_report(book: Book, path: Path) -> list[Path]:
     check_report(path)
     files = dict(_files(book, path))
     for file, content in files.items():
-        save(file, content)
+        write(file, content)
     return list(files)
 
 

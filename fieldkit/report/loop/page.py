@@ -7,13 +7,14 @@ import numpy as np
 
 from fieldkit import __version__
 from fieldkit.errors import BadValue
+from fieldkit.files import write
 from fieldkit.flight import BY_NAME
 from fieldkit.loop.desk import version_payload
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.words import climbs_in_words
 from fieldkit.loop.judged import Interval
-from fieldkit.report.html import embedded, rendered, save
+from fieldkit.report.html import embedded, rendered
 from fieldkit.report.loop.pictures import pictures, png, svg
 from fieldkit.simulator.effect import effects
 
@@ -30,7 +31,7 @@ def write_page(found: Findings, path: Path) -> None:
     """Write the report to a file, as HTML or PNG by its name."""
     check_page(path)
     content = png(found) if path.suffix.lower() == ".png" else page(found).encode()
-    save(path, content)
+    write(path, content)
 
 
 def page(found: Findings) -> str:
