@@ -7,6 +7,8 @@ import numpy as np
 import pytest
 
 from bench.make import make
+from bench.rockets import Needs
+from bench.scenarios import SCENARIOS, Part, Scenario
 from fieldkit.flight import Flight
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.loop.model import observe
@@ -112,3 +114,18 @@ def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(f
     model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
     again = diagnose(model, diagnosis.data)
     assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]
+
+
+def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = tuple(
+        Part(name, (strength,)) for name, strength in (("mass_offset", 0.15), ("wear", 0.04), ("motor_thrust", 0.12))
+    )
+    three = Scenario("three", "", parts, Needs(configs=2, readouts=("all",)))
+    monkeypatch.setitem(SCENARIOS, "three", three)  # type: ignore[misc]
+    make(tmp_path, ["three"], 1, SEED, "fast")
+    flights = _flights(tmp_path / "set_001.csv")
+    model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+    diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
+    assert set(diagnosis.effect.split("+")) == {part.effect for part in parts}
+    assert diagnosis.confidence > 0.5
+    assert diagnosis.after.mae < 0.5 * diagnosis.before.mae

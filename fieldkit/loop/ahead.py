@@ -2,8 +2,8 @@
 
 At every flight the evidence, the flights left out and the rules of the choice are taken anew from the earlier flights
 alone, second effects beside first ones included. Some things are not repeated, for the time it would take: the point
-about which readouts are taken as linear is that of the whole history, and what all flights together make hopeless is
-not tried: places, and second effects beside a first one that is none of the likeliest.
+about which readouts are taken as linear is that of the whole history; what all flights together make hopeless is
+not tried: places, and second effects beside a first one that is none of the likeliest; nor is a third effect.
 """
 
 from collections.abc import Callable, Sequence
