@@ -424,3 +424,10 @@ def test_a_command_that_is_cut_short_by_its_reader_leaves_no_traceback(tmp_path:
     assert "Traceback" not in reading.stderr.read()
     reading.wait()
     reading.stderr.close()
+
+
+def test_a_plan_without_a_mass_is_one_clear_line(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    assert main(["--ledger", str(tmp_path / "empty.db"), "predict", "--motor", "F24-4W"]) == 1
+    shown = capsys.readouterr()
+    assert shown.out == ""
+    assert shown.err == "the flight: found no dry mass, expected dry_mass_g, the rocket's mass without its motor\n"

@@ -10,7 +10,9 @@ from typing import Any
 from pytest_benchmark.fixture import BenchmarkFixture
 
 ROOT = Path(__file__).parents[1]
-FLYER = {k: v for k, v in os.environ.items() if k != "FIELDKIT_CHECK_SHAPES"}
+UNLIKE_A_FLYERS = ("FIELDKIT_CHECK_SHAPES", "PYTHONDONTWRITEBYTECODE")
+"""Settings for tests. An installed program is compiled once, and not at every start."""
+FLYER = {k: v for k, v in os.environ.items() if k not in UNLIKE_A_FLYERS}
 FLYER |= {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
 
 

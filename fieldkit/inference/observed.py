@@ -7,11 +7,10 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import CONDITIONS, READOUTS, Flight
 from fieldkit.motors import Found, Motor
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.field import delays, recorded
+from fieldkit.simulator.field import delays, dry_masses, recorded
 
 CD_RANGE = (0.2, 1.5)
 """The prior of Cd: uniform in its logarithm. [1]"""
@@ -112,11 +111,8 @@ def figures(motor: Motor) -> Float[Array, "figure"]:
 def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:
     """Flights and their motors as arrays. Raises ImpossibleFlight for a flight without a dry mass."""
     declared = np.stack([recorded(flights, name) for name in DECLARED], axis=-1)
+    declared[:, DECLARED.index("dry_mass")] = dry_masses(flights)
     declared[:, DECLARED.index("delay")] = delays(flights, found)
-    massless = np.isnan(declared[:, 0])
-    if massless.any():
-        name = flights[int(np.argmax(massless))].flight_id or "the flight"
-        raise ImpossibleFlight(f"{name}: found no dry mass, expected dry_mass_g, the rocket's mass without its motor")
     readouts = np.stack([recorded(flights, name) for name in READOUT_NAMES], axis=-1)
     return Observed(np.stack([figures(item.motor) for item in found]), declared, readouts)
 

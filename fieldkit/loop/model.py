@@ -16,7 +16,7 @@ from fieldkit.motors import Found
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.alike import fly_alike
 from fieldkit.simulator.effect import Effect
-from fieldkit.simulator.field import field_setup, recorded
+from fieldkit.simulator.field import dry_masses, field_setup, recorded
 from fieldkit.simulator.flight import apogees
 from fieldkit.simulator.state import Setup
 
@@ -133,10 +133,12 @@ def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:
 
     The law of thumb, d = 60 mm (m / 0.4 kg)^0.2, is a fit to the drag of 34 rockets from 36 g to 3.8 kg in a
     public launch ledger (jdsmith39/RocketLaunchJournal, flights to 2017), with Cd as in `CD`.
+
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
-    guess = 0.060 * (recorded(flights, "dry_mass") / 0.4) ** 0.2
+    guess = 0.060 * (dry_masses(flights) / 0.4) ** 0.2
     diameter = recorded(flights, "diameter")
-    result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), np.nanmean(guess), diameter) ** 2
+    result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), guess.mean(), diameter) ** 2
     return result
 
 

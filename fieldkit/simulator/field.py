@@ -50,10 +50,6 @@ def field_setup(
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
-    dry_mass = recorded(flights, "dry_mass")
-    if np.isnan(dry_mass).any():
-        name = flights[int(np.argmax(np.isnan(dry_mass)))].flight_id or "the flight"
-        raise ImpossibleFlight(f"{name}: found no dry mass, expected dry_mass_g, the rocket's mass without its motor")
     motors = {id(item.motor): item.motor for item in found}
     row = {key: number for number, key in enumerate(motors)}
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
@@ -61,7 +57,7 @@ def field_setup(
         burns=_burns(tuple(motors.values()), steps, knots),
         air=pad_air(conditions[0], conditions[1], conditions[2], recorded(flights, "humidity")),
         motor=np.array([row[id(item.motor)] for item in found]),
-        dry_mass=dry_mass,
+        dry_mass=dry_masses(flights),
         drag_area=np.asarray(drag_area, float),
         thrust_factor=np.asarray(thrust_factor, float),
         rail_length=np.nan_to_num(recorded(flights, "rail_length"), nan=RAIL_LENGTH),
@@ -70,6 +66,15 @@ def field_setup(
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
     )
+
+
+def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    """Mass of every flight without its motor. Raises ImpossibleFlight for one that has none. [kg]"""
+    found = recorded(flights, "dry_mass")
+    if np.isnan(found).any():
+        name = flights[int(np.argmax(np.isnan(found)))].flight_id or "the flight"
+        raise ImpossibleFlight(f"{name}: found no dry mass, expected dry_mass_g, the rocket's mass without its motor")
+    return found
 
 
 @lru_cache(maxsize=64)
