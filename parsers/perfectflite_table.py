@@ -1,5 +1,6 @@
 """What PerfectFlite's program exports beside .pf2: `Time,Altitude,Temp,Voltage` with commas or tabs, or no header.
 
+A spreadsheet may have put semicolons between the cells, and commas in their numbers.
 The unit of temperature stands in each cell, `14.2C` or `76.7F`. Heights have none and are in feet, as everywhere in
 this program, unless somebody who renamed the columns wrote another.
 Source: exports of four flights, listed with the format.
@@ -15,8 +16,8 @@ from fieldkit.logs.columns import Channel, read_columns
 from fieldkit.logs.text import first_lines, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 
-WARMTH = re.compile(r"-?\d{1,3}(?:\.\d*)?\s*([CF])$")
-NUMBER = re.compile(r"-?\d{1,6}(?:\.\d*)?$")
+WARMTH = re.compile(r"-?\d{1,3}(?:[.,]\d*)?\s*([CF])$")
+NUMBER = re.compile(r"-?\d{1,6}(?:[.,]\d*)?$")
 FIRST_ROWS = 20
 
 
@@ -64,10 +65,11 @@ def _layout(log: bytes) -> Layout | None:
     if not rows:
         return None
     row, first = rows[0]
-    separator = "\t" if "\t" in first else ","
+    separator = next((mark for mark in "\t;" if mark in first), ",")
     unit = ""
-    names = [re.sub(r"[^a-z]+", "_", name.strip().lower()).strip("_") for name in first.split(separator)]
-    if not NUMBER.match(first.split(separator)[0].strip()):
+    cells = _cells(first, separator)
+    names = [re.sub(r"[^a-z]+", "_", name.lower()).strip("_") for name in cells]
+    if not NUMBER.match(cells[0]):
         heading = re.fullmatch(
             r"time(?:_s)?\|alt(?:itude)?(?:_(\w+))?\|temp(?:erature)?\|volt(?:age|s)?", "|".join(names)
         )
@@ -86,11 +88,15 @@ def _layout(log: bytes) -> Layout | None:
 
 def _kind(line: str, separator: str) -> tuple[str, str] | None:
     """What ends the cells of temperature and of voltage in a row, None if it is not one of an export."""
-    cells = [cell.strip() for cell in line.split(separator)]
+    cells = _cells(line, separator)
     warmth = WARMTH.match(cells[2]) if len(cells) == 4 else None
     if not warmth or not NUMBER.match(cells[0]) or not NUMBER.match(cells[1]):
         return None
     return warmth[1], "V" if cells[3].endswith("V") else ""
+
+
+def _cells(line: str, separator: str) -> list[str]:
+    return [cell.strip().strip('"').strip() for cell in line.split(separator)]
 
 
 def _length(unit: str, row: int) -> str:

@@ -44,7 +44,7 @@ def test_flights_inferred_together(benchmark: BenchmarkFixture, count: int, tmp_
     from fieldkit.parsing import read
 
     motors = catalogue()
-    known = [one.flight for one in read(TABLE.read_bytes(), TABLE.name, any_motor).flights]
+    known = read(TABLE.read_bytes(), TABLE.name, any_motor).flights
     flights = [known[n % len(known)].with_changes(flight_id=str(n)) for n in range(count)]
     took = measured(benchmark, infer, flights, motors)
     benchmark.extra_info["flights_per_second"] = round(count / took, 1)

@@ -34,11 +34,17 @@ class Wire:
         self.opened = threading.Event()
         self.received = bytearray()
         self.commands: list[bytes] = []
+        self.left: int | None = None
+        """How many bytes it may still say before its cable is pulled; None for as many as it likes."""
         self._unread = bytearray()
         self._gone = threading.Event()
 
     def say(self, content: bytes, dribble: random.Random | None = None) -> None:
         """Send bytes, all at once or in pieces of one to nine with pauses."""
+        torn = self.left is not None and len(content) > self.left
+        if self.left is not None:
+            content = content[: self.left]
+            self.left -= len(content)
         place = 0
         while place < len(content):
             size = dribble.randint(1, 9) if dribble else len(content)
@@ -51,6 +57,10 @@ class Wire:
             place += size
             if dribble and dribble.random() < 0.05:
                 time.sleep(0.001)
+        if torn:
+            time.sleep(0.1)
+            self.unplug()
+            raise Unplugged
 
     def _write(self, piece: bytes) -> int:
         try:
@@ -399,6 +409,16 @@ def talking(content: bytes, dribble: random.Random | None = None, pause: float =
             wire.listen(0.05)
 
     return device
+
+
+def pulled(device: Device, after: int) -> Device:
+    """A unit whose cable is pulled when it has said so many bytes."""
+
+    def broken(wire: Wire) -> None:
+        wire.left = after
+        device(wire)
+
+    return broken
 
 
 def deaf(wire: Wire) -> None:

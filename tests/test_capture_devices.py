@@ -10,6 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.capture import (
+    Back,
     Ended,
     Event,
     Listed,
@@ -400,6 +401,70 @@ def test_the_text_of_an_eggtimer_is_kept_as_it_came(tmp_path: Path) -> None:
     assert (end.samples, end.why) == (100, "it went silent")
     assert logs_in(end.file)[0].content == TRS
     assert not wire.received
+
+
+# --- A cable that is pulled in the middle, and the unit back on another port
+
+RADIO = [devices.telem(devices.telem_sensor(65_530 + 10 * n, 30 * n, 55.5)) for n in range(30)]
+FEET = [b"%d\r\n" % height for height in (812, 0, 1, 40, 160, 300, 290, 100, 0)]
+REMEMBERED: list[tuple[str, Callable[[], devices.Device], int]] = [
+    ("micropeak", lambda: devices.talking(devices.micropeak_stream(PAYLOADS[0])), 150),
+    ("altimulti", lambda: devices.altimulti(FLIGHTS), 10_000),
+    ("altos", lambda: devices.altos(altos_memory(5), [(1, 0x10, 0x15)]), 3000),
+    ("mawd", lambda: devices.mawd(HEIGHTS), 700),
+    ("blue_raven", lambda: devices.blue_raven(LOW, HIGH), len(b"".join(LOW)) // 2),
+]
+STREAMED: list[tuple[str, Callable[[list[bytes]], devices.Device], list[bytes]]] = [
+    ("teledongle", devices.teledongle, RADIO),
+    ("stratologger", lambda lines: devices.talking(b"".join(lines)), FEET),
+    ("eggtimer", lambda lines: devices.talking(b"".join(lines)), TRS.splitlines(keepends=True)),
+]
+
+
+def pulled_and_back(
+    device: str, first: Wire, second: Wire, folder: Path, stop: Callable[[], bool] = lambda: False
+) -> Ended:
+    """How a capture ends whose unit is lost on one wire and found on another."""
+    unit, moved = Port(first.name, 0x1A86, 0x7523, "A1"), []
+    look = [Port("/dev/other"), replace(unit, name=second.name)]
+    for event in capture(unit, device, folder=folder, wishes=BRIEF, look=lambda: look, stop=stop):
+        if isinstance(event, Opened):
+            first.opened.set()
+        elif isinstance(event, Back):
+            second.opened.set()
+            moved.append(event.port)
+    assert isinstance(event, Ended)
+    assert moved == [second.name]
+    return event
+
+
+@pytest.mark.parametrize(("device", "unit", "after"), REMEMBERED, ids=[one for one, *_ in REMEMBERED])
+def test_a_memory_read_over_two_ports_is_what_one_would_have_given(
+    tmp_path: Path, device: str, unit: Callable[[], devices.Device], after: int
+) -> None:
+    with played(unit()) as wire:
+        calm = ended(heard(wire, device, tmp_path, BRIEF))
+    with played(devices.pulled(unit(), after)) as first, played(unit()) as second:
+        end = pulled_and_back(device, first, second, tmp_path)
+    assert calm.whole
+    assert end.whole
+    assert [log.content.strip() for log in logs_in(end.file)] == [log.content.strip() for log in logs_in(calm.file)]
+
+
+@pytest.mark.parametrize(("device", "unit", "lines"), STREAMED, ids=[one for one, *_ in STREAMED])
+def test_a_stream_over_two_ports_loses_what_was_torn_and_makes_nothing_up(
+    tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
+) -> None:
+    half = len(lines) // 2
+    said = len(devices.IDENTITY) if device == "teledongle" else 0
+    after = said + len(b"".join(lines[:half])) + 2
+    with played(devices.pulled(unit(lines[: half + 1]), after)) as first, played(unit(lines[half + 1 :])) as second:
+        content = b"".join([*lines[:half], *lines[half + 1 :]]) + (said + 1) * 2 * b"?"
+        end = pulled_and_back(device, first, second, tmp_path, devices.arrived(tmp_path, content))
+    (log,) = logs_in(end.file)
+    kept = [line.rpartition(b",")[2] if device == "stratologger" else line for line in log.content.splitlines()]
+    wanted = [line.strip() for line in [*lines[:half], *lines[half + 1 + (device != "teledongle") :]]]
+    assert kept[kept.index(wanted[0]) :] == wanted
 
 
 # --- Units that nobody named

@@ -161,7 +161,7 @@ def test_junk_is_refused_by_every_parser_in_one_line(name: str, log: bytes) -> N
 
 
 RESAVED = ("aim_xtra", "altimetercloud", "blueraven_app", "cats", "eggtimer", "featherweight_gps", "mapped_table",
-    "openrocket", "rasaero", "rocksim", "rrc3")  # fmt: skip
+    "micropeak_csv", "openrocket", "perfectflite_table", "rasaero", "raven_fip", "rocksim", "rrc3")  # fmt: skip
 """Parsers of tables that a flyer opens in a spreadsheet, which may save them with semicolons and decimal commas."""
 
 

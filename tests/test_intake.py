@@ -16,6 +16,10 @@ from tests.samples import SAMPLES, any_motor
 PNUT = next(sample for sample in SAMPLES if sample.name.startswith("perfectflite__"))
 KINDS = ("app__low", "app__high", "summary")
 RAVEN = {name: next(s for s in SAMPLES if s.name.startswith(f"blueraven_{name}")) for name in KINDS}
+ALTOS = {
+    form: next(s for s in SAMPLES if s.name == name)
+    for form, name in (("csv", "altos_csv__with_satellites.csv"), ("flash", "altos_eeprom__telemetrum_2_old_form.eeprom"))
+}
 TABLE = "flight_id,rocket,motor,apogee_m,log\n1,Astra,F24-4W,,{log}\n"
 
 
@@ -110,6 +114,38 @@ def test_files_that_come_one_after_another_are_one_flight(ledger: Ledger, tmp_pa
 
 def kind_of(name: str) -> str:
     return name.removeprefix("app__")
+
+
+@pytest.mark.parametrize("order", [("csv", "flash"), ("flash", "csv")])
+@pytest.mark.parametrize("again", ["alone", "together"])
+def test_the_flash_and_the_export_of_a_numbered_flight_are_one_flight(
+    ledger: Ledger, order: tuple[str, str], again: str
+) -> None:
+    first, second = (ALTOS[form] for form in order)
+    (id,) = taken(ledger, first).ids
+    receipt = taken(ledger, *((second,) if again == "alone" else (first, second)))
+    assert (receipt.ids, receipt.joined, receipt.rejected) == ((), (id,), ())
+    assert (ledger.log(id), ledger.other_logs(id)) == (first.read_bytes(), [second.read_bytes()])
+    assert [taken(ledger, file).duplicates for file in (first, second)] == [1, 1]
+    assert taken(ledger, second, first).duplicates == 1
+    assert len(ledger.flights()) == 1
+
+
+def test_a_number_that_an_erased_memory_gave_again_is_another_flight(ledger: Ledger, tmp_path: Path) -> None:
+    (id,) = taken(ledger, ALTOS["csv"]).ids
+    ledger.edit(id, apogee=700.0)
+    receipt = taken(ledger, ALTOS["flash"])
+    assert (len(receipt.ids), receipt.joined) == (1, ())
+    assert any(f"may be of the flight {id}, which has its number" in note for note in receipt.notes)
+
+
+def test_another_export_of_a_numbered_flight_says_what_it_may_be(ledger: Ledger, tmp_path: Path) -> None:
+    (id,) = taken(ledger, ALTOS["csv"]).ids
+    exported = tmp_path / "again.csv"
+    exported.write_bytes(b"# Comment: exported once more\n" + ALTOS["csv"].read_bytes())
+    receipt = taken(ledger, exported)
+    assert (len(receipt.ids), receipt.joined) == (1, ())
+    assert any(f"may be of the flight {id}, which has its number" in note for note in receipt.notes)
 
 
 def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> None:

@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from contextlib import closing
 from pathlib import Path
 
 import pytest
@@ -122,6 +123,53 @@ def test_a_damaged_ledger_is_said_to_be_damaged(tmp_path: Path) -> None:
     file.write_bytes(content)
     with pytest.raises(LedgerError, match="damaged"), Ledger.open(file) as ledger:
         ledger.flights()
+
+
+@pytest.mark.parametrize(
+    ("column", "value"),
+    [("extra", "'null'"), ("extra", "'[1]'"), ("entered", "'{'"), ("rocket", "x'fe'"), ("apogee", "'high'")],
+)
+def test_a_row_that_no_fieldkit_wrote_is_damage_and_not_a_crash(column: str, value: str, tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+        ledger.tag(FIRST.flight_id, "mine")
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute(f"UPDATE flights SET {column} = {value}")
+    with Ledger.open(file) as ledger:
+        for ask in (ledger.flights, lambda: ledger.flight(FIRST.flight_id)):
+            with pytest.raises(LedgerError, match=r"the file is damaged.*`fieldkit backups restore`"):
+                ask()
+
+
+def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
+    file, other = tmp_path / "ledger.db", tmp_path / "other.db"
+    for one in (file, other):
+        with Ledger.open(one) as ledger:
+            ledger.add([FIRST])
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute("ALTER TABLE flights RENAME COLUMN notes TO nodes")
+    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match=r"damaged.*column notes of flights"):
+        ledger.flights()
+    content = other.read_bytes()
+    assert content.count(b"Astra1") >= 2  # the row, and an index of rocket and flight_id
+    other.write_bytes(content[: content.rindex(b"Astra1")] + b"Astra2" + content[content.rindex(b"Astra1") + 6 :])
+    with Ledger.open(other) as ledger, pytest.raises(LedgerError, match=r"damaged.*missing from index"):
+        ledger.flight("1")
+
+
+def test_a_prediction_that_says_nothing_is_damage(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.keep_prediction({"apogee_m": 250.0}, digest="d", rocket="Astra")
+        ledger.keep_version("Astra", {"effects": []})
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute("UPDATE predictions SET payload = 'null'")
+        raw.execute("UPDATE versions SET payload = '7'")
+    with Ledger.open(file) as ledger:
+        for ask in (ledger.predictions, lambda: ledger.versions("Astra")):
+            with pytest.raises(LedgerError, match="the file is damaged"):
+                ask()
 
 
 def test_a_read_only_ledger_can_be_read_and_says_why_it_cannot_be_changed(tmp_path: Path) -> None:

@@ -9,9 +9,10 @@ import os
 import platform
 import shutil
 import sqlite3
+import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from functools import partial
 from pathlib import Path
 from tempfile import mkdtemp
@@ -66,8 +67,14 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
 def tried(part: Callable[[], Outcome], file: Path) -> Outcome:
     """What came of a part, now or in an earlier run that kept it in this file."""
     if not file.exists():
-        file.write_text(json.dumps(asdict(part())), encoding="utf-8")
+        file.write_text(json.dumps(asdict(replace(part(), commit=_commit()))), encoding="utf-8")
     return Outcome(**json.loads(file.read_text(encoding="utf-8")))
+
+
+def _commit() -> str:
+    """The commit that is checked out, empty where git does not tell."""
+    command = ["git", "rev-parse", "--short", "HEAD"]
+    return subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
 
 
 def _warm(folder: Path) -> None:
@@ -83,6 +90,8 @@ def page(found: Sequence[Outcome], command: str) -> str:
     faults = [fault for one in found for fault in one.faults]
     rows = [f"| {one.part} | {one.case} | {one.tried or ''} | {_counts(one)} | {len(one.faults)} |" for one in found]
     system = f"Python {platform.python_version()}, SQLite {sqlite3.sqlite_version}, {platform.system()}"
+    if commits := list(dict.fromkeys(one.commit for one in found if one.commit)):
+        system += f"; of the program as of {' and '.join(commits)}"
     text = (ROOT / "bench" / "faults" / "page.md").read_text(encoding="utf-8")
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(

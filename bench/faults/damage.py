@@ -12,7 +12,6 @@ SAID = (
     "is not a ledger",
     "the file is empty",
     "holds another program's tables",
-    "its row is damaged",
 )
 ASKED = (("flights", "--json"), ("history", "--json"), ("show", "2", "--json"))
 """What is asked of a damaged ledger: all of its tables that a flyer sees."""

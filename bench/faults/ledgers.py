@@ -31,6 +31,8 @@ class Outcome:
     tried: int = 0
     counts: dict[str, int] = field(default_factory=dict)
     faults: list[str] = field(default_factory=list)
+    commit: str = ""
+    """Of the program that it was tried on."""
 
     def saw(self, what: str, fault: str = "") -> None:
         """Count one trial."""

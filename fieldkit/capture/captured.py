@@ -1,8 +1,8 @@
 """Captures read back: the bytes, what was sent when, and the logs in them that parsers read."""
 
 import json
-from bisect import bisect_right
-from collections.abc import Iterable, Mapping
+from bisect import bisect_left, bisect_right
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from pathlib import Path
@@ -73,6 +73,31 @@ class Captured:
         counts = [mark.at for mark in self.marks]
         places = (min(bisect_right(counts, offset), len(counts) - 1) for offset in offsets)
         return [self.marks[place].time if counts else 0.0 for place in places]
+
+    @property
+    def breaks(self) -> list[int]:
+        """Where bytes do not go on from those before them: the port was lost there, or the capture resumed."""
+        return [mark.at for mark in self.marks if mark.at and "port" in mark.facts]
+
+    def lines(self) -> Iterator[tuple[int, bytes]]:
+        """The whole lines, each with the offset of the byte that ends it, without those that a break tore.
+
+        What is left of two torn lines looks like one: `16` of `160` and `300` are no 16300.
+        """
+        start, breaks = 0, self.breaks
+        for line in self.raw.split(b"\n")[:-1]:
+            end = start + len(line)
+            torn = bisect_left(breaks, start) < bisect_right(breaks, end)
+            start = end + 1
+            if not torn:
+                yield end, line
+
+    @property
+    def untorn(self) -> bytes:
+        """The bytes as they came, without lines that a break tore."""
+        if not self.breaks:
+            return self.raw
+        return b"\n".join([*(line for _, line in self.lines()), self.raw[self.raw.rfind(b"\n") + 1 :]])
 
 
 @dataclass(frozen=True, slots=True)

@@ -2,13 +2,16 @@
 
 A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight where the
 device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
-lift-off to within two seconds. Where no time of day is stated that may be so: it is said, and the flyer decides.
+lift-off to within two seconds. Or a download, an export and what was heard by radio tell of the same flight by the
+logger's serial number and its number of the flight; as numbers begin anew once a memory is erased, they have to be as
+high too. Where neither is certain it may be so: it is said, and the flyer decides.
 """
 
 import zlib
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from datetime import time
+from math import hypot
 from typing import TYPE_CHECKING
 
 from fieldkit.arrival import Arrival, Original
@@ -17,9 +20,13 @@ from fieldkit.flight import Flight
 from fieldkit.intake.again import as_held, format_of, renewed, which
 from fieldkit.parsing import Choice, read_kept
 from fieldkit.parsing.parts import KINDS, same_moment
+from fieldkit.recording import measured_sd
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger, Renewal
+
+SAME_HEIGHT = 0.01
+"""Files of one flight agree on its apogee to this part of it and their uncertainties: they may see it by other means."""
 
 
 @dataclass(slots=True)
@@ -36,21 +43,28 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
     """Which arrivals are flights of their own, and which are further files of a flight of the ledger."""
     sorting = Sorting()
     for arrival in arrivals:
-        if arrival.log is None or not arrival.flight.extra.get(KINDS):
+        if arrival.log is None or not (arrival.flight.extra.get(KINDS) or _number(arrival.flight)):
             sorting.new.append(arrival)
             continue
         held = [(id, flight) for id, flight in _everyone(ledger) if _fits(flight, arrival.flight)]
-        certain = [id for id, flight in held if same_moment(flight.date_time, arrival.flight.date_time)]
+        certain = [id for id, flight in held if _is_same(flight, arrival)]
         if len(certain) == 1:
             _join(ledger, certain[0], arrival, sorting, choices)
             continue
         sorting.new.append(arrival)
-        if maybe := certain or [id for id, flight in held if _maybe(flight, arrival.flight)]:
+        if maybe := certain or [id for id, flight in held if _maybe(flight, arrival)]:
+            why = "which has its number" if _number(arrival.flight) else "whose lift-off is not known for certain"
             sorting.notes.append(
-                f"{arrival.source}: may be of the flight {' or '.join(maybe[:3])}, whose lift-off is not known for "
-                f"certain; where it is, `fieldkit remove` that flight and import its files together"
+                f"{arrival.source}: may be of the flight {' or '.join(maybe[:3])}, {why}; "
+                f"where it is, `fieldkit remove` that flight and import its files together"
             )
     return sorting
+
+
+def _number(flight: Flight) -> tuple[str, str] | None:
+    """The serial number of a flight's logger and the number that it has for the flight, None where one is not known."""
+    serial, number = flight.extra.get("serial"), flight.extra.get("flight")
+    return (serial, number) if serial and number else None
 
 
 def _everyone(ledger: "Ledger") -> list[tuple[str, Flight]]:
@@ -60,14 +74,41 @@ def _everyone(ledger: "Ledger") -> list[tuple[str, Flight]]:
 
 def _fits(there: Flight, new: Flight) -> bool:
     """Whether a flight is by the device of a new file, and of no other rocket."""
-    if not there.extra.get(KINDS) or new.rocket not in ("", there.rocket):
+    if new.rocket not in ("", there.rocket):
         return False
+    if _number(new):
+        return _number(there) == _number(new)
     serials = {there.extra.get("serial", ""), new.extra.get("serial", "")} - {""}
-    return there.extra.get("device") == new.extra.get("device") and len(serials) <= 1
+    return bool(there.extra.get(KINDS)) and there.extra.get("device") == new.extra.get("device") and len(serials) <= 1
 
 
-def _maybe(there: Flight, new: Flight) -> bool:
-    """Whether a new file may be of a flight: its kind is another, and no date speaks against it."""
+def _is_same(there: Flight, arrival: Arrival) -> bool:
+    """Whether a flight that fits is that of a new file for certain."""
+    new = arrival.flight
+    if not _number(new):
+        return same_moment(there.date_time, new.date_time)
+    return _is_other_form(there, arrival) and _are_as_high(there, new)
+
+
+def _is_other_form(there: Flight, arrival: Arrival) -> bool:
+    """Whether a numbered flight arrives in another form than it has come in, or in several."""
+    return there.extra.get("log_format") != arrival.flight.extra.get("log_format") or bool(arrival.others)
+
+
+def _are_as_high(there: Flight, new: Flight) -> bool:
+    """Whether two files can tell of one apogee, by how well each measured it."""
+    heights = [flight.number("apogee") for flight in (there, new)]
+    if heights[0] is None or heights[1] is None:
+        return False
+    sds = [measured_sd("apogee", flight.extra) or 0.0 for flight in (there, new)]
+    return abs(heights[0] - heights[1]) < 3 * hypot(*sds) + SAME_HEIGHT * heights[0]
+
+
+def _maybe(there: Flight, arrival: Arrival) -> bool:
+    """Whether a new file may be of a flight that fits: in a form it has not come in, and no date speaks against it."""
+    new = arrival.flight
+    if _number(new):
+        return new.flight_id != there.flight_id
     if set(there.extra[KINDS].split()) & set(new.extra[KINDS].split()):
         return False
     days = {flight.date_time.date() for flight in (there, new) if flight.date_time}
@@ -86,7 +127,8 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
     if not new:
         sorting.there += _is_there(flight, arrival, sorting)
         return
-    if not kept or set(flight.extra[KINDS].split()) >= set(arrival.flight.extra[KINDS].split()):
+    kinds = [set(one.extra.get(KINDS, "").split()) for one in (flight, arrival.flight)]
+    if not kept or (kinds[1] and kinds[0] >= kinds[1]):
         sorting.new.append(arrival)
         return
     contents = [zlib.decompress(one.packed) for one in (*kept, *new)]

@@ -139,11 +139,15 @@ def _rotate(file: Path) -> None:
         kept.pop().file.unlink(missing_ok=True)
 
 
-def fault(file: Path) -> str:
-    """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error."""
+def fault(file: Path, *, thorough: bool = False) -> str:
+    """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error.
+
+    A `thorough` look also lays every index beside its table, which takes longer.
+    """
+    check = "integrity_check" if thorough else "quick_check"
     try:
         with _opened(file) as ledger:
-            said = str(ledger.execute("PRAGMA quick_check(1)").fetchone()[0])
+            said = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
     except sqlite3.DatabaseError as error:
         if not error.sqlite_errorname.startswith(_DAMAGE):
             raise

@@ -6,9 +6,8 @@ from typing import Any
 
 from sqlalchemy import Connection, Select, func, select, tuple_
 
-from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger.rows import flight_of
+from fieldkit.ledger.rows import DamagedRow, flight_of
 from fieldkit.ledger.tables import EDITED, flights, tags
 
 Identity = tuple[str, str]
@@ -78,12 +77,12 @@ def _labels(entries: Collection[int]) -> Select[Any]:
 
 
 def _held(row: Mapping[str, Any], labels: Sequence[str]) -> Held:
-    """A row and its tags as a flight. Raises LedgerError for a row that no fieldkit wrote."""
+    """A row and its tags as a flight. Raises DamagedRow."""
     try:
         once = flight_of(row["entered"], row["entered"]["tags"]) if row["entered"] else None
         return Held(row["entry"], flight_of(row, labels), once, row["log_digest"])
     except (ValueError, TypeError, LookupError) as error:
-        raise LedgerError(f"flight {row['flight_id']!r} of {row['rocket']!r}: its row is damaged ({error})") from error
+        raise DamagedRow(f"flight {row['flight_id']!r} of {row['rocket']!r}: {error}") from error
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:

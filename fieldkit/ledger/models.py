@@ -10,6 +10,7 @@ from sqlalchemy import Connection, and_, func, insert, select
 from fieldkit.errors import LedgerError
 from fieldkit.ledger.journal import Pen, now
 from fieldkit.ledger.records import Prediction, Version
+from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import active_versions
 from fieldkit.ledger.tables import predictions as made
 from fieldkit.ledger.tables import versions as kept
@@ -30,7 +31,7 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
     used = and_(kept.c.rocket == active_versions.c.rocket, kept.c.number == active_versions.c.number)
     query = select(kept, active_versions.c.number.label("used")).join_from(kept, active_versions, used, isouter=True)
     return [
-        Version(row.rocket, row.number, datetime.fromisoformat(row.at), row.payload, row.used is not None)
+        Version(row.rocket, row.number, datetime.fromisoformat(row.at), _payload(row), row.used is not None)
         for row in connection.execute(query.where(kept.c.rocket == rocket).order_by(kept.c.number))
     ]
 
@@ -78,6 +79,13 @@ def predictions(
     if digest is not None:
         query = query.where(made.c.digest == digest)
     return [
-        Prediction(row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, row.payload)
+        Prediction(row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, _payload(row))
         for row in connection.execute(query)
     ]
+
+
+def _payload(row: Any) -> dict[str, Any]:
+    """What a row says. Raises DamagedRow where that is nothing."""
+    if not isinstance(row.payload, dict):
+        raise DamagedRow(f"number {row.number} of {row.rocket!r} says nothing")
+    return row.payload

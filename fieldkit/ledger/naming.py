@@ -7,6 +7,7 @@ from sqlalchemy import Connection, or_, select, tuple_
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger.finding import FEW, Held, Identity, find
+from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import flights
 
 
@@ -20,13 +21,19 @@ def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, 
 
 
 def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
-    """The flights that any of these texts may mean, as `flight_id` or as `rocket/flight_id`; of many texts, all."""
+    """The flights that any of these texts may mean, as `flight_id` or as `rocket/flight_id`; of many texts, all.
+
+    Raises DamagedRow.
+    """
     query = select(flights.c.rocket, flights.c.flight_id)
     if len(texts) <= FEW:
         halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
         pair = tuple_(flights.c.rocket, flights.c.flight_id)
         query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))
-    return [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
+    found = [(rocket, flight_id) for rocket, flight_id in connection.execute(query)]
+    if strange := [one for one in found if not all(isinstance(part, str) for part in one)]:
+        raise DamagedRow(f"flight {strange[0][1]!r} of {strange[0][0]!r} has no name")
+    return found
 
 
 def resolve(connection: Connection, id: str) -> Held:

@@ -21,6 +21,7 @@ from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import backups
+from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import journal, metadata
 from fieldkit.places import data_folder
 
@@ -45,6 +46,9 @@ _SQLITE = {
     "SQLITE_IOERR": "the disk failed to read or write; nothing was changed",
     "SQLITE_PERM": "no permission to use the file",
 }
+
+_GARBLED = ("Could not decode to UTF-8", "malformed JSON")
+"""How SQLite says, without a code of its own, that a text is not what was written."""
 
 
 def location(where: str | Path | None) -> URL:
@@ -133,11 +137,15 @@ def _explained(engine: Engine) -> Iterator[None]:
         if why := _reason(error) or _damage(engine):
             raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
         raise
-    except (JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
+    except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
         why = f"the file is damaged ({error})"
         raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
     except UnicodeEncodeError as error:
         raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
+    except (TypeError, ValueError, LookupError) as error:  # of a row that reads as no row of ours can
+        if why := _damage(engine):
+            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
+        raise
 
 
 def _reason(error: DBAPIError) -> str | None:
@@ -147,7 +155,7 @@ def _reason(error: DBAPIError) -> str | None:
         if code.startswith(start):
             return why
     said = " ".join(str(error.orig).split())
-    if said.startswith("Could not decode to UTF-8"):  # said by Python's sqlite3, without a code
+    if said.startswith(_GARBLED):
         return f"the file is damaged ({said})"
     state = getattr(error.orig, "sqlstate", None)
     refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
@@ -157,14 +165,22 @@ def _reason(error: DBAPIError) -> str | None:
 
 
 def _damage(engine: Engine) -> str | None:
-    """What is wrong with a ledger's file, where a query failed that fits every sound one."""
+    """What is wrong with a ledger's file, where something failed that goes through on every sound one."""
     file = file_of(engine.url)
-    fault = backups.fault(file) if file else ""
-    if not fault and file:
-        with engine.connect() as connection:
-            missing = metadata.tables.keys() - set(inspect(connection).get_table_names())
-            fault = f"without its table {min(missing)}" if missing else ""
+    fault = (backups.fault(file, thorough=True) or _missing(engine)) if file else ""
     return f"the file is damaged ({fault})" if fault else None
+
+
+def _missing(engine: Engine) -> str:
+    """A table or a column that a ledger has lost, empty where all are there."""
+    with engine.connect() as connection:
+        there = inspect(connection)
+        for name, table in metadata.tables.items():
+            if not there.has_table(name):
+                return f"without its table {name}"
+            if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
+                return f"without the column {min(lost)} of {name}"
+    return ""
 
 
 def _offered(engine: Engine, why: str) -> str:

@@ -11,7 +11,13 @@ from fieldkit.flight import COLUMNS, FIELDS, Flight
 Row = dict[str, Any]
 """Column name to a value that JSON can hold."""
 
+
+class DamagedRow(ValueError):
+    """A row that no fieldkit wrote: what is on the disc has changed."""
+
+
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
+NUMBERS = tuple(column.name for column in COLUMNS)
 
 
 def row_of(flight: Flight) -> Row:
@@ -30,8 +36,16 @@ def row_of(flight: Flight) -> Row:
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
-    """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded."""
+    """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded.
+
+    Raises DamagedRow for a value of another kind than its column's: SQLite gives back whatever it finds.
+    """
     values = {name: row[name] for name in FIELDS if name != "tags" and name in row}
+    strange = [name for name in TEXTS if not isinstance(values[name], str)]
+    strange += [name for name in NUMBERS if not isinstance(values.get(name), float | int | None)]
+    texts = [*tags, *values["extra"], *values["extra"].values()] if isinstance(values["extra"], dict) else [None]
+    if strange or not all(isinstance(text, str) for text in texts):
+        raise DamagedRow(f"no value for {', '.join(strange) or 'its tags and extra columns'}")
     moment = values.pop("date_time")
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)
 

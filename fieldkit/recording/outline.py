@@ -14,6 +14,9 @@ LEAST_SPEED = 5.0
 """A rise that is slower throughout is no flight. [m/s]"""
 _RESTS, _UNSURE = 0.15, 0.5
 """A log that begins later than this before lift-off [s] may begin in it, and its pad be off by so much [m]."""
+_ZERO, _GROUND = 1.0, 20.0
+"""What a logger's own zero drifts by while it waits, and how far from it a landing may be before that is the ground's
+doing and not the zero's. [m]"""
 LONGEST_CLIMB = 120.0
 """From lift-off to apogee, at most. [s]"""
 
@@ -94,17 +97,30 @@ def _lift(
 def _pad(track: Heights, lift: float | None) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
 
-    Without such samples, or where they rise already, it is what the logger took for zero, which drifts by a metre or
-    so while it waits, or for a height that counts from elsewhere nothing: then its standard deviation is infinite.
+    Without such samples, or where they rise already, it is what the logger took for zero, or for a height that counts
+    from elsewhere nothing: then its standard deviation is infinite.
     """
     if lift is None:
-        return (0.0, 1.0) if track.zeroed else (float(track.height[0]), np.inf)
+        return (0.0, _own_zero(track)) if track.zeroed else (float(track.height[0]), np.inf)
     before = (track.time < lift - 0.1) & (track.time > lift - 10)
     before = before if before.sum() >= 3 else track.time <= lift
     height = track.height[before]
     level, third = float(np.median(height)), max(1, height.size // 3)
     moves = float(np.median(height[-third:]) - np.median(height[:third])) > 4 * track.noise + 1.0
     if height.size < 3 or moves:
-        return (min(level, 0.0), 1.0) if track.zeroed else (level, 3.0)
+        return (min(level, 0.0), _own_zero(track)) if track.zeroed else (level, 3.0)
     least = _UNSURE if float(np.ptp(track.time[before])) < _RESTS else 0.0
     return level, float(np.hypot(track.noise / np.sqrt(min(height.size, 10)), least))
+
+
+def _own_zero(track: Heights) -> float:
+    """How far a logger's own zero may be off, as a standard deviation. [m]
+
+    Of two equally good witnesses of one level, the zero and the ground that the log comes to rest on, each is off by
+    half of what they differ.
+    """
+    last = track.height[track.time > track.time[-1] - 5]
+    early, late = np.array_split(last, 2)
+    if last.size < 6 or abs(np.median(early) - np.median(late)) > 4 * track.noise + 0.5:
+        return _ZERO
+    return float(np.hypot(_ZERO, min(abs(float(np.median(last))), _GROUND) / 2))

@@ -36,8 +36,8 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """The text as it came, from its first table on where there is one."""
-    content = captured.raw.replace(b"\0", b"")
+    """The text as it came, without a line that the loss of the port tore."""
+    content = captured.untorn.replace(b"\0", b"")
     return [Log(captured.file.name, content)] if content.strip() else []
 
 

@@ -6,7 +6,6 @@ How to read its memory is not public. Source: docs/telem.md (UND-ARC/StratoLogge
 """
 
 import re
-from itertools import accumulate
 
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Sample
@@ -50,9 +49,8 @@ def logs(captured: Captured) -> list[Log]:
     if captured.began is not None:
         rows.append(f"began,{captured.began.replace(tzinfo=None).isoformat(timespec='seconds')}")
     rows.append("seconds,feet")
-    lines = captured.raw.split(b"\n")[:-1]
-    ends = list(accumulate(len(line) + 1 for line in lines))
-    for line, time in zip(lines, captured.arrivals(end - 1 for end in ends), strict=True):
+    lines = list(captured.lines())
+    for (_, line), time in zip(lines, captured.arrivals(end for end, _ in lines), strict=True):
         text = line.decode("latin-1").rstrip("\r")
         rows.append(f"{time:.3f},{text if _NUMBER.fullmatch(text) else ''}")
     return [Log(captured.file.name, "\n".join([*rows, ""]).encode())] if lines else []
