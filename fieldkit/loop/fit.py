@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import OPENING, Data, Model
+from fieldkit.loop.model import OBSERVED, OPENING, Data, Model
 from fieldkit.loop.posterior import Fit, solve
 from fieldkit.loop.spread import TAIL
 from fieldkit.loop.tangent import lean_slope, tangents
@@ -118,7 +118,8 @@ class _Walk:
     """The way of a lane's point to its posterior mean.
 
     Where ejection meets apogee readouts have a kink, and a point could step to and fro across it for ever: a term
-    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction.
+    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction. What a
+    readout is off by is as linear anywhere, and gets there at once.
     """
 
     def __init__(self, at: Array) -> None:
@@ -132,11 +133,12 @@ class _Walk:
         sds = np.array([term.sd for term in terms])
         wanted = result.mean[int(np.argmax(result.log_weight))]
         target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
-        move = np.clip(target - self.at, -2 * sds, 2 * sds)
+        bent = np.array([term.bends not in OBSERVED for term in terms])
+        move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
         turned = np.sign(move * self._last)
         self._share = np.minimum(self._share * 2.0**turned, 1.0)
         move = self._last = self._share * move
-        if np.all(np.abs(move) < SETTLED * sds):
+        if np.all(np.abs(move) < SETTLED * sds, where=bent):
             return False
         self.at = self.at + move
         return True
