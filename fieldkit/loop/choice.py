@@ -21,6 +21,11 @@ ODDS = 3.0
 follows, so that of 66 histories without an effect (`bench`, seeds 7, 11 and 12) none was given one. [1]"""
 DECISIVE = 0.65
 """Posterior probability of an effect, against the model without it, from which on it is taken if it helps. [1]"""
+FEW = 2
+"""Effects at once that `DECISIVE` is enough for. [1]"""
+SURE = 0.99
+"""The same probability for each one more: beside several, what the simulator itself gets wrong passes for an effect
+soonest. [1]"""
 BETTER = 0.97
 """Error on flights left out, over that of the model without it, up to which an effect with even odds helps. [1]"""
 SURER = 0.02
@@ -95,13 +100,18 @@ class Ranked:
     @property
     def counts(self) -> bool:
         """Whether it may be chosen: it helps, and convinces against the model without it."""
-        return self.helps and self.own_weight > _log_odds(DECISIVE)
+        return self.helps and self.own_weight > self._enough
+
+    @property
+    def _enough(self) -> float:
+        """Log posterior odds from which on it convinces."""
+        return _log_odds(DECISIVE if len(self.accepted) <= FEW else SURE)
 
     @property
     def fold_weight(self) -> Float[Array, "flight"]:
         """`weight` without each flight; minus infinity where it would not be chosen there."""
         own = self.fold_steady + self.log_odds
-        return np.where(self.fold_helps & (own > _log_odds(DECISIVE)), self._fold_odds, -np.inf)
+        return np.where(self.fold_helps & (own > self._enough), self._fold_odds, -np.inf)
 
     @property
     def _fold_odds(self) -> Float[Array, "flight"]:
