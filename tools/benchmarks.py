@@ -2,7 +2,7 @@
 
 A file a run in `docs/benchmarks/`, named by date and commit: of every benchmark its group, the shortest and the median
 of its rounds in seconds, and what it notes beside them (ratios, rates). With names only those: `start` for
-`tests/bench_start.py`.
+`tests/bench_start.py`. `--page` runs nothing: it writes `docs/speed.md` from the latest run of each that is kept.
 """
 
 import json
@@ -11,17 +11,19 @@ import platform
 import subprocess
 import sys
 import tempfile
+from collections.abc import Iterator
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import Any
 
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "docs" / "benchmarks"
+PAGE = ROOT / "docs" / "speed.md"
 NAMES = tuple(sorted(path.stem.removeprefix("bench_") for path in (ROOT / "tests").glob("bench_*.py")))
 
 
-def run(name: str) -> list[dict[str, Any]]:
-    """What the benchmarks of a file came to."""
+def run(name: str) -> tuple[list[dict[str, Any]], int]:
+    """What the benchmarks of a file came to, and pytest's exit status: one that failed may be missing."""
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "benchmarks.json"
         options = ["-o", "addopts=", "--benchmark-only", "-p", "no:cacheprovider", f"--benchmark-json={out}"]
@@ -29,7 +31,8 @@ def run(name: str) -> list[dict[str, Any]]:
         ran = subprocess.run(command, cwd=ROOT, env=os.environ | {"OMP_NUM_THREADS": "1"})
         if not out.exists() or not out.stat().st_size:
             raise SystemExit(ran.returncode)
-        return [_row(name, found) for found in json.loads(out.read_text(encoding="utf-8"))["benchmarks"]]
+        rows = [_row(name, found) for found in json.loads(out.read_text(encoding="utf-8"))["benchmarks"]]
+        return rows, ran.returncode
 
 
 def _row(file: str, found: dict[str, Any]) -> dict[str, Any]:
@@ -61,19 +64,66 @@ def _processor() -> str:
     return named[0] if named else platform.processor() or platform.machine()
 
 
-def main() -> None:
-    """Run and keep the benchmarks named on the command line, all by default."""
+def latest() -> dict[str, dict[str, Any]]:
+    """The latest run of each file of benchmarks that is kept, with the rows of that file alone."""
+    found: dict[str, dict[str, Any]] = {}
+    for path in KEPT.glob("*.json"):
+        kept = json.loads(path.read_text(encoding="utf-8"))
+        for name in {row["file"] for row in kept["benchmarks"]}:
+            if name not in found or found[name]["at"] < kept["at"]:
+                found[name] = kept | {"benchmarks": [row for row in kept["benchmarks"] if row["file"] == name]}
+    return dict(sorted(found.items()))
+
+
+def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
+    """The latest runs as Markdown, a table each; what a benchmark only asserts is no row."""
+    yield from ("# What it costs", "")
+    yield "Seconds of a processor, the shortest of some rounds, each beside what it is compared with. Written by"
+    yield "`python tools/benchmarks.py --page` from the runs kept in `docs/benchmarks/`; the command above each table"
+    yield "runs it again."
+    for name, kept in runs.items():
+        said = " ".join((ROOT / "tests" / f"bench_{name}.py").read_text(encoding="utf-8").split('"""')[1].split())
+        yield from ("", f"## {said.partition(':')[0].partition('. ')[0]}", "")
+        about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
+        yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
+        yield from ("| what | seconds | beside it | a second |", "|---|---|---|---|")
+        yield from (_line(row) for row in kept["benchmarks"] if row.keys() & {"ratio", *RATES})
+
+
+RATES = {"flights_per_second": "flights", "megabytes_per_second": "MB"}
+
+
+def _line(row: dict[str, Any]) -> str:
+    what, _, given = row["name"].removeprefix("test_").rstrip("]").partition("[")
+    group = row["group"] or ""
+    given = given.removeprefix(group).lstrip("-")
+    cells = [
+        ", ".join(filter(None, (group or what.replace("_", " "), given))),
+        f"{row['min_s']:.3g}",
+        f"{row['ratio']:.3g} × {row['beside']}" if "ratio" in row else "",
+        ", ".join(f"{row[key]:,} {unit}" for key, unit in RATES.items() if key in row),
+    ]
+    return f"| {' | '.join(cells)} |"
+
+
+def main() -> int:
+    """Run and keep the benchmarks named on the command line, all by default; pytest's worst exit status."""
+    if sys.argv[1:] == ["--page"]:
+        PAGE.write_text("\n".join(page(latest())) + "\n", encoding="utf-8")
+        return 0
     names = sys.argv[1:] or NAMES
     if unknown := set(names) - set(NAMES):
         raise SystemExit(f"found {', '.join(sorted(unknown))}, expected some of: {', '.join(NAMES)}")
     about = machine()
-    rows = [row for name in names for row in run(name)]
+    runs = [run(name) for name in names]
     KEPT.mkdir(exist_ok=True)
     file = KEPT / f"{about['at'][:10]}_{about['commit']}_{'_'.join(sys.argv[1:]) or 'all'}.json"
     command = " ".join(["python", "tools/benchmarks.py", *sys.argv[1:]])
+    rows = [row for found, _ in runs for row in found]
     file.write_text(json.dumps({"command": command, **about, "benchmarks": rows}, indent=1) + "\n", encoding="utf-8")
     sys.stdout.write(f"{file}\n")
+    return max(status for _, status in runs)
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

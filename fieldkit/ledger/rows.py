@@ -18,6 +18,7 @@ class DamagedRow(ValueError):
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
 NUMBERS = tuple(column.name for column in COLUMNS)
+_TEXT, _NUMBER = frozenset({str}), frozenset({float, int, type(None)})
 
 
 def row_of(flight: Flight) -> Row:
@@ -41,11 +42,10 @@ def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
     Raises DamagedRow for a value of another kind than its column's: SQLite gives back whatever it finds.
     """
     values = {name: row[name] for name in FIELDS if name != "tags" and name in row}
-    strange = [name for name in TEXTS if not isinstance(values[name], str)]
-    strange += [name for name in NUMBERS if not isinstance(values.get(name), float | int | None)]
-    texts = [*tags, *values["extra"], *values["extra"].values()] if isinstance(values["extra"], dict) else [None]
-    if strange or not all(isinstance(text, str) for text in texts):
-        raise DamagedRow(f"no value for {', '.join(strange) or 'its tags and extra columns'}")
+    extra = values["extra"]
+    texts = (*map(values.get, TEXTS), *tags, *extra, *extra.values()) if type(extra) is dict else (None,)
+    if not (_TEXT.issuperset(map(type, texts)) and _NUMBER.issuperset(map(type, map(values.get, NUMBERS)))):
+        raise DamagedRow("found what is no text or no number, expected what a flight can hold")
     moment = values.pop("date_time")
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)
 
