@@ -5,6 +5,7 @@ flight in a batch beside one alone. Times are of the processor.
 """
 
 import time
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -21,6 +22,8 @@ from tests.timing import beside, measured
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
 SIZE = 100_000_000
 """Of the log. [byte]"""
+ROUNDS = 3
+"""Of reading it, by each: memory is slower where others use it too. [1]"""
 BATCH = 1000
 """Flights inferred together. [1]"""
 
@@ -30,12 +33,17 @@ def test_a_log_of_a_hundred_megabytes(benchmark: BenchmarkFixture, tmp_path: Pat
     pandas = pytest.importorskip("pandas")
     file = tmp_path / "big.csv"
     write_waiting(file, SIZE, flown=True)
-    began = time.process_time()
-    assert len(pandas.read_csv(file).columns) == 4
-    least = time.process_time() - began
-    took = measured(benchmark, lambda: read_recordings(file.read_bytes(), file.name), rounds=1)
+    least = min(_spent(lambda: pandas.read_csv(file)) for _ in range(ROUNDS))
+    took = measured(benchmark, lambda: read_recordings(file.read_bytes(), file.name), rounds=ROUNDS)
     benchmark.extra_info["megabytes_per_second"] = round(SIZE / 1e6 / took, 1)
     beside(benchmark, took, least, f"pandas' {SIZE / 1e6 / least:.0f} MB/s")
+
+
+def _spent(work: Callable[[], object]) -> float:
+    """What it takes. [s]"""
+    began = time.process_time()
+    work()
+    return time.process_time() - began
 
 
 @pytest.mark.benchmark(group="ensemble")
