@@ -57,14 +57,19 @@ def _verdict(found: Findings) -> Iterator[str]:
         yield f"  forecasts are given intervals {found.unexplained.widened:.2f} times as wide"
     if diagnosis.effect == "none":
         chance = 1 - diagnosis.confidence
-        yield f"  (the chance that something is missing is put at {chance:.0%}, before unseen flights have their say)"
+        yield f"  (the chance that something is missing is put at {_chance(chance)}, before unseen flights have their say)"
     else:
         what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
-        yield f"  (the chance that {what} is put at {diagnosis.confidence:.0%})"
+        yield f"  (the chance that {what} is put at {_chance(diagnosis.confidence)})"
     if diagnosis.also:
         yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
         for test in found.tests:
             yield f"    to tell: {test.in_words}"
+
+
+def _chance(share: float) -> str:
+    """A probability in per cent; of none it is said that it is certain."""
+    return f"{share:.0%}" if 0.01 <= share <= 0.99 else "more than 99%" if share > 0.5 else "less than 1%"
 
 
 def _errors(found: Findings) -> Iterator[str]:
