@@ -56,8 +56,8 @@ def _verdict(found: Findings) -> Iterator[str]:
         yield f"  {found.unexplained.in_words}"
         yield f"  forecasts are given intervals {found.unexplained.widened:.2f} times as wide"
     if diagnosis.effect == "none":
-        chance = 1 - diagnosis.confidence
-        yield f"  (the chance that something is missing is put at {_chance(chance)}, before unseen flights have their say)"
+        chance = _chance(1 - diagnosis.confidence)
+        yield f"  (the chance that something is missing is put at {chance}, before unseen flights have their say)"
     else:
         what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
         yield f"  (the chance that {what} is put at {_chance(diagnosis.confidence)})"
