@@ -19,12 +19,12 @@ from fieldkit.logs.altos_flash import (
     OLD_RECORD,
     Layout,
     Octets,
-    damage,
     hex_bytes,
     new_form,
     number_at,
     old_form,
 )
+from fieldkit.logs.damage import Damaged, damage
 from fieldkit.logs.text import blocks, first_lines, shown
 from fieldkit.parsing import Found, Parser, Reading
 from fieldkit.shapes import Array, Float, Int
@@ -197,12 +197,12 @@ def _positions(fixes: Int[Octets, "record byte"], time: Float[Array, "record"]) 
 
 def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
     """The flight of a TeleMini 1: words of 2 bytes, the flight first, then pressures and, with the high bit, states."""
-    data, damaged = bytearray(), list[DamagedLog]()
+    data, damaged = bytearray(), Damaged()
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
             words = hex_bytes(line)
             if words is None:
-                damaged.append(DamagedLog(f"found {shown(line)}, expected bytes in hex", row=number))
+                damaged.add(DamagedLog(f"found {shown(line)}, expected bytes in hex", row=number))
             data += words or b""
     flight, *rest = np.frombuffer(bytes(data[: len(data) // 2 * 2]), "<u2").tolist() or [0]
     times, counts, state_times, states, time = [], [], [], [], 0.0

@@ -16,7 +16,8 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.altos import SEED, entered, mp3h6115, seconds
-from fieldkit.logs.text import blocks, is_cut, shown
+from fieldkit.logs.damage import Damaged, damage
+from fieldkit.logs.text import blocks, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
@@ -24,7 +25,6 @@ from fieldkit.units import ZERO_CELSIUS
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
 LARGEST = 32 << 20
 """Half a day of packets. [bytes]"""
-MOST_TOLD = 20
 PACKET, FRAME = 32, 36
 """A packet, and a line of one: its length before it, signal strength, status and checksum behind it. [bytes]"""
 OLD_FRAMES = (94, 95)
@@ -116,14 +116,13 @@ def read(log: bytes) -> list[Found]:
 
 def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
     """Packets that came whole, and what is to be said of the others."""
-    good, damaged, left_out = bytearray(), list[DamagedLog](), Counter[str]()
-    row = 0
+    good, damaged, left_out = bytearray(), Damaged(), Counter[str]()
     for first, lines in blocks(log):
         for row, line in enumerate(lines, start=first):
             if line.startswith("TELEM "):
                 frame = _bytes(line[6:])
                 if frame is None or not _is_frame(frame):
-                    damaged.append(DamagedLog(_complaint(line, frame), row=row))
+                    damaged.add(DamagedLog(_complaint(line, frame), row=row))
                 elif len(frame) != FRAME:
                     form = "of a version before 1.0" if len(frame) - 4 in OLD_FRAMES else f"of {len(frame) - 4} bytes"
                     left_out[f"packets {form} are not read"] += 1
@@ -133,14 +132,9 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                     good += frame[1 : 1 + PACKET]
             elif line.strip():
                 left_out["lines are no packets"] += 1
-    cut = is_cut(log) and bool(damaged) and damaged[-1].row == row
-    told: list[Found] = [*damaged[: len(damaged) - cut][:MOST_TOLD]]
-    if len(damaged) - cut > MOST_TOLD:
-        told.append(DamagedLog(f"found {len(damaged) - cut - MOST_TOLD} more packets that are damaged"))
-    notes = [Note("is cut off where the file ends, left out", row)] if cut else []
-    notes += [Note(f"{count} {what}, left out") for what, count in left_out.items()]
+    notes = [Note(f"{count} {what}, left out") for what, count in left_out.items()]
     packets = np.frombuffer(bytes(good), np.uint8).reshape(-1, PACKET)
-    return packets, [*told, *notes]
+    return packets, [*damage(damaged, "packets", log), *notes]
 
 
 def _bytes(text: str) -> bytes | None:

@@ -17,6 +17,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
+from fieldkit.logs.damage import Damaged
 from fieldkit.logs.text import shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
@@ -26,7 +27,6 @@ WRAP = 65_536.0
 """What a 16-bit print format leaves out. [1]"""
 GROUND = (60_000.0, 110_000.0)
 """Pressure where rockets are launched. [Pa]"""
-MOST_TOLD = 20
 MOST, MOST_FLIGHTS = 100_000, 100
 """More samples, and more flights, than any of these altimeters can hold. [1]"""
 WIDTH = 12
@@ -60,7 +60,7 @@ def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
 
 
 def read(log: bytes) -> list[Found]:
-    damaged: list[DamagedLog] = []
+    damaged = Damaged()
     flights: dict[int, array[float]] = {}
     live = array("d")
     board, firmware, samples = "", "", 0
@@ -79,13 +79,11 @@ def read(log: bytes) -> list[Found]:
                 flights.setdefault(int(numbers[0]), array("d")).extend(numbers)
                 samples += 1
         except DamagedLog as error:
-            damaged.append(error)
+            damaged.add(error)
         if samples > MOST or len(live) > MOST * 8 or len(flights) > MOST_FLIGHTS:
             more = f"{MOST_FLIGHTS} flights" if len(flights) > MOST_FLIGHTS else f"{MOST} samples"
             raise DamagedLog(f"found more than {more}, expected at most what an altimeter holds", row=row)
-    found: list[Found] = list(damaged[:MOST_TOLD])
-    if len(damaged) > MOST_TOLD:
-        found.append(DamagedLog(f"found {len(damaged) - MOST_TOLD} more sentences that are damaged"))
+    found = damaged.told("sentences")
     if log.rfind(b"$") > log.rfind(b";"):
         found.append(Note("ends within a sentence, left out", row=log.count(b"\n") + 1))
     device = f"bdureau {board}".strip()
@@ -93,7 +91,7 @@ def read(log: bytes) -> list[Found]:
     if not readings and len(live) > 8:
         readings = [_live(np.array(live).reshape(-1, 8))]
     if not readings:
-        raise damaged[0] if damaged else DamagedLog("found no sample of a flight, expected $data,...;")
+        raise damaged.first[0] if damaged.first else DamagedLog("found no sample of a flight, expected $data,...;")
     return [*(replace(reading, device=device, firmware=firmware) for reading in readings), *found]
 
 

@@ -39,6 +39,9 @@ class Heading:
 def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
+    fields = {_heading(name, strict=False).field for name in spelled}
+    if {"date_time"} == fields & set(OURS) and not fields & {column.name for column in READOUTS}:
+        return False  # a log of samples has a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
     return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
 

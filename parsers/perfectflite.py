@@ -2,7 +2,8 @@
 
 A block of `Name: value` lines, a line that names the columns, and rows. Heights are in feet, temperatures in the
 unit that the line of columns says. The stated apogee is the device's own and is not the highest row. Where power
-was lost the log is filled with 25.50 V to its end; what these rows say of heights was never measured.
+was lost the log is filled with 25.50 V to its end; what these rows say of heights was never measured. A spreadsheet
+may have put quotation marks and commas about the lines.
 Source: files of nine flights, listed with the format.
 """
 
@@ -25,7 +26,7 @@ MOST_HEADER = 100
 ERASED = 25.50
 """What the highest byte is as a battery: no sample was written here. [V]"""
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
-DATA = re.compile(r"\s*Data\s*:.*Time.*Altitude", re.IGNORECASE)
+DATA = re.compile(r"\s*\"?Data\s*:.*Time.*Altitude", re.IGNORECASE)
 STATED = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
 KEPT = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
@@ -36,7 +37,7 @@ OUTPUTS = {"drogue at": "drogue", "main at": "main"}
 
 def recognises(head: bytes) -> bool:
     first = next((line for line in first_lines(head, most=5) if line.strip()), "")
-    return first.startswith("PerfectFlite ")
+    return first.lstrip('"').startswith("PerfectFlite ")
 
 
 def read(log: bytes) -> list[Found]:
@@ -70,6 +71,7 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         if DATA.match(line):
             return header, row, line
+        line = line.rstrip(",").strip('"')
         if line.startswith("PerfectFlite "):
             header["PerfectFlite"] = line.strip()
         elif line.strip().upper().endswith("PWRLOSS"):

@@ -210,8 +210,33 @@ def flown_height(time: float) -> float:
     return 40 + 80 * coast - 4.9 * coast**2 if coast < 8.16 else max(0.0, 366.5 - 8 * (coast - 8.16))
 
 
+def write_torn(file: Path, log: bytes, size: int) -> None:
+    """The beginning of a log, and then nothing but halves of its lines."""
+    lines = log.splitlines(keepends=True)
+    halves = b"".join(line[: len(line) // 2] + b"\n" for line in lines[len(lines) // 2 :])
+    with file.open("wb") as stream:
+        stream.write(b"".join(lines[: len(lines) // 2]))
+        while stream.tell() < size:
+            stream.write(halves)
+
+
+def write_remarks(file: Path, log: bytes, size: int) -> None:
+    """A log, and then nothing but comments."""
+    with file.open("wb") as stream:
+        stream.write(log)
+        while stream.tell() < size:
+            stream.write(b"# Event APOGEE occurred at t=3.2 seconds\n" * 1000)
+
+
+CAPPED = {"altos_eeprom": 31 << 20, "altos_telem": 31 << 20}
+"""Parsers that refuse what is longer at once: the longest that they do read. [bytes]"""
+REMARKED = ("altos_csv", "arts2", "openrocket")
+"""Parsers that keep comments apart."""
+HURT = [*(f"{name} that is torn" for name in parsers()), *(f"{name} of remarks" for name in REMARKED)]
+
+
 @pytest.mark.slow
-@pytest.mark.parametrize("name", [*WHOLE, "mapped_table that waits"])
+@pytest.mark.parametrize("name", [*WHOLE, *HURT, "mapped_table that waits"])
 def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     name: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -221,6 +246,10 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
         write_repeated(file, biggest(name), size)
     elif name.endswith("goes on"):
         write_going_on(file, biggest(name.split()[0]), size)
+    elif name.endswith("is torn"):
+        write_torn(file, biggest(name.split()[0]), CAPPED.get(name.split()[0], size))
+    elif name.endswith("remarks"):
+        write_remarks(file, biggest(name.split()[0]), size)
     else:
         write_waiting(file, size)
     ran = run_clean(tmp_path, BIG, str(file), name.split()[0])

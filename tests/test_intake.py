@@ -18,7 +18,10 @@ KINDS = ("app__low", "app__high", "summary")
 RAVEN = {name: next(s for s in SAMPLES if s.name.startswith(f"blueraven_{name}")) for name in KINDS}
 ALTOS = {
     form: next(s for s in SAMPLES if s.name == name)
-    for form, name in (("csv", "altos_csv__with_satellites.csv"), ("flash", "altos_eeprom__telemetrum_2_old_form.eeprom"))
+    for form, name in (
+        ("csv", "altos_csv__with_satellites.csv"),
+        ("flash", "altos_eeprom__telemetrum_2_old_form.eeprom"),
+    )
 }
 TABLE = "flight_id,rocket,motor,apogee_m,log\n1,Astra,F24-4W,,{log}\n"
 

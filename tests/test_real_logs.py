@@ -159,3 +159,20 @@ def test_a_worse_log_gives_the_same_readouts_within_their_uncertainty(name: str,
         moved = 0.5 if change is drifting else 0.0  # of which the pad's own share is a part of the figure
         assert abs(one.value - other.value) < 3 * np.hypot(one.sd, other.sd) + moved, figure
     assert "apogee" in worse.figures
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", FLIGHTS)
+def test_a_log_without_its_pad_has_the_same_apogee_within_its_uncertainty(name: str) -> None:
+    reading, whole = flown(name)
+    begin = whole.events["liftoff"].time - 0.2 if "liftoff" in whole.events else -np.inf
+    cut = measure([_from(series, begin) for series in reading.clocks if series.time[-1] > begin], reading.events)
+    one, other = whole.figures["apogee"], cut.figures["apogee"]
+    assert abs(one.value - other.value) < 3 * np.hypot(one.sd, other.sd)
+    assert cut.events["apogee"].time == pytest.approx(whole.events["apogee"].time, abs=0.2)
+
+
+def _from(series: Series, begin: float) -> Series:
+    kept = series.time >= begin
+    there = [name for name in series.__slots__ if getattr(series, name) is not None]
+    return Series(**{name: getattr(series, name)[kept] for name in there})

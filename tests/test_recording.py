@@ -161,6 +161,15 @@ def test_heights_above_the_sea_that_begin_in_flight_count_from_no_pad() -> None:
     assert NO_PAD in recorded.notes
 
 
+def test_a_log_without_a_pad_is_as_sure_of_its_zero_as_the_ground_it_lands_on() -> None:
+    near, truth = measured(SMALL, Logger(late=0.3))
+    far, _ = measured(SMALL, Logger(late=0.3, drift=8))
+    assert near.figures["apogee"].sd < 1.3
+    assert 4 < far.figures["apogee"].sd < 6
+    assert abs(off(far, truth, "apogee")) < 2.5 * far.figures["apogee"].sd
+    assert abs(off(near, truth, "apogee")) < 1.5
+
+
 def test_an_accelerometer_that_begins_late_has_no_peak() -> None:
     """The thrust of this rocket sags from its first moment: what was strongest came before the log."""
     clocks = log(flown(LARGE), Logger(accelerometer=100), np.random.default_rng(1))

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger, Renewal
 
 SAME_HEIGHT = 0.01
-"""Files of one flight agree on its apogee to this part of it and their uncertainties: they may see it by other means."""
+"""Files of one flight agree on its apogee to this part of it, beside their uncertainties. [1]"""
 
 
 @dataclass(slots=True)

@@ -7,7 +7,7 @@ Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from r
 
 import re
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -15,12 +15,14 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.altos import sound
+from fieldkit.logs.damage import Damaged, damage
 from fieldkit.logs.text import blocks, first_lines, is_cut, shown
 from fieldkit.reading import Found, Note
 from fieldkit.shapes import Int, Integers
 
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
-MOST_TOLD = 20
+LARGEST_FLASH = 16 << 20
+"""Twice the flash of the largest of these devices. [bytes]"""
 OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
 
 
@@ -62,7 +64,7 @@ class Flash:
 
 def new_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
-    damaged: list[DamagedLog] = []
+    damaged = Damaged()
     flash, missing = bytearray(), 0
     widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
     width = widths.most_common(1)[0][0]
@@ -72,10 +74,14 @@ def new_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
                 continue
             data = hex_bytes(line)
             if data is None or len(data) != width:
-                damaged.append(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
+                damaged.add(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
                 data = (data or b"")[:width]
             missing = width - len(data)
             flash += data.ljust(width, b"\xff")
+        if len(flash) > LARGEST_FLASH:
+            raise DamagedLog(
+                f"found more than {LARGEST_FLASH >> 20} MB of memory, expected what a device has", row=first
+            )
     if is_cut(log) and missing:
         del flash[-missing:]
     found = damage(damaged, "lines", log)
@@ -97,20 +103,9 @@ def hex_bytes(line: str) -> bytes | None:
         return None
 
 
-def damage(damaged: Sequence[DamagedLog], what: str, log: bytes) -> list[Found]:
-    """Damaged lines as they are told of: the last as a note if the file ends within it, many as one."""
-    last_row = log.count(b"\n") + 1
-    found: list[Found] = [error for error in damaged if not (is_cut(log) and error.row == last_row)]
-    cut = [Note("is cut off where the file ends, left out", last_row)] if len(found) < len(damaged) else []
-    more = (
-        [DamagedLog(f"found {len(found) - MOST_TOLD} more {what} that are damaged")] if len(found) > MOST_TOLD else []
-    )
-    return [*found[:MOST_TOLD], *more, *cut]
-
-
 def old_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     """The records of lines of a letter, a clock and bytes, or of two numbers in format 1."""
-    damaged: list[DamagedLog] = []
+    damaged = Damaged()
     records = bytearray()
     for first, lines in blocks(log, row - 1):
         for number, line in enumerate(lines, start=first):
@@ -119,7 +114,7 @@ def old_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
                 records += record
             elif re.match(r"[A-Z] [0-9a-fA-F]", line):
                 expected = "two numbers" if layout.size == 8 else f"{layout.size - 4} bytes"
-                damaged.append(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
+                damaged.add(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
     whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
     return Flash(settings, whole, tuple(damage(damaged, "records", log)))
 

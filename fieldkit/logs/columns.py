@@ -18,6 +18,8 @@ __all__ = ["SI", "Channel", "Table", "read_columns"]
 
 FIRST_ROWS = 100
 """So many rows say what the decimal mark is. [1]"""
+MOST_REMARKS, LONGEST_REMARK = 1000, 1000
+"""So many comment lines are kept apart, and so much of each. [1], [characters]"""
 _POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
 
 
@@ -44,7 +46,8 @@ def read_columns(
     for first, lines in blocks(log, after):
         kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
         if comment:
-            reader.remarks += [(first + i, lines[i]) for i in kept if lines[i].startswith(comment)]
+            remarks = [(first + i, lines[i][:LONGEST_REMARK]) for i in kept if lines[i].startswith(comment)]
+            reader.remarks += remarks[: MOST_REMARKS - len(reader.remarks)]
             kept = [i for i in kept if not lines[i].startswith(comment)]
         rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
         reader.read([first + i for i in kept], rows)

@@ -169,6 +169,8 @@ def channel(head: Heading) -> str:
     `acceleration` without a word on gravity is felt or not: it comes back as `felt?`.
     """
     words = set(head.words)
+    if head.unit and unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
+        return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
     axis = next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), "")
     if words & _ACCEL and not words & (_NOT_A_SAMPLE - {"mag", "max"}):
         if words & _WORKED_OUT or "linear" in words or "lin" in words:
@@ -198,6 +200,12 @@ def channel(head: Heading) -> str:
     if words & _TIME and not gps and not words & {"update", "utc", "gps", "to", "since", "last"}:
         return "time"
     return _others(words)
+
+
+def barometric(head: Heading) -> bool:
+    """Whether a header names a height that a filter made of a barometer's: as good a one where there is no other."""
+    words = set(head.words)
+    return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
 
 
 _WARMTH = _set("temperature temp temperatur température temperatura temperatuur")

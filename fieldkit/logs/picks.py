@@ -9,7 +9,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.columns import Table
-from fieldkit.logs.headings import QUANTITIES, channel, heading, stated_unit, unit_named
+from fieldkit.logs.headings import QUANTITIES, barometric, channel, heading, stated_unit, unit_named
 from fieldkit.logs.layout import Layout
 from fieldkit.logs.text import shown
 from fieldkit.reading import Choice
@@ -54,6 +54,12 @@ def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]
         if name and not layout.says(place) and (columns is None or place in columns):
             unit = stated_unit(head, "felt" if name == "felt?" else name)
             picks.append(Pick(name, place, head.spelled, _clock_unit(name, unit, layout, place)))
+    if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
+        picks += [
+            Pick("altitude", place, head.spelled, stated_unit(head, "altitude"))
+            for place, head in enumerate(heads)
+            if barometric(head) and not layout.says(place) and (columns is None or place in columns)
+        ]
     return _without_clocks_of_others(picks)
 
 

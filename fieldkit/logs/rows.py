@@ -12,7 +12,8 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.cells import LARGEST, Channel, converter, gaps, number_in
-from fieldkit.logs.table import MOST_TOLD, Table
+from fieldkit.logs.damage import MOST_TOLD
+from fieldkit.logs.table import Table
 from fieldkit.logs.text import ENDLESS, shown
 from fieldkit.reading import Found, Note
 from fieldkit.shapes import Array, Float, Int, Integers

@@ -140,6 +140,7 @@ def _speed_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str, str
     """Whether the speed, summed up on the way to the top, makes the height."""
     if "speed" not in raw or "altitude" not in raw:
         return False
+    raw = _with_heights(raw)
     time, height = _ascent(raw, way)
     if time is None or height is None:
         return False
@@ -156,7 +157,7 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
     """Whether the last of the climb is slowed by one g and a little drag, and the whole took its time."""
     if "altitude" not in raw:
         return False
-    time, height = _ascent(raw, way)
+    time, height = _ascent(_with_heights(raw), way)
     if time is None or height is None or len(time) < 12:
         return False
     top, bottom = height[-1], np.nanmin(height)
@@ -173,6 +174,12 @@ def _free_fall_agrees(raw: Mapping[str, Float[Array, "time"]], way: Mapping[str,
     climb = time[-1] - time[off[-1] if len(off) else 0]
     pull = 2 * float(top - bottom) / float(climb) ** 2 if climb > 0 else 0.0
     return 0.75 < slowing / STANDARD_GRAVITY < 1.45 and 0.4 < pull / STANDARD_GRAVITY < 3.2
+
+
+def _with_heights(raw: Mapping[str, Float[Array, "time"]]) -> dict[str, Array]:
+    """The rows that have a height: sensors that take turns leave each other's cells empty."""
+    there = np.isfinite(raw["altitude"])
+    return {name: values[there] for name, values in raw.items()}
 
 
 def _ascent(

@@ -10,11 +10,10 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.clocks import credible, restarts
+from fieldkit.logs.damage import MOST_TOLD
 from fieldkit.reading import Found, Note
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
-MOST_TOLD = 20
-"""So many damaged rows are told of one by one. [1]"""
 MOST_FLIGHTS = 100
 """No logger holds as many flights in one log. [1]"""
 

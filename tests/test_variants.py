@@ -1,0 +1,125 @@
+"""Exports as they vary with the program's age, the country, and the spreadsheet that saved them.
+
+Each is made of a sample log, or of one small flight, by what the notes on formats say of real files.
+"""
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+import pytest
+
+from fieldkit.parsing import Reading, claims, recognise
+from tests.samples import SAMPLES
+from tools.sample_loggers import FOOT, GRAVITY, cells, flight, table
+
+MADE = flight()
+TIME = np.arange(-2, MADE.time[-1], 0.05)
+HEIGHT, SPEED, FELT = (MADE.at(TIME, values) for values in (MADE.height, MADE.speed, MADE.felt))
+PASCAL = MADE.pressure(HEIGHT)
+UNIX = [f"{1_700_000_000 + time:.3f}".replace(".", "") + "000000" for time in TIME]
+STILL = cells(np.full(len(TIME), 0.02), ".2f")
+
+
+def text(name: str) -> str:
+    (sample,) = (one for one in SAMPLES if one.name.startswith(name))
+    return sample.read_bytes().decode("utf-8-sig").replace("\r\n", "\n")
+
+
+def quoted(log: str) -> str:
+    """As a spreadsheet saves lines of which some hold commas: those in quotation marks, all as wide as the widest."""
+    rows = [line.split(",") if re.match(r"-?[\d.]+,", line) else [line] for line in log.splitlines()]
+    rows = [[f'"{cell}"' if ", " in cell else cell.strip() for cell in row] for row in rows]
+    return "\r\n".join(",".join(row + [""] * (5 - len(row))) for row in rows) + "\r\n"
+
+
+def parted(log: str, separator: str) -> str:
+    """With decimal commas."""
+    return re.sub(r"(?<=\d)\.(?=\d)", "\0", log).replace(",", separator).replace("\0", ",")
+
+
+PF2, EXPORT = text("perfectflite__drogue_and_main"), text("perfectflite_table__commas_and_celsius")
+ALTOS, RRC3, ARTS2 = text("altos_csv__with_satellites"), text("rrc3__feet_and_commas"), text("arts2__interpreted")
+RAVEN, EEPROM = text("blueraven_app__low_rate"), text("altos_eeprom__easymini")
+SETTINGS, FLASH = EEPROM[: EEPROM.index("}") + 1], EEPROM[EEPROM.index("}") + 1 :]
+VARIANTS: Sequence[tuple[str, str, bytes, bytes]] = [
+    ("a pf2 as a spreadsheet saves it", "perfectflite", PF2.encode(), quoted(PF2).encode()),
+    ("a pf2 with a mark before it", "perfectflite", PF2.encode(), PF2.encode("utf-8-sig")),
+    ("a pf2 whose columns are in no brackets", "perfectflite", PF2.encode(),
+        re.sub(r"(?m)^Data: \((.*)\)$", r"Data: \1", PF2).encode()),
+    ("an export with tabs and decimal commas", "perfectflite_table", EXPORT.encode(), parted(EXPORT, "\t").encode()),
+    ("an export with semicolons and no header", "perfectflite_table", EXPORT.encode(),
+        parted(EXPORT.partition("\n")[2], ";").encode()),
+    ("AltOS without padding", "altos_csv", ALTOS.encode(), re.sub(r" *, *", ",", ALTOS).encode("utf-8-sig")),
+    ("AltOS without its mark", "altos_csv", ALTOS.encode(), ALTOS.replace("#version", "version").encode()),
+    ("an RRC3 row with a comma more", "rrc3", RRC3.encode(), RRC3.replace("\n", ",\n").encode()),
+    ("an RRC3 in capitals below a title", "rrc3", RRC3.encode(),
+        ("Flight 3\n" + RRC3.replace("Time,Altitude", "TIME,ALTITUDE")).encode()),
+    ("an RRC3 in UTF-16 behind a mark of UTF-8", "rrc3", RRC3.encode(), b"\xef\xbb\xbf" + RRC3.encode("utf-16")),
+    ("an RRC3 in UTF-16 with two marks", "rrc3", RRC3.encode(), ("\ufeff" + RRC3).encode("utf-16")),
+    ("an ARTS2 with tabs", "arts2", ARTS2.encode(), ARTS2.replace(" ", "\t").encode()),
+    ("an ARTS2 with commas and no mark", "arts2", ARTS2.encode(),
+        ARTS2.replace("# ", "").replace(" ", ",").encode()),
+    ("a Blue Raven flight twice, header and all", "blueraven_app", RAVEN.encode(), (RAVEN + RAVEN).encode()),
+    ("a Blue Raven whose times a spreadsheet cut", "blueraven_app", RAVEN.encode(),
+        re.sub(r"\d\d:(\d\d:\d\d\.\d)\d\d", r"\1", RAVEN).encode("utf-8-sig")),
+    ("an .eeprom with its settings on one line", "altos_eeprom", EEPROM.encode(),
+        (" ".join(SETTINGS.split()) + FLASH).encode()),
+    ("an .eeprom in capitals", "altos_eeprom", EEPROM.encode(), (SETTINGS + FLASH.upper()).encode()),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("parser", "plain", "variant"), [v[1:] for v in VARIANTS], ids=[v[0] for v in VARIANTS])
+def test_a_variant_has_the_samples_of_the_plain_log(parser: str, plain: bytes, variant: bytes) -> None:
+    assert claims(variant) == [parser]
+    expected, got = (
+        [clock for one in recognise(log).read(log) if isinstance(one, Reading) for clock in one.clocks]
+        for log in (plain, variant)
+    )
+    assert len(expected) == len(got) >= 1
+    for one, other in zip(expected, got, strict=True):
+        for channel in one.__slots__:
+            np.testing.assert_array_equal(getattr(other, channel), getattr(one, channel), channel)
+
+
+def other_rows(values: list[str], odd: bool) -> list[str]:
+    """Cells of a sensor that takes turns with another one, row by row."""
+    return [value if number % 2 == odd else "" for number, value in enumerate(values)]
+
+
+METRES, FEET, GRAVITIES = cells(HEIGHT, ".3f"), cells(HEIGHT / FOOT, ".0f"), cells(FELT / GRAVITY, ".3f")
+CLOCK = [f"12:{3 + int(time + 2) // 60:02d}:{(time + 2) % 60:06.3f}" for time in TIME]
+SINCE = cells(TIME + 2, ".3f")
+TABLES: Sequence[tuple[str, Sequence[Sequence[str]], str]] = [
+    ("Time (sec),X (g),Y (g),Z (g),Total (g),Altitude (feet)", [SINCE, STILL, GRAVITIES, STILL, GRAVITIES, FEET],
+        "altitude"),
+    ("Time (s),Altitude (ft),Time (s),X (g),Y (g),Z (g)", [SINCE, FEET, SINCE, STILL, GRAVITIES, STILL], "altitude"),
+    ("time(ms),altitude (meters)", [cells((TIME + 2) * 1000, ".0f"), METRES], "altitude"),
+    ("Date Time,Altitude (m)", [[f"2023-06-24 {clock}" for clock in CLOCK], METRES], "altitude"),
+    ("Date,Time,Altitude (m)", [["2023-06-24"] * len(TIME), CLOCK, METRES], "altitude"),
+    ("timestamp,altitude_m", [[f"2023-06-24T{clock}Z" for clock in CLOCK], METRES], "altitude"),
+    ("time,alt,pres\ns,m,Pa", [SINCE, METRES, cells(PASCAL, ".0f")], "altitude"),
+    ("Logger: Foo\nRate (Hz): 20\n\ntime_s,alt_agl_ft", [SINCE, FEET], "altitude"),
+    ("state,timestamp,scaledAccelX,scaledAccelY,scaledAccelZ,estPressureAlt,estLinearAccelX",
+        [["S"] * len(TIME), UNIX, other_rows(GRAVITIES, False), other_rows(STILL, False), other_rows(STILL, False),
+         other_rows(cells(HEIGHT + 300, ".3f"), True), other_rows(cells(FELT, ".3f"), True)], "altitude_msl"),
+    ("timestamp,scaledAccelX,estPressureAlt,current_altitude,vertical_velocity,predicted_apogee",
+        [UNIX, other_rows(GRAVITIES, False), other_rows(cells(HEIGHT + 300, ".3f"), True), other_rows(METRES, True),
+         other_rows(cells(SPEED, ".3f"), True), [""] * len(TIME)], "altitude"),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("header", "columns", "channel"), TABLES, ids=[header for header, *_ in TABLES])
+def test_a_table_that_no_parser_knows_has_its_heights_in_metres(
+    header: str, columns: Sequence[Sequence[str]], channel: str
+) -> None:
+    log = table(header, columns)
+    assert claims(log) == ["mapped_table"]
+    (reading,) = (one for one in recognise(log).read(log) if isinstance(one, Reading))
+    heights = next(values for clock in reading.clocks if (values := getattr(clock, channel)) is not None)
+    assert np.nanmax(heights) - np.nanmin(heights) == pytest.approx(MADE.apogee, abs=0.5)
+    assert np.ptp(reading.clocks[0].time) == pytest.approx(np.ptp(TIME), abs=0.1)
+
+
+def test_a_table_of_flights_with_a_date_and_readouts_is_one() -> None:
+    assert claims(b"date_time,apogee,notes\n2026-05-02 11:04,923ft,windy\n") == ["flight_table"]
