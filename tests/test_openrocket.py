@@ -200,6 +200,27 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
     assert stale.changes == ("the design's Cd was 1, is 0.6", "the design's dry mass was 400 g, is 420 g")
 
 
+def test_every_configuration_starts_from_its_own_design(tmp_path: Path) -> None:
+    plans = [Flight(rocket="Skylark", config=config, motor="F24-4W") for config in "AB"]
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.keep_start(Start("Skylark", "A", 0.4, 0.066, 0.8, 0.5, "slim.ork"))
+        ledger.keep_start(Start("Skylark", "B", 0.4, 0.066, 0.8, 1.0, "wide.ork"))
+        slim, wide = predict_plans(ledger, catalogue(), plans, keep=False)
+        alone = [predict_plans(ledger, catalogue(), [plan], keep=False)[0] for plan in plans]
+        turned = predict_plans(ledger, catalogue(), plans[::-1], keep=False)[::-1]
+        draggy = [
+            Flight(f"{n}", rocket="Skylark", config="A", motor="F24-4W", dry_mass=0.4, diameter=0.066, apogee=height)
+            for n, height in enumerate([150.0, 152.0, 149.0])  # far more drag than 0.5
+        ]
+        ledger.add(draggy)
+        _, taught = predict_plans(ledger, catalogue(), plans, keep=False)
+    assert np.median(wide.cd) / np.median(slim.cd) == pytest.approx(2.0, rel=0.05)
+    for one, by_itself, backwards in zip((slim, wide), alone, turned, strict=True):
+        assert np.median(by_itself.cd) == pytest.approx(np.median(one.cd), rel=0.05)
+        assert np.median(backwards.cd) == pytest.approx(np.median(one.cd), rel=0.05)
+    assert np.median(taught.cd) > 1.1 * np.median(wide.cd)
+
+
 def test_a_rocket_that_only_has_a_design_can_be_planned(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file, ledger = tmp_path / "skylark.ork", ["--ledger", str(tmp_path / "ledger.db")]
     file.write_bytes(packed(design(rest=SIMULATION.format(status="uptodate")), "zip"))

@@ -28,7 +28,7 @@ from fieldkit.plan.desk import Rocket, begun, forecasts, rocket_of
 from fieldkit.plan.guide import Wanted, by_closeness, fitting, guide, mount_of
 from fieldkit.plan.limits import limits
 from fieldkit.plan.safety import Line, first_thrust, safety_lines
-from fieldkit.plan.words import ballast_in_words
+from fieldkit.plan.words import ballast_in_words, delays_in_words
 from fieldkit.settings import Settings
 
 CHECK_SHAPES = False
@@ -220,6 +220,9 @@ def test_the_best_delay_is_the_least_likely_to_be_too_fast(rocket: Rocket, plan:
     assert early.after_apogee[1] < 0
     assert not early.on_sale
     assert judged.forecast.plan.delay == judged.delays[0].delay
+    table = [line for line in delays_in_words(judged, 15.0) if line.endswith(("%", "too fast"))]
+    assert len(table) == 1 + len(judged.delays)
+    assert max(map(len, table)) <= 57  # of 60, a frame and a scroll bar taken off
 
 
 def test_a_delay_strays_by_a_fifth_or_a_second_and_a_half() -> None:
@@ -270,10 +273,14 @@ def test_ballast_beats_both_neighbours_and_today(rocket: Rocket, plan: Flight, m
     assert best.slope == pytest.approx(slope, rel=0.25)
 
 
-def test_a_target_out_of_reach_says_what_can_be(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
-    best = ballast(rocket, plan, motors.resolve("F24-4W"), Goal(2000.0, 3.0), draws=60)
+@pytest.mark.parametrize(("target", "end"), [(2000.0, 1), (20.0, 0)])
+def test_a_target_out_of_reach_says_what_can_be(
+    rocket: Rocket, plan: Flight, motors: Catalogue, target: float, end: int
+) -> None:
+    best = ballast(rocket, plan, motors.resolve("F24-4W"), Goal(target, 3.0), draws=60)
     assert not best.met
-    assert best.reach[0] < best.reach[1] < 2000.0
+    assert best.reach[0] < best.reach[1]
+    assert best.apogee[1] == pytest.approx(best.reach[end], abs=0.01)  # the height it names is the end of its reach
 
 
 def test_a_site_is_saved_beside_what_flights_say_of_it() -> None:

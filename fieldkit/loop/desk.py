@@ -118,10 +118,10 @@ def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
     return (named or list(known))[0] if named or len(known) == 1 else None
 
 
-def design_drag(known: Sequence[Start], plans: Sequence[Flight]) -> float | None:
-    """The Cd that plans of a rocket start from, None where no design tells one. [1]"""
-    starts = (start_among(known, plan) for plan in plans)
-    return next((one.cd for one in starts if one and one.cd), None)
+def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
+    """The Cd that each configuration of some flights of a rocket starts from, where a design tells one. [1]"""
+    starts = {flight.config: start_among(known, flight) for flight in flights}
+    return {config: start.cd for config, start in starts.items() if start and start.cd}
 
 
 def predict_plans(
@@ -141,8 +141,8 @@ def predict_plans(
         starts, own = ledger.starts(rocket), [plans[row] for row in rows]
         planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
         places = accepted_places(ledger, rocket, which)
-        drag = design_drag(starts, own)
-        made = predict(history, planned, places, declared=which == "after", drag=drag)
+        cds = design_cds(starts, [*before, *own])
+        made = predict(history, planned, places, declared=which == "after", cds=cds)
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [widened(one, wider).corrected(sure, len(surprises)) for one in made]
         if keep:

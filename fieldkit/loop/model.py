@@ -84,9 +84,9 @@ SCATTER = (
 attack, delays by a tenth; `tilt` is in units of a lean of 5 degrees, squared."""
 TILT = np.radians(5.0)
 """The lean that scatter in tilt is measured in. [rad]"""
-COARSE = {"steps": 8, "knots": 12}
-"""Thrust curves of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less than 2 %
-for nineteen motors in twenty, which are a small part of how far flights scatter. [1]"""
+COARSE: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
+"""Thrust curves and steps of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less
+than 2 % for nineteen motors in twenty, in wind by twice as much, which are a small part of how far flights scatter."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -94,7 +94,7 @@ class Model:
     """A rocket's flights, in the order flown, and the unknowns they share.
 
     A `doubtful` one takes neither the simulator nor what the device shows beside the apogee on trust. A `coarse` one
-    flies on `COARSE` thrust curves: for hundreds of motors at once.
+    flies by `COARSE` curves and steps: for hundreds of motors at once.
     """
 
     flights: tuple[Flight, ...]
@@ -113,10 +113,10 @@ class Model:
         """The same model with more unknowns."""
         return replace(self, terms=(*self.terms, *terms))
 
-    def with_prior(self, name: str, mean: float, sd: float) -> "Model":
-        """The same model with another belief about one unknown."""
-        changed = (replace(term, mean=mean, sd=sd) if term.name == name else term for term in self.terms)
-        return replace(self, terms=tuple(changed))
+    def with_prior(self, name: str, mean: float, sd: float | None = None) -> "Model":
+        """The same model with another belief about one unknown, as sure as before where no `sd` is said."""
+        terms = (replace(term, mean=mean, sd=sd or term.sd) if term.name == name else term for term in self.terms)
+        return replace(self, terms=tuple(terms))
 
     def only(self, terms: Sequence[int]) -> "Model":
         """The same flights with some of the unknowns."""

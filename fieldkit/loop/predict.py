@@ -4,7 +4,7 @@ Draws of the shared unknowns come from the posterior, scatter and reading errors
 all of them fly in one batch. With no flight to learn from the priors are flown, and the prediction says so.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -153,18 +153,18 @@ def predict(
     accepted: Sequence[Place] = (),
     *,
     declared: bool = True,
-    drag: float | None = None,
+    cds: Mapping[str, float] | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
     Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
-    that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `drag`
-    is the Cd of a design, which is believed before any flight in place of that of any rocket. Raises ImpossibleFlight
-    for a flight without a dry mass.
+    that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
+    are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
-    return fly_ahead(learn(flown, planned, accepted, declared=declared, drag=drag, draws=draws, seed=seed))
+    return fly_ahead(learn(flown, planned, accepted, declared=declared, cds=cds, draws=draws, seed=seed))
 
 
 def learn(
@@ -173,7 +173,7 @@ def learn(
     accepted: Sequence[Place] = (),
     *,
     declared: bool = True,
-    drag: float | None = None,
+    cds: Mapping[str, float] | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> Learnt:
@@ -184,8 +184,7 @@ def learn(
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     model = forecast_model(flights, found, acting, len(flown))
-    if drag is not None:
-        model = model.with_prior("drag", np.log(drag), DESIGN_CD_SD)
+    model = _designed(model, cds) if cds else model
     acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     taught = acted or [0]  # of a rocket never flown, one prior stands in for what was learned
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
@@ -200,13 +199,29 @@ def learn(
     )
 
 
+def _designed(model: Model, cds: Mapping[str, float]) -> Model:
+    """The model of a rocket with designs: each configuration starts from its own Cd, and what flights of one show of
+    how far the design is off serves the others."""
+    logs = {config: float(np.log(cd)) for config, cd in cds.items()}
+    middle = float(np.mean(list(logs.values())))
+    model = model.with_prior("drag", middle, DESIGN_CD_SD)
+    for config, log in logs.items():
+        model = model.with_prior(f"drag of {config}", log - middle)
+    return model
+
+
 def fly_ahead(
-    learnt: Learnt, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
+    learnt: Learnt,
+    *,
+    paired: bool = False,
+    delay_sd: Float[Array, "flight"] | None = None,
+    lean: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
     """Fly the planned flights on what was learnt, each a batch of draws.
 
     With `paired` all flights share the luck of the day, so that they differ by what is planned alone. `delay_sd` is
-    how far delays stray from what is printed, as a ratio, in place of what the model takes.
+    how far delays stray from what is printed, as a ratio, in place of what the model takes; `lean` what a lean does to
+    the apogee, where that is known already.
     """
     part, values, scales, rng = learnt.model, learnt.values, learnt.scales, learnt.rng
     shape = (len(values), len(part.flights))
@@ -221,13 +236,14 @@ def fly_ahead(
     if delay_sd is not None:
         scatter["delay"] = luck() * delay_sd
     readings = shown(part, values, scatter)
-    lean = np.exp(lean_of_apogee(part, learnt.at) * luck() * scales[:, :1])
-    apogee = readings["apogee"] * lean
+    lean = lean_of_apogee(part, learnt.at) if lean is None else lean
+    leant = np.exp(lean * luck() * scales[:, :1])
+    apogee = readings["apogee"] * leant
     # of a hop of a metre the reading's error in ratio knows no bounds
     reading = np.clip(own_reading_sd(apogee) * scales[:, 1:] * luck(), -1.0, 1.0)
     figures = {
         "apogee": np.nan_to_num(apogee * np.exp(reading)),
-        "true_apogee": np.nan_to_num(readings["true"] * lean),
+        "true_apogee": np.nan_to_num(readings["true"] * leant),
         "eject": readings["apogee_to_eject"],
         "coast": readings["coast_to_apogee"],
         "cd": np.exp(bent(part, values, "drag") + scatter["drag"]),

@@ -43,6 +43,15 @@ def lean_of_apogee(model: Model, at: Float[Array, "term"]) -> Float[Array, "flig
         return np.asarray(leaning - upright)
 
 
+def coast_and_lean(model: Model, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
+    """The time from burnout to apogee of flights at a point [s], and what a lean of one unit does to the logarithm of
+    the apogee as in `lean_of_apogee`, from the same flights."""
+    readings = shown(model, np.stack([at, at]), {"tilt": _lean(model)})
+    with np.errstate(invalid="ignore", divide="ignore"):
+        upright, leaning = np.log(readings["true"])
+        return readings["coast_time"][0], np.asarray(leaning - upright)
+
+
 def _lean(model: Model) -> Float[Array, "2 flight"]:
     """None, and one unit of it."""
     return np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))

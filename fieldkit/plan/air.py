@@ -1,11 +1,13 @@
 """The air a plan flies in, and what a barometric altimeter makes of it: two things that hot days part."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
+
+import numpy as np
 
 from fieldkit.flight import CONDITIONS, Flight
 from fieldkit.simulator.atmosphere import altimeter_gain, density_altitude, pad_air
-from fieldkit.simulator.field import recorded
 
 WEATHER = ("temperature", "pressure", "humidity", "wind")
 """The conditions that belong to the day. [names of columns]"""
@@ -41,15 +43,19 @@ class PadAir:
 
 def air_of(plan: Flight) -> PadAir:
     """The air of a plan; what was not given is the standard atmosphere's at its elevation, and still."""
-    elevation, temperature, pressure, humidity = (
-        recorded([plan], name) for name in ("site_elevation", "temperature", "pressure", "humidity")
-    )
-    density = pad_air(elevation, temperature, pressure, humidity).density
-    given = {"elevation": plan.site_elevation, "temperature": plan.temperature, "pressure": plan.pressure}
+    return _air(plan.site_elevation, plan.temperature, plan.pressure, plan.humidity)
+
+
+@lru_cache(maxsize=64)
+def _air(elevation: float | None, temperature: float | None, pressure: float | None, humidity: float | None) -> PadAir:
+    """Hundreds of plans fly in the same air."""
+    known = [np.array([np.nan if value is None else value]) for value in (elevation, temperature, pressure, humidity)]
+    density = pad_air(*known).density
+    given = {"elevation": elevation, "temperature": temperature, "pressure": pressure}
     return PadAir(
         density=float(density[0]),
         density_altitude=float(density_altitude(density)[0]),
-        gain=float(altimeter_gain(elevation, temperature, pressure)[0]),
+        gain=float(altimeter_gain(*known[:3])[0]),
         assumed=tuple(name for name, value in given.items() if value is None),
     )
 

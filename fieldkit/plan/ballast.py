@@ -76,7 +76,7 @@ class Ballast:
     """The dry mass to fly [kg], what to add to today's [kg], and what it brings.
 
     `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
-    and `today` what is without change. `reach` is the median apogee of the heaviest and the lightest mass tried [m];
+    and `today` what is without change. `reach` is the lowest and the highest median apogee of the masses tried [m];
     the target is `met` where it lies between.
     """
 
@@ -135,8 +135,7 @@ def ballast(
     if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
         # far from the target every chance is nothing: there the mean miss leads the way
         mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
-    (forecast,) = forecasts(rocket, [(plan.with_changes(dry_mass=mass), found)], draws=2 * draws)
-    reach = np.median(apogee[:, :-1], axis=0)
+    forecast, low, high = _named(rocket, plan, found, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
     return Ballast(
         mass=mass,
         add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
@@ -144,8 +143,8 @@ def ballast(
         slope=float(np.median(curve(mass, 1)[0])),
         there=_result(goal, *curve(mass)),
         today=_result(goal, apogee[:, -1], duration[:, -1]),
-        reach=(float(reach.min()), float(reach.max())),
-        met=bool(reach.min() <= goal.target <= reach.max()),
+        reach=(low, high),
+        met=low <= goal.target <= high,
     )
 
 
@@ -156,6 +155,18 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
     if not 0 < low < high:
         raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
     return np.linspace(low, high, GRID)
+
+
+def _named(
+    rocket: Rocket, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
+) -> tuple[Prediction, float, float]:
+    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown together on one luck, so
+    that the flight that is named lies within the reach that is."""
+    ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
+    planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
+    said = forecasts(rocket, planned, draws=draws)
+    heights = [float(np.median(one.apogee)) for one in said]
+    return said[0], min(heights), max(heights)
 
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:

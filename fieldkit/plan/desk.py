@@ -9,7 +9,7 @@ from fieldkit.ledger import Ledger, Start
 from fieldkit.ledger.sites import site_of
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
-from fieldkit.loop.desk import accepted_places, accepted_widening, completed, design_drag, flown, start_of
+from fieldkit.loop.desk import accepted_places, accepted_widening, completed, design_cds, flown, start_of
 from fieldkit.loop.predict import Learnt, Prediction, fly_ahead, learn
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
@@ -86,14 +86,18 @@ def forecasts(
 
 
 def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
-    """What a rocket's flights taught of plans, from the Cd of its design on where one is kept."""
-    drag = design_drag(rocket.starts, [plan for plan, _ in planned])
-    return learn(rocket.history, planned, rocket.places, drag=drag, draws=draws)
+    """What a rocket's flights taught of plans, from the Cd of the designs on that are kept."""
+    cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
+    return learn(rocket.history, planned, rocket.places, cds=cds, draws=draws)
 
 
 def flown_ahead(
-    rocket: Rocket, learnt: Learnt, paired: bool = True, delay_sd: Float[Array, "flight"] | None = None
+    rocket: Rocket,
+    learnt: Learnt,
+    paired: bool = True,
+    delay_sd: Float[Array, "flight"] | None = None,
+    lean: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
-    """What was learnt, flown, with intervals as wide as this rocket's have to be."""
-    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd)
+    """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
+    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd, lean=lean)
     return [widened(one, rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]

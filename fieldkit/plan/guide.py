@@ -11,8 +11,8 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site
-from fieldkit.loop.model import shown
-from fieldkit.loop.predict import Prediction, median
+from fieldkit.loop.predict import Learnt, Prediction, median
+from fieldkit.loop.tangent import coast_and_lean
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED, Motor
 from fieldkit.plan.delay import tolerance
@@ -165,13 +165,10 @@ def guide(
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
     learnt = learnt_of(rocket, planned, draws)
     learnt = replace(learnt, model=replace(learnt.model, coarse=True))
-    coasts = shown(learnt.model, learnt.at[None], {})["coast_time"][0]
+    coasts, lean = coast_and_lean(learnt.model, learnt.at)
     delays = [_nearest(motor, coast) for motor, coast in zip(motors, coasts, strict=True)]
-    flights = tuple(
-        flight.with_changes(delay=delay) for flight, delay in zip(learnt.model.flights, delays, strict=True)
-    )
-    learnt = replace(learnt, model=replace(learnt.model, flights=flights))
     sd = tolerance(np.array([delay or np.nan for delay in delays]))
+    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd, lean=lean)
     known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
     return [
         Choice(
@@ -183,8 +180,14 @@ def guide(
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
             tuple(safety_lines(said, site, fall, limits)),
         )
-        for motor, delay, said in zip(motors, delays, flown_ahead(rocket, learnt, delay_sd=sd), strict=True)
+        for motor, delay, said in zip(motors, delays, made, strict=True)
     ]
+
+
+def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:
+    planned = zip(learnt.model.flights, delays, strict=True)
+    flights = tuple(flight.with_changes(delay=delay) for flight, delay in planned)
+    return replace(learnt, model=replace(learnt.model, flights=flights))
 
 
 def _nearest(motor: Motor, coast: float) -> float | None:

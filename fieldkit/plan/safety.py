@@ -18,12 +18,11 @@ from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.ledger.sites import Site
 from fieldkit.loop.predict import Prediction
 from fieldkit.motors.motor import Motor
+from fieldkit.plan.air import air_of
 from fieldkit.plan.descent import Fall, landing, landing_mass
 from fieldkit.plan.limits import Limits
 from fieldkit.plan.quantiles import three
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.atmosphere import pad_air
-from fieldkit.simulator.field import recorded
 from fieldkit.units import DEGREE, FOOT, MILE, STANDARD_GRAVITY, ZERO_CELSIUS
 
 DECIDES = "These lines advise; the range safety officer decides."
@@ -63,6 +62,11 @@ class Line:
 
 
 @lru_cache(maxsize=2048)
+def thrusts(motor: Motor) -> tuple[float, float]:
+    """Of the first half second as in `first_thrust`, and of the whole burn. [N]"""
+    return first_thrust(motor), motor.average_thrust
+
+
 def first_thrust(motor: Motor) -> float:
     """Mean thrust of the first half second from ignition, of the whole burn where that is shorter. [N]"""
     end = min(HALF_SECOND, motor.thrust_end)
@@ -74,7 +78,8 @@ def first_thrust(motor: Motor) -> float:
 def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
     """Of the first half second, and of the average thrust, over the weight on the pad. [1]"""
     weight = (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
-    return first_thrust(motor) / weight, motor.average_thrust / weight
+    first, average = thrusts(motor)
+    return first / weight, average / weight
 
 
 def motor_temperature(plan: Flight) -> float | None:
@@ -182,10 +187,14 @@ def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
 
 
 def _speeds(said: Prediction, fall: Fall) -> Float[Array, "draw"]:
-    conditions = (recorded([said.plan], name) for name in ("site_elevation", "temperature", "pressure", "humidity"))
-    density = float(pad_air(*conditions).density[0])
-    rng = np.random.default_rng(5)
-    return fall.speeds(rng, (len(said.apogee), 1), landing_mass(said.plan, said.found), density)[:, 0]
+    unit = _unit_speeds(fall, len(said.apogee))
+    return np.asarray(unit * math.sqrt(landing_mass(said.plan, said.found) / air_of(said.plan).density))
+
+
+@lru_cache(maxsize=8)
+def _unit_speeds(fall: Fall, draws: int) -> Float[Array, "draw"]:
+    """Descent speeds of a kilogram in air of a kilogram a cubic metre: motors of a guide fall by the same luck."""
+    return fall.speeds(np.random.default_rng(5), (draws, 1), 1.0, 1.0)[:, 0]
 
 
 def _ejection(said: Prediction, limits: Limits) -> Line:
@@ -224,7 +233,7 @@ def _class(motor: Motor, dry_mass: float, limits: Limits) -> Line:
     class1 = propellant <= most.value and mass <= heaviest.value
     high_power = (
         motor.total_impulse > limits["high_power_impulse"].value
-        or motor.average_thrust > limits["high_power_thrust"].value
+        or thrusts(motor)[1] > limits["high_power_thrust"].value
         or propellant > most.value
     )
     if motor.total_impulse > limits["class2_impulse"].value:

@@ -183,7 +183,7 @@ def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
     ahead = (speed + 0.5 * push * dt) * dt
     turning = (path < setup.rail_length + TURN_LENGTH) & (path + ahead > setup.rail_length)
     gains = np.where(path < setup.rail_length, 0.0, push * dt / np.maximum(speed, 1e-9))
-    return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN)
+    return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN) / setup.stride
 
 
 def _advance(track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:

@@ -45,8 +45,10 @@ def field_setup(
     thrust_factor: Float[Array, "*draw flight"] | float = 1.0,
     steps: int = STEPS,
     knots: int | None = None,
+    stride: float = 1.0,
 ) -> Setup:
-    """Flights on their motors, one entry a flight along the last axis, in SI units; `steps` and `knots` as in `burns`.
+    """Flights on their motors, one entry a flight along the last axis, in SI units; `steps` and `knots` as in `burns`,
+    `stride` as in `Setup`.
 
     Raises ImpossibleFlight for a flight without a dry mass.
     """
@@ -65,6 +67,7 @@ def field_setup(
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
+        stride=stride,
     )
 
 

@@ -46,6 +46,7 @@ class Setup:
     [rad]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from the
     charge to an open parachute (half a second is an assumption) [s]; `descent_speed` under it
     [m/s]. `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight.
+    `stride` is how much longer the steps of a slanted path are than they have to be [1].
     """
 
     burns: Burns
@@ -66,6 +67,7 @@ class Setup:
     forces: tuple[tuple[Force, Float[Array, "*#draw"]], ...] = ()
     gravity: float = 9.80665
     pad_holds: bool = True
+    stride: float = 1.0
 
     @property
     def draw_shape(self) -> tuple[int, ...]:
@@ -105,7 +107,9 @@ class Setup:
         return replace(self, air=air, forces=forces, **arrays)
 
 
-PER_DRAW = tuple(f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds"))
+PER_DRAW = tuple(
+    f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride")
+)
 """The entries of a set-up that have one value a draw."""
 
 
