@@ -8,10 +8,10 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
+from tools.sample_loggers import FOOT, GRAVITY, cells, flight, table
 
 from fieldkit.parsing import Reading, claims, recognise
 from tests.samples import SAMPLES
-from tools.sample_loggers import FOOT, GRAVITY, cells, flight, table
 
 MADE = flight()
 TIME = np.arange(-2, MADE.time[-1], 0.05)
