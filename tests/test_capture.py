@@ -166,15 +166,18 @@ def test_bytes_are_synchronised_a_few_times_a_second_also_when_no_more_come(
 # --- Ports
 
 
-def test_a_unit_is_found_again_by_its_numbers_and_not_confused_with_another() -> None:
+def test_a_unit_is_found_again_by_its_numbers_and_not_confused_with_another(tmp_path: Path) -> None:
     unit = Port("COM3", 0x0403, 0x6015, "A1")
     other = Port("COM4", 0x0403, 0x6015, "B2")
     assert again(unit, [other]) is None
     assert again(unit, [other, replace(unit, name="COM7")]) == "COM7"
     assert again(unit, [other, replace(unit, name="COM7"), unit]) == "COM3"
-    plain = Port("/dev/ttyS1")
+    plain = Port(str(tmp_path / "ttyS1"))
     assert again(plain, [Port("/dev/ttyS0")]) is None
-    assert again(plain, [Port("/dev/ttyS0"), plain]) == "/dev/ttyS1"
+    assert again(plain, [Port("/dev/ttyS0"), plain]) == plain.name
+    (tmp_path / "ttyS1").touch()  # a terminal that the system does not list
+    assert again(plain, []) == plain.name
+    assert again(replace(unit, name=plain.name), []) is None
 
 
 def test_a_system_without_the_terminals_of_unix_has_ports_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

@@ -8,10 +8,13 @@ from collections.abc import Sequence
 
 import numpy as np
 import pytest
-from tools.sample_loggers import FOOT, GRAVITY, cells, flight, table
 
 from fieldkit.parsing import Reading, claims, recognise
+from fieldkit.standard_air import GRAVITY
+from fieldkit.units import FOOT
 from tests.samples import SAMPLES
+from tools.samples.one_parachute import flight
+from tools.samples.writing import cells, table
 
 MADE = flight()
 TIME = np.arange(-2, MADE.time[-1], 0.05)

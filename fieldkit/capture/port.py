@@ -7,6 +7,7 @@ Sources: AltosUSB product list (Altus Metrum), the USB ID repository (usb.ids) f
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 ALTUS_METRUM = 0xFFFE
 ALTOS_PRODUCTS: Mapping[int, str] = {
@@ -79,9 +80,13 @@ def ports() -> list[Port]:
 
 
 def again(unit: Port, here: Iterable[Port]) -> str | None:
-    """The port on which a unit is again, by its numbers or, where it has none, by its port's name."""
+    """The port on which a unit is again, by its numbers or, where it has none, by its port's name.
+
+    A port that the system does not list, as a pseudo-terminal, is there where its name is.
+    """
     here = list(here)
     same = [port.name for port in here if unit.same_unit(port)]
-    if unit.name in same or unit.name in [port.name for port in here if unit.vendor is None]:
+    named = unit.vendor is None and (unit.name in [port.name for port in here] or Path(unit.name).exists())
+    if unit.name in same or named:
         return unit.name
     return same[0] if len(same) == 1 else None
