@@ -34,6 +34,8 @@ SCENES: dict[str, tuple[str, ...]] = {
     "loop": ("5", "_", "l", "_", "c"),
     "setup": ("6", "right", "_", "left", "slash", *typed("f24"), "enter"),
     "build": ("6", "right", "enter", "down"),
+    "sites": ("6", "right", "right"),
+    "settings": ("6", "left", "down"),
     "capture": ("7",),
     "help": ("question_mark",),
     "notices": ("4", "_", "g", *typed("far"), "enter"),
@@ -55,6 +57,9 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(folder)
     monkeypatch.setattr("fieldkit.capture.ports", list)
     monkeypatch.setattr("fieldkit.tui.screens.import_files.told", lambda folder: folder.name)
+    monkeypatch.setattr("fieldkit.places.motor_folder", lambda: Path("/home/flyer/motors"))
+    monkeypatch.setattr("fieldkit.places.settings_file", lambda: Path("/home/flyer/settings.json"))
+    monkeypatch.setattr("fieldkit.tui.desk.Desk.name", "/home/flyer/ledger.db")
     return tmp_path / "ledger.db"
 
 
@@ -66,7 +71,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
     if scene == "log":
         with Ledger.open(file) as ledger:
             bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
-    with patch("fieldkit.tui.screens.loop.LoopScreen._look", lambda self, rocket: looked_at()):
+    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, tell: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
             for theme in THEMES:

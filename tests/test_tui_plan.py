@@ -1,9 +1,13 @@
 """What is decided for a motor on the page Next: delay, ballast and contest points, by keys, with every safety line."""
 
 from pathlib import Path
+from unittest.mock import patch
 
 import pytest
 
+from fieldkit.errors import NoFlights
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
 from tests.pressing import frozen, opened, press, season, told, typed, words
 
 CHECK_SHAPES = False
@@ -33,6 +37,47 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         await press(pilot, "escape", "g", *typed("800ft"), "enter", "d", "right")
         assert "target 244 m (800 ft)" in told(pilot, "#answer")
         assert "the range safety officer decides" in told(pilot, "#answer")
+
+
+async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "m")
+        assert "No target yet" in told(pilot, "#answer")
+        await press(pilot, "m", "m")
+        assert "a flight, with duration" in told(pilot, "#answer")
+        assert "contest mass: ok" in told(pilot, "#answer")
+        await press(pilot, "left_square_bracket")
+        assert "parachute 95% of the area flown" in told(pilot, "#answer")
+        assert "points by this rule: " in told(pilot, "#answer")
+
+
+async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("fieldkit.loop.kept._lapsed", lambda _: False)
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
+        assert "flown: F39 B" in told(pilot, "#answer")
+        await press(pilot, "escape", "enter", "_", "d", "left")
+        assert "open: AeroTech F39T" in told(pilot, "#answer")
+        with Ledger.open(file) as ledger:
+            ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
+        await press(pilot, "escape", "escape", "d", "left")  # the first reads the notice
+        assert "stale now: flight 13 came in since" in told(pilot, "#answer")
+
+
+@pytest.mark.parametrize("keys", [(), ("enter", "_")], ids=["day", "flight"])
+async def test_a_report_is_written_where_the_flyer_says(
+    file: Path, keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(file.parent)
+    with patch("fieldkit.report.book.close_loop", side_effect=NoFlights("too few")):
+        async with opened(file) as pilot:
+            await press(pilot, "1", *keys, "w", "ctrl+u", *typed("card.doc"), "enter", "_")
+            assert "expected a name that ends in .html" in words(pilot)
+            await press(pilot, "escape", "w", "ctrl+u", *typed("card.md"), "enter", "_")
+            assert "report written: card.md" in words(pilot)
+    assert (
+        file.with_name("card.md").read_text().startswith("# Astra B · flight 12" if keys else "# Launch day 2026-04-18")
+    )
 
 
 async def test_safety_stands_on_the_page_next_whatever_its_size(file: Path) -> None:

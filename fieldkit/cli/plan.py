@@ -10,6 +10,7 @@ from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrap
 from fieldkit.cli.session import open_ledger
 
 if TYPE_CHECKING:
+    from fieldkit.flight import Flight
     from fieldkit.plan.contest import Outlook, Season
 
 app = typer.Typer()
@@ -170,11 +171,19 @@ def contest(
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
     for flight, points in scored:
-        say(f"  {flight.flight_id:>8}  {points:6.1f} points{'' if flight.duration is not None else ', height alone'}")
+        say(f"  {flight.flight_id:>8}  {points:6.1f} points  {_flown(flight)}")
     if total is not None:
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
     if ahead is not None and lines is not None:
         print_plan(outlook_in_words(ahead, rule, area, cut), ahead.forecast.plan, lines, plan.rocket.starts)
+
+
+def _flown(flight: "Flight") -> str:
+    """What a flight is scored by: `706 ft, 48.3 s`."""
+    from fieldkit.units import FOOT
+
+    lasted = "height alone" if flight.duration is None else f"{flight.duration:.1f} s"
+    return f"{(flight.apogee or 0.0) / FOOT:.0f} ft, {lasted}"
 
 
 def _window(text: str | None) -> tuple[float, float] | None:

@@ -24,13 +24,13 @@ def predictions(
 ) -> None:
     """List the predictions kept: those still open, those that became stale and why, and those flown."""
     from fieldkit.loop.desk import which_rocket
-    from fieldkit.loop.kept import kept, standing
+    from fieldkit.loop.kept import STANDING, kept, standing
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket) if rocket else None
         found = kept(ledger, known_motors(), name)
         where = ledger.name
-    shown = [one for one in found if every or one.state in ("open", "stale", "flown")]
+    shown = [one for one in found if every or one.state in STANDING]
     if json:
         print_json({"predictions": [one.json() for one in shown]})
         return

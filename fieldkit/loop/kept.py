@@ -14,6 +14,8 @@ from fieldkit.loop.pairing import LAPSES, made_for, residual, resolved
 from fieldkit.motors import Catalogue
 
 State = Literal["open", "stale", "flown", "replaced", "lapsed"]
+STANDING: tuple[State, ...] = ("open", "stale", "flown")
+"""States of predictions that are told where not all are asked for."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -24,6 +24,9 @@ LIGHTEST, HEAVIEST = 0.6, 1.8
 """Of the masses tried where the flyer sets no bounds, in dry masses of today. [1]"""
 SOFT = 0.5
 """By which the edge of the band is rounded, so that the chance is smooth in the mass. [m]"""
+BLURRED = 0.15
+"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the luck of so few
+draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986, section 3.4.2). [1]"""
 
 Figures = Float[Array, "draw"]
 
@@ -38,10 +41,10 @@ class Goal:
     aim: Literal["chance", "error", "points"] = "chance"
     rule: Season | None = None
 
-    def chance(self, apogee: Figures) -> float:
-        """To be within the band, its edges rounded. [1]"""
+    def chance(self, apogee: Figures, soft: float = SOFT) -> float:
+        """To be within the band, its edges rounded by `soft`. [1]"""
         miss = np.abs(apogee - self.target)
-        return float(np.mean(1 / (1 + np.exp(np.clip((miss - self.within) / SOFT, -50, 50)))))
+        return float(np.mean(1 / (1 + np.exp(np.clip((miss - self.within) / soft, -50, 50)))))
 
     def error(self, apogee: Figures) -> float:
         """The mean miss. [m]"""
@@ -55,7 +58,8 @@ class Goal:
         """What is to be as small as can be."""
         if self.aim == "points":
             return self.points(apogee, duration) or 0.0
-        return -self.chance(apogee) if self.aim == "chance" else self.error(apogee)
+        blurred = max(SOFT, BLURRED * float(apogee.std()))
+        return -self.chance(apogee, blurred) if self.aim == "chance" else self.error(apogee)
 
 
 @dataclass(frozen=True, slots=True)

@@ -27,7 +27,7 @@ WIDE = 7.2
 def check_report(path: Path) -> None:
     """Raise BadValue for a name that is of no kind of report."""
     if path.suffix.lower() not in SUFFIXES:
-        raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
+        raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
 def write_report(book: Book, path: Path) -> list[Path]:

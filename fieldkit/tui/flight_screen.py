@@ -18,6 +18,7 @@ from fieldkit.tui import cards
 from fieldkit.tui.flight_facts import Foretold, Said, foretold, said_by
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.report import ask_report
 
 T = TypeVar("T")
 
@@ -36,12 +37,18 @@ class FlightScreen(PageScreen):
             ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
             ("├──●──┤", "The forecast: 5 %, median and 95 %. The cross ✗ is the apogee that was flown."),
         ),
-        ("fieldkit show FLIGHT", "fieldkit infer FLIGHT", "fieldkit edit FLIGHT apogee=281m"),
+        (
+            "fieldkit show FLIGHT",
+            "fieldkit infer FLIGHT",
+            "fieldkit edit FLIGHT apogee=281m",
+            "fieldkit report FLIGHT --out card.html",
+        ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back"),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
+        Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
     DEFAULT_CSS = """
@@ -90,6 +97,10 @@ class FlightScreen(PageScreen):
                     yield Static("", id="log-title")
                     for name in TRACES:
                         yield Plot(id=f"log-{name}")
+
+    def action_report(self) -> None:
+        """Write the card of this flight."""
+        ask_report(self, self._flight_id)
 
     def on_mount(self) -> None:
         """Keys scroll."""

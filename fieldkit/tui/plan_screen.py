@@ -1,8 +1,8 @@
-"""What is decided for one motor: the delay to buy or drill, the ballast for the target, the points of a contest."""
+"""Decide: once the motor is chosen, its delay, the ballast, the points of a contest, and the forecasts kept."""
 
 from collections.abc import Iterable, Iterator
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
@@ -10,26 +10,18 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
+from fieldkit.tui.decisions import AIMS, Decision
 from fieldkit.tui.page import Help, PageScreen
 
-if TYPE_CHECKING:
-    from fieldkit.ledger.sites import Site
-    from fieldkit.loop.predict import Prediction
-    from fieldkit.motors import Motor
-    from fieldkit.plan.desk import Rocket
-    from fieldkit.plan.limits import Limit
-    from fieldkit.plan.safety import Line
-
-VIEWS = ("Delay", "Ballast", "Contest")
-WITHIN = 10 * 0.3048
-"""The band about a target, as the command has it without being told. [m]"""
+VIEWS = ("Delay", "Ballast", "Contest", "Kept")
+SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
+"""Of the parachute's area that may be chosen. [1]"""
 
 
 class PlanScreen(PageScreen):
-    """Three answers side by side in one place; left and right, or their names, go from one to the next."""
+    """Four answers side by side in one place; left and right, or their names, go from one to the next."""
 
     NAME = "next_flight"
     TITLE = "Decide"
@@ -37,20 +29,38 @@ class PlanScreen(PageScreen):
         "What is left to decide once the motor is chosen, from what this rocket's flights taught, in the weather of "
         "the plan. Delay: when each delay on sale, or drilled with its maker's tool, would fire, and how fast the "
         "rocket then is. Ballast: the grams that best meet the target (g on the page Next). Contest: the points to "
-        "expect by a season's rule; , and . change the season. Forecasts are advice: the range safety officer decides.",
+        "expect by a season's rule. Kept: the forecasts that were kept. Forecasts are advice: the range safety officer "
+        "decides.",
         (
             ("delay", "Best is the one least likely to fire too fast for the parachute."),
-            ("ballast", "The dry mass that makes landing within 10 ft of the target as likely as it can be."),
-            ("contest", "Feet off the target and seconds outside the window, as many flights as may be declared."),
+            (
+                "ballast",
+                "The dry mass that makes landing within 10 ft of the target as likely as it can be; m changes that to "
+                "the least mean miss, or the fewest points of the season.",
+            ),
+            (
+                "contest",
+                "Feet off the target and seconds outside the window, as many flights as may be declared. , and . "
+                "change the season, [ and ] the area of the parachute.",
+            ),
+            ("kept", "Stale: mass, motor, weather, design or model have changed since the forecast was made."),
         ),
-        ("fieldkit delay --motor F24", "fieldkit ballast --target 800ft", "fieldkit contest --season 2027 --motor F24"),
+        (
+            "fieldkit delay --motor F24",
+            "fieldkit ballast --target 800ft [--miss] [--season 2027]",
+            "fieldkit contest --season 2027 --motor F24 --parachute 85%",
+            "fieldkit predictions",
+        ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("escape", "back", "Back"),
         Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
+        Binding("m", "aim", "Aim", tooltip="What ballast is for: the band, the mean miss, the points"),
         Binding("comma", "season(-1)", "Season before", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="The season after, or before with ,"),
+        Binding("left_square_bracket", "area(-1)", "Smaller parachute", key_display="[", show=False),
+        Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="A larger parachute"),
     ]
     DEFAULT_CSS = """
     PlanScreen #kinds { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
@@ -59,12 +69,10 @@ class PlanScreen(PageScreen):
     PlanScreen #answer { height: auto; }
     """
 
-    def __init__(
-        self, plan: Flight, rocket: "Rocket", site: "Site", limits: "dict[str, Limit]", motor: "Motor"
-    ) -> None:
+    def __init__(self, decision: Decision) -> None:
         super().__init__()
-        self._plan, self._rocket, self._site, self._limits, self._motor = plan, rocket, site, limits, motor
-        self._view, self._season, self._text = 0, 2027, ""
+        self._decision = decision
+        self._view, self._aim, self._season, self._share, self._text = 0, 0, 2027, SHARES.index(1.0), ""
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the one in hand."""
@@ -78,7 +86,9 @@ class PlanScreen(PageScreen):
 
     def reload(self) -> None:
         """Work out the answer in hand."""
-        names = [f"[@click=screen.view({at})] {'▸' if at == self._view else ' '}{VIEWS[at]} [/]" for at in range(3)]
+        names = (
+            f"[@click=screen.view({at})] {'▸' if at == self._view else ' '}{name} [/]" for at, name in enumerate(VIEWS)
+        )
         self.query_one("#kinds", Static).update("".join(names))
         self._say("working it out ...")
         self.ask(partial(self._answer, self._view, self.desk.settings), self._say, "plan")
@@ -88,55 +98,17 @@ class PlanScreen(PageScreen):
         self.query_one("#answer", Static).update(Content(text))
 
     def _answer(self, view: int, settings: Settings) -> str:
-        words = (self._delay, self._ballast, self._contest)[view]
-        return "\n".join(printable(line) for line in words(settings))
+        return "\n".join(printable(line) for line in self._lines(view, settings))
 
-    def _delay(self, _settings: Settings) -> Iterator[str]:
-        from fieldkit.motors import Found
-        from fieldkit.places import data_folder
-        from fieldkit.plan.delay import delays, drill_of
-        from fieldkit.plan.words import delays_in_words
-
-        fast = self._limits["eject_speed"].value
-        tool = drill_of(self._motor, data_folder() / "drills.toml")
-        takes_off = tool.takes_off if tool else ()
-        judged = delays(self._rocket, self._plan, Found(self._motor, None), fast, takes_off)
-        yield from delays_in_words(judged, fast, tool)
-        yield from self._safety(judged.forecast)
-
-    def _ballast(self, settings: Settings) -> Iterator[str]:
-        from fieldkit.motors import Found
-        from fieldkit.plan.ballast import Goal, ballast
-        from fieldkit.plan.words import ballast_in_words
-
-        if settings.target is None:
-            yield "No target yet: g on the page Next sets one."
-            return
-        goal = Goal(settings.target, WITHIN)
-        best = ballast(self._rocket, self._plan, Found(self._motor, None), goal)
-        yield from ballast_in_words(best, goal)
-        yield from self._safety(best.forecast)
-
-    def _contest(self, _settings: Settings) -> Iterator[str]:
-        from fieldkit.motors import Found
-        from fieldkit.places import data_folder
-        from fieldkit.plan.contest import allowed, outlook, season
-        from fieldkit.plan.words import outlook_in_words
-
-        rule = season(self._season, data_folder() / "seasons")
-        ahead = outlook(rule, self._rocket, self._plan, Found(self._motor, None))
-        yield from outlook_in_words(ahead, rule, 1.0)
-        said = ahead.forecast
-        yield from self._safety(said, allowed(rule, said.plan, said.found))
-
-    def _safety(self, said: "Prediction", more: "Iterable[Line]" = ()) -> Iterator[str]:
-        from fieldkit.plan.descent import fall_of
-        from fieldkit.plan.safety import safety_lines, told
-        from fieldkit.plan.words import conditions_in_words
-
-        yield from conditions_in_words(said.plan, self._rocket.starts)
-        yield ""
-        yield from told([*safety_lines(said, self._site, fall_of(self._rocket.history), self._limits), *more])
+    def _lines(self, view: int, settings: Settings) -> Iterator[str]:
+        decision, ledger = self._decision, self.desk.ledger
+        if view == 0:
+            return decision.delay()
+        if view == 1:
+            return decision.ballast(settings.target, AIMS[self._aim], self._season)
+        if view == 2:
+            return decision.contest(ledger, self._season, SHARES[self._share])
+        return decision.kept(ledger, self.desk.motors)
 
     def action_view(self, view: int) -> None:
         """Another answer."""
@@ -147,6 +119,11 @@ class PlanScreen(PageScreen):
         """The next answer, or the one before."""
         self.action_view(self._view + by)
 
+    def action_aim(self) -> None:
+        """Ballast for something else."""
+        self._aim = (self._aim + (self._view == 1)) % len(AIMS)
+        self.action_view(1)
+
     def action_season(self, by: int) -> None:
         """The season after, or before."""
         from fieldkit.places import data_folder
@@ -154,6 +131,11 @@ class PlanScreen(PageScreen):
 
         years = seasons(data_folder() / "seasons")
         self._season = years[(years.index(self._season) + by) % len(years)]
+        self.action_view(self._view if self._view == 1 and AIMS[self._aim] == "points" else 2)
+
+    def action_area(self, by: int) -> None:
+        """A larger parachute, or a smaller one."""
+        self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
 
     def copied(self) -> str:

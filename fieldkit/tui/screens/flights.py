@@ -16,6 +16,7 @@ from fieldkit.tui import cards
 from fieldkit.tui.fields import Line
 from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
@@ -43,7 +44,13 @@ class FlightsScreen(PageScreen):
             ("miss*", "The forecast was stale: mass, motor, weather or model had changed between it and the flight."),
             ("tags", "What was odd. A flight with a tag such as weak_launch stays and does not teach the model."),
         ),
-        ("fieldkit flights [--rocket R] [--tag T]", "fieldkit infer", "fieldkit tag FLIGHT TAG", "fieldkit undo"),
+        (
+            "fieldkit flights [--rocket R] [--tag T]",
+            "fieldkit infer",
+            "fieldkit tag FLIGHT TAG",
+            "fieldkit undo",
+            "fieldkit report DAY --out day.html",
+        ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
@@ -52,6 +59,7 @@ class FlightsScreen(PageScreen):
         Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("a", "add", "Add", tooltip="Type a flight in", priority=True),
+        Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
     ]
     DEFAULT_CSS = """
     FlightsScreen #filter { height: 1; }
@@ -215,6 +223,13 @@ class FlightsScreen(PageScreen):
             from fieldkit.tui.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
+
+    def action_report(self) -> None:
+        """Write the report of the day of the flight under the cursor, or of the flight where no day is known."""
+        row = self._row()
+        if row is not None:
+            day = row.flight.date_time
+            ask_report(self, f"{day:%Y-%m-%d}" if day else row.id)
 
     def copied(self) -> str:
         """The row under the cursor."""

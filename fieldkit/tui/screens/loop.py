@@ -1,6 +1,6 @@
 """Loop: what the model of a rocket gets wrong, what may be missing, what it becomes with it, and going back."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
@@ -13,8 +13,8 @@ from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
+from fieldkit.tui.loop_look import Standing, look, standing_of
 from fieldkit.tui.loop_words import (
     PLAIN,
     draw_points,
@@ -25,24 +25,14 @@ from fieldkit.tui.loop_words import (
     version_rows,
 )
 from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.ledger import Version
     from fieldkit.loop.diagnose import Diagnosis
     from fieldkit.loop.findings import Findings
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
-
-
-@dataclass(frozen=True, slots=True)
-class Standing:
-    """A rocket's models, the flights that a verdict on them would rest on, and the other rockets."""
-
-    rocket: str
-    rockets: tuple[str, ...]
-    versions: "tuple[Version, ...]"
-    flights: tuple[Flight, ...]
 
 
 class LoopScreen(PageScreen):
@@ -65,7 +55,11 @@ class LoopScreen(PageScreen):
             ("Ranking", "Effects by evidence: +3 is twenty to one for it, 0 says nothing, below 0 speaks against it."),
             ("Versions", "Models kept for this rocket, what each added, and the one in use. 0 is the plain model."),
         ),
-        ("fieldkit loop [--rocket R] [--look] [--report FILE]", "fieldkit model --use N"),
+        (
+            "fieldkit loop [--rocket R] [--look] [--report FILE]",
+            "fieldkit model --use N",
+            "fieldkit report ROCKET --out r.pdf",
+        ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("l", "look", "Look", tooltip="Look for what is missing"),
@@ -74,6 +68,7 @@ class LoopScreen(PageScreen):
         Binding("c", "covariate", "Against", tooltip="Residuals against the next column"),
         Binding("e", "effect", "Effect", tooltip="Fingerprint of the next effect"),
         Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
+        Binding("w", "report", "Report", tooltip="Write the report of this rocket", show=False),
         Binding("left", "turn(-1)", "Panel before", show=False, priority=True),
         Binding("right", "turn(1)", "Panels", key_display="←→", priority=True),
     ]
@@ -133,15 +128,7 @@ class LoopScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the models of the rocket; what was found of older flights is no longer so."""
-        self.ask(self._read, self._have)
-
-    def _read(self) -> Standing:
-        from fieldkit.loop.desk import which_rocket
-
-        ledger = self.desk.ledger
-        rockets = tuple(ledger.names("rocket"))
-        rocket = which_rocket(ledger, self._rocket if self._rocket in rockets else None)
-        return Standing(rocket, rockets, tuple(ledger.versions(rocket)), tuple(ledger.flights(rocket)))
+        self.ask(partial(standing_of, self.desk.ledger, self._rocket), self._have)
 
     def redraw(self) -> None:
         """The same in other units."""
@@ -174,23 +161,11 @@ class LoopScreen(PageScreen):
             return
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
-        self.post_message(self.Told("reading flights", 0.0))
-        self.ask(partial(self._look, rocket), self._looked, "look")
+        self._tell_share("reading flights", 0.0)
+        self.ask(partial(look, self.desk, rocket, self._tell_share), self._looked, "look")
 
-    def _look(self, rocket: str) -> "Findings":
-        from fieldkit.loop.desk import close_loop
-        from fieldkit.loop.findings import findings
-        from fieldkit.loop.force.logs import kept_logs
-
-        def tell(start: float, part: float) -> Callable[[str, float], None]:
-            def told(text: str, share: float) -> None:
-                self.post_message(self.Told(text, start + part * share))
-
-            return told
-
-        diagnosis = close_loop(self.desk.ledger, self.desk.motors, rocket, accept=False, progress=tell(0.0, 0.6))
-        logs = kept_logs(self.desk.ledger, diagnosis, tell(0.6, 0.1))
-        return findings(rocket, diagnosis, tell(0.7, 0.3), logs)
+    def _tell_share(self, text: str, share: float) -> None:
+        self.post_message(self.Told(text, share))
 
     @on(Told)
     def _told(self, message: Told) -> None:
@@ -284,7 +259,7 @@ class LoopScreen(PageScreen):
         from fieldkit.loop.desk import adopt
 
         found = self._found
-        plain = self._standing is None or not any(version.active for version in self._standing.versions)
+        plain = self._standing is None or self._standing.plain
         if plain and not found.diagnosis.accepted and found.unexplained is None:
             self.complain("nothing to accept: the plain model stands")
             return
@@ -311,6 +286,11 @@ class LoopScreen(PageScreen):
     def _used(self, said: str, _: None) -> None:
         self.tell(f"{said}; u takes it back")
         self.field_app.changed()
+
+    def action_report(self) -> None:
+        """Write the report of this rocket, the loop's findings in it."""
+        if self._standing is not None:
+            ask_report(self, self._standing.rocket)
 
     def copied(self) -> str:
         """The report as `fieldkit loop` prints it, or the version under the cursor."""

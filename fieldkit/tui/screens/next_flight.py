@@ -7,17 +7,17 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, VerticalScroll
+from textual.containers import Horizontal
 from textual.content import Content
 from textual.widget import Widget
-from textual.widgets import Digits, Input, Static
+from textual.widgets import Input, Static
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.measures import number, spelled, unit_of
-from fieldkit.safe_text import printable
+from fieldkit.measures import spelled, unit_of
 from fieldkit.tui import cards, next_words
 from fieldkit.tui.fields import Form, Line
+from fieldkit.tui.forecast_card import ForecastCard
 from fieldkit.tui.next_plan import DRAFT, PLAN, QUESTIONS, Plan, plan_texts, planned, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
 from fieldkit.tui.table import Table
@@ -71,7 +71,7 @@ class NextScreen(PageScreen):
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
-        Binding("d", "decide", "Decide", tooltip="Delay, ballast and contest points with this motor"),
+        Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; forecasts kept"),
         Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
         Binding("f", "fitting", "All", show=False, tooltip="Only motors that fit, or all of the catalogue"),
     ]
@@ -88,9 +88,6 @@ class NextScreen(PageScreen):
     NextScreen.-narrow #card { width: 1fr; height: 1fr; border-left: none; border-top: solid $border-blurred; }
     NextScreen.-narrow.-comparing #motors { height: 1fr; }
     NextScreen.-comparing #card { display: none; }
-    NextScreen #card Static { height: auto; }
-    NextScreen #big { height: 3; width: auto; color: $accent; }
-    NextScreen #hill { height: 6; }
     NextScreen.-tall #hill { height: 11; }
     """
 
@@ -100,12 +97,9 @@ class NextScreen(PageScreen):
         self._known: dict[Any, Choice] = {}
         self._motors: list[Motor] = []
         self._fitting = True
-        self._text = ""
 
     def body(self) -> Iterable[Widget]:
         """The plan in a line, a search, the motors, the forecast."""
-        from fieldkit.tui.plots import Plot
-
         yield Static("p plans a flight: rocket, mass, conditions", id="plan")
         with Horizontal(id="search"):
             yield Static("/")
@@ -113,13 +107,7 @@ class NextScreen(PageScreen):
             yield Static("", id="count")
         with Horizontal(id="split"):
             yield Table(id="motors", enter="Keep")
-            with VerticalScroll(id="card"):
-                yield Static("", id="title")
-                yield Digits("", id="big")
-                yield Static("", id="range")
-                yield Static("", id="safety")
-                yield Plot(id="hill")
-                yield Static("", id="more")
+            yield ForecastCard(id="card")
 
     def on_mount(self) -> None:
         """Keys go to the motors."""
@@ -228,41 +216,11 @@ class NextScreen(PageScreen):
     @on(Table.Moved)
     def _show_card(self) -> None:
         """The forecast of the motor under the cursor, from what is known already."""
-        one = self._known.get(self.query_one(Table).current)
+        one, card = self._known.get(self.query_one(Table).current), self.query_one(ForecastCard)
         if one is None or self._plan is None:
-            self._show_nothing()
-            return
-        system = self.desk.settings.units
-        title, text = next_words.title(self._plan, one), next_words.interval(one.prediction, system)
-        middle = number(cards.APOGEE, one.apogee, system)
-        more = next_words.figures(self._plan, one, system)
-        self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
-        self.query_one("#big", Digits).update(middle)
-        self.query_one("#range", Static).update(Content(text).stylize("bold"))
-        self.query_one("#safety", Static).update(Content(next_words.safety_in_brief(one.lines)))
-        self.query_one("#more", Static).update(cards.lines("", more, 9))
-        self._show_hill(one.prediction)
-        self._text = cards.as_text(f"{title}: {middle} {text}", more)
-
-    def _show_nothing(self) -> None:
-        """No motor, or none with a forecast yet."""
-        from fieldkit.tui.plots import Plot
-
-        for name in ("title", "range", "safety", "more"):
-            self.query_one(f"#{name}", Static).update("")
-        self.query_one("#big", Digits).update("")
-        self.query_one(Plot).show(None)
-        self._text = ""
-
-    def _show_hill(self, said: "Prediction") -> None:
-        """The distribution of the apogee, with its interval and the target."""
-        from fieldkit.tui.plots import Plot, draw_density
-
-        target = self.desk.settings.target
-        marks = [(target, "◎")] if target else []
-        marks += [(float(place), "") for place in said.apogee_quantiles()]
-        system = self.desk.settings.units
-        self.query_one(Plot).show(draw_density(said.apogee, marks, lambda height: next_words.whole(height, system)))
+            card.clear()
+        else:
+            card.show(self._plan, one, self.desk.settings)
 
     def action_search(self) -> None:
         """Type a motor's name."""
@@ -292,12 +250,13 @@ class NextScreen(PageScreen):
     def action_decide(self) -> None:
         """What is left to decide with the motor under the cursor."""
         from fieldkit.plan.guide import label
+        from fieldkit.tui.decisions import Decision
         from fieldkit.tui.plan_screen import PlanScreen
 
         plan, motor = self._plan, self.query_one(Table).current
         if plan is not None and motor is not None:
             full = plan.full.with_changes(motor=label(motor))
-            self.app.push_screen(PlanScreen(full, plan.rocket, plan.site, plan.limits, motor))
+            self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor)))
 
     def action_plan(self) -> None:
         """Change the plan."""
@@ -338,7 +297,7 @@ class NextScreen(PageScreen):
 
     def copied(self) -> str:
         """The forecast as text."""
-        return self._text
+        return self.query_one(ForecastCard).text
 
 
 PAGE = Page(4, "Next", NextScreen)

@@ -1,0 +1,128 @@
+"""What is decided for a plan on one motor, in words: delay, ballast, contest points, and the forecasts kept."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Literal
+
+from fieldkit.errors import NoFlights
+from fieldkit.flight import Flight
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.ledger.sites import Site
+    from fieldkit.loop.predict import Prediction
+    from fieldkit.motors import Catalogue, Motor
+    from fieldkit.plan.contest import Season
+    from fieldkit.plan.desk import Rocket
+    from fieldkit.plan.limits import Limit
+    from fieldkit.plan.safety import Line
+
+Aim = Literal["chance", "error", "points"]
+AIMS: tuple[Aim, ...] = ("chance", "error", "points")
+"""What ballast is solved for, as the command has it: the band, the mean miss, the points of a season."""
+WITHIN = 10 * 0.3048
+"""The band about a target, as the command has it without being told. [m]"""
+SCORED = 6
+"""Flights whose points are told, the newest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A plan on a motor, and what its answers are worked out from."""
+
+    plan: Flight
+    rocket: "Rocket"
+    site: "Site"
+    limits: "dict[str, Limit]"
+    motor: "Motor"
+
+    def delay(self) -> Iterator[str]:
+        """The delays on sale and those that the maker's tool drills."""
+        from fieldkit.motors import Found
+        from fieldkit.places import data_folder
+        from fieldkit.plan.delay import delays, drill_of
+        from fieldkit.plan.words import delays_in_words
+
+        fast = self.limits["eject_speed"].value
+        tool = drill_of(self.motor, data_folder() / "drills.toml")
+        takes_off = tool.takes_off if tool else ()
+        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off)
+        yield from delays_in_words(judged, fast, tool)
+        yield from self._below(judged.forecast)
+
+    def ballast(self, target: float | None, aim: Aim, year: int) -> Iterator[str]:
+        """The dry mass that best meets a target [m], or brings the fewest points of a season."""
+        from fieldkit.motors import Found
+        from fieldkit.plan.ballast import Goal, ballast
+        from fieldkit.plan.contest import allowed
+        from fieldkit.plan.words import ballast_in_words
+
+        rule = rule_of(year).announced(target, None) if aim == "points" else None
+        wanted = rule.target if rule else target
+        if wanted is None:
+            yield "No target yet: g on the page Next sets one."
+            return
+        goal = Goal(wanted, WITHIN, aim, rule)
+        best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
+        said = best.forecast
+        yield from ballast_in_words(best, goal)
+        yield from self._below(said, allowed(rule, said.plan, said.found) if rule else ())
+
+    def contest(self, ledger: "Ledger", year: int, area: float) -> Iterator[str]:
+        """The points to expect of a plan by a season's rule on a share of the parachute's area [1], and those of the
+        flights flown."""
+        from fieldkit.motors import Found
+        from fieldkit.plan.contest import allowed, outlook
+        from fieldkit.plan.words import outlook_in_words
+
+        rule = rule_of(year)
+        ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
+        said = ahead.forecast
+        yield from outlook_in_words(ahead, rule, area)
+        yield from self._scored(ledger, rule)
+        yield from self._below(said, allowed(rule, said.plan, said.found))
+
+    def kept(self, ledger: "Ledger", motors: "Catalogue") -> Iterator[str]:
+        """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
+        from fieldkit.loop.kept import STANDING, in_words, kept, standing
+
+        found = kept(ledger, motors, self.plan.rocket)
+        if not found:
+            yield "No forecast of this rocket is kept yet: Enter on the page Next keeps one."
+            return
+        yield standing(found)
+        for one in reversed([one for one in found if one.state in STANDING]):
+            said = one.made.payload
+            yield ""
+            yield f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()
+            yield from (f"  {line}" for line in in_words(one))
+
+    def _scored(self, ledger: "Ledger", rule: "Season") -> Iterator[str]:
+        from fieldkit.plan.contest import score
+
+        try:
+            scored = score(rule, ledger.flights(self.plan.rocket))[-SCORED:]
+        except NoFlights:
+            return
+        points = (
+            f"{one.flight_id} {own:.0f}{'' if one.duration is not None else ' (height alone)'}" for one, own in scored
+        )
+        yield f"  flown     points by this rule: {', '.join(points)}"
+
+    def _below(self, said: "Prediction", more: "Iterable[Line]" = ()) -> Iterator[str]:
+        """The conditions of a forecast and all its safety lines."""
+        from fieldkit.plan.descent import fall_of
+        from fieldkit.plan.safety import safety_lines, told
+        from fieldkit.plan.words import conditions_in_words
+
+        yield from conditions_in_words(said.plan, self.rocket.starts)
+        yield ""
+        yield from told([*safety_lines(said, self.site, fall_of(self.rocket.history), self.limits), *more])
+
+
+def rule_of(year: int) -> "Season":
+    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    from fieldkit.places import data_folder
+    from fieldkit.plan.contest import season
+
+    return season(year, data_folder() / "seasons")

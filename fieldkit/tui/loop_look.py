@@ -1,0 +1,56 @@
+"""What the page Loop asks: the models of a rocket, and what its flights say is missing from them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import Flight
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger, Version
+    from fieldkit.loop.findings import Findings
+    from fieldkit.tui.desk import Desk
+
+Tell = Callable[[str, float], None]
+"""Is told what is being tried, and the share done."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A rocket's models, the flights that a verdict on them would rest on, and the other rockets."""
+
+    rocket: str
+    rockets: tuple[str, ...]
+    versions: "tuple[Version, ...]"
+    flights: tuple[Flight, ...]
+
+    @property
+    def plain(self) -> bool:
+        """Whether the rocket is predicted with the plain model."""
+        return not any(version.active for version in self.versions)
+
+
+def standing_of(ledger: "Ledger", rocket: str | None) -> Standing:
+    """How a rocket stands, that flown last where it is not said or gone. Raises NoFlights."""
+    from fieldkit.loop.desk import which_rocket
+
+    rockets = tuple(ledger.names("rocket"))
+    name = which_rocket(ledger, rocket if rocket in rockets else None)
+    return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
+
+
+def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
+    """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
+
+    Raises NoFlights for too few flights.
+    """
+    from fieldkit.loop.desk import close_loop
+    from fieldkit.loop.findings import findings
+    from fieldkit.loop.force.logs import kept_logs
+
+    def part(start: float, share: float) -> Tell:
+        return lambda text, done: tell(text, start + share * done)
+
+    diagnosis = close_loop(desk.ledger, desk.motors, rocket, accept=False, progress=part(0.0, 0.6))
+    logs = kept_logs(desk.ledger, diagnosis, part(0.6, 0.1))
+    return findings(rocket, diagnosis, part(0.7, 0.3), logs)

@@ -1,0 +1,32 @@
+"""A report from a page: what it is of is in hand, the name of its file is asked for."""
+
+from functools import partial
+from pathlib import Path
+
+from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.page import PageScreen
+
+ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit report`."
+
+
+def ask_report(page: PageScreen, what: str) -> None:
+    """Ask where the report of a flight, a rocket or a day goes, and write it there."""
+    name = "".join(letter if letter.isalnum() or letter in "-_." else "_" for letter in what)
+    offered = str(Path.cwd() / f"{name}.html")
+    page.app.push_screen(AskText(f"Report of {what}", offered, ABOUT), partial(_write, page, what))
+
+
+def _write(page: PageScreen, what: str, name: str | None) -> None:
+    if not name or not name.strip():
+        return
+    path = Path(name.strip()).expanduser()
+
+    def work() -> list[Path]:
+        from fieldkit.report.book import book
+        from fieldkit.report.write import check_report, write_report
+
+        check_report(path)
+        return write_report(book(page.desk.ledger, page.desk.motors, what, lambda _text, _share: None), path)
+
+    page.tell("writing the report ...")
+    page.ask(work, lambda files: page.tell(f"report written: {path if path in files else files[0]}"), "report")
