@@ -69,6 +69,7 @@ async def test_a_report_is_written_where_the_flyer_says(
     file: Path, keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(file.parent)
+    monkeypatch.setattr("fieldkit.report.write.picture", lambda *_: b"a picture")
     with patch("fieldkit.report.book.close_loop", side_effect=NoFlights("too few")):
         async with opened(file) as pilot:
             await press(pilot, "1", *keys, "w", "ctrl+u", *typed("card.doc"), "enter", "_")
