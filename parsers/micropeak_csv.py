@@ -4,41 +4,33 @@ The pressures are the device's, the heights and speeds the program's; its accele
 too, are left to whoever wants them. Source: the header as listed with the format.
 """
 
-from fieldkit.errors import DamagedLog
+from collections.abc import Sequence
+
 from fieldkit.logs.columns import Channel, read_columns
-from fieldkit.logs.text import first_lines
+from fieldkit.logs.header import find_header, header_or_damage
 from fieldkit.parsing import Found, Parser, Reading
 
 COLUMNS = {"time": "time", "press(pa)": "pressure", "height(m)": "altitude", "speed(m/s)": "speed"}
 
 
+def _fits(names: Sequence[str]) -> bool:
+    return tuple(names[:3]) == ("time", "press(pa)", "height(m)")
+
+
 def recognises(head: bytes) -> bool:
-    return _header(head) is not None
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    header = _header(log)
-    if header is None:
-        raise DamagedLog("found no header, expected Time, Press(Pa), Height(m)", row=1)
-    row, names = header
+    head = header_or_damage(log, _fits, "Time, Press(Pa), Height(m)")
     channels = [
-        Channel(channel, names.index(name), needed=channel == "time", header=name)
+        Channel(channel, head.names.index(name), needed=channel == "time", header=name)
         for name, channel in COLUMNS.items()
-        if name in names
+        if name in head.names
     ]
-    parts, found = read_columns(log, channels, after=row, widths={len(names)}).flights()
+    widths = {len(head.names)}
+    parts, found = read_columns(log, channels, after=head.row, separator=head.separator, widths=widths).flights()
     return [*(Reading(series=part.series(), device="MicroPeak") for part in parts), *found]
-
-
-def _header(log: bytes) -> tuple[int, list[str]] | None:
-    """The row and the names of the header, None if it is another's."""
-    for row, line in enumerate(first_lines(log), start=1):
-        names = [name.strip().lower() for name in line.split(",")]
-        if names[:3] == ["time", "press(pa)", "height(m)"]:
-            return row, names
-        if line.strip():
-            return None
-    return None
 
 
 PARSER = Parser("MicroPeak CSV", recognises, read)

@@ -3,7 +3,8 @@
 Each channel has a clock and a length of its own, and a channel that has ended leaves two empty cells where its three
 were, so rows have many widths. The digits of `bILBA` are flags: I, liftoff, burnout (the integrated speed begins to
 fall), apogee (it has become zero), as real flights show. What stands in brackets the program computed afterwards.
-Copies edited by hand (`Time-...`, `Time (s)`, two channels) read the same.
+Copies edited by hand (`Time-...`, `Time (s)`, two channels) read the same, and so do those that a spreadsheet has
+saved with semicolons.
 """
 
 from collections.abc import Iterator, Mapping, Sequence
@@ -22,6 +23,7 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
 
 FLAGS = "bilba"
+MARKS = (",", ";")
 CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "axial accel (gs)": ("felt", Unit(STANDARD_GRAVITY)),
     "baro (atm)": ("pressure", UNITS["pressure"]["atm"]),
@@ -46,13 +48,13 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return find_header(head, _fits, (",",)) is not None
+    return find_header(head, _fits, MARKS) is not None
 
 
 def read(log: bytes) -> list[Found]:
     if len(log) > LARGEST:
         raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {LARGEST >> 20} MB of a Raven")
-    head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", (",",))
+    head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", MARKS)
     places: dict[str, int] = {}
     for name, (channel, _) in CHANNELS.items():
         if name in head.names[1::3]:
@@ -62,23 +64,23 @@ def read(log: bytes) -> list[Found]:
     wanted = [Channel(f"time {place}", 3 * place) for place in dict.fromkeys(places.values())]
     wanted += [Channel(name, 3 * place + 1, CHANNELS[head.names[3 * place + 1]][1]) for name, place in places.items()]
     flags = {str(place): 3 * place + 2 for place in dict.fromkeys(places.values())}
-    whole = b"\n".join(_whole_rows(log, len(head.names) // 3))
-    table = read_columns(whole, wanted, after=head.row, widths={len(head.names)}, words=flags)
+    whole = b"\n".join(_whole_rows(log, len(head.names) // 3, head.separator.encode()))
+    table = read_columns(whole, wanted, after=head.row, separator=head.separator, widths={len(head.names)}, words=flags)
     return [Reading(series=_clocks(table, places), events=_events(table), device="Raven"), *table.found]
 
 
-def _whole_rows(log: bytes, channels: int) -> Iterator[bytes]:
+def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
     """The lines of a log with three cells for every channel, also for those that have ended."""
     for line in lines(log):
-        if line.count(b",") == 3 * channels - 1:
+        if line.count(mark) == 3 * channels - 1:
             yield line
             continue
-        cells, place, row = line.rstrip(b"\r").split(b","), 0, list[bytes]()
+        cells, place, row = line.rstrip(b"\r").split(mark), 0, list[bytes]()
         for _ in range(channels):
             ended = place < len(cells) and not cells[place].strip()
             row += [b"", b"", b""] if ended else cells[place : place + 3]
             place += 2 if ended else 3
-        yield b",".join(row) if place == len(cells) else line
+        yield mark.join(row) if place == len(cells) else line
 
 
 def _clocks(table: Table, places: Mapping[str, int]) -> tuple[Series, ...]:

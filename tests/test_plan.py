@@ -337,8 +337,10 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
         assert failed in out
     if command[0] == "ballast":
         assert "a gram more is -" in out
+    assert "ceiling of " not in out  # the waiver is the day's, not the site's
     if command[0] != "motors":
         assert all(f"{name}: " in out for name in NAMES)
+        assert "[ceiling as given]" in out
 
 
 def test_json_says_the_same(path: str, capsys: pytest.CaptureFixture[str]) -> None:

@@ -97,7 +97,9 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
 
     known = site_of(ledger, plan.site)
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
-    return replace(known, ceiling=ceiling or known.ceiling, size=size or known.size)
+    if ceiling:
+        known = replace(known, name="", ceiling=ceiling)  # the day's, and not what the site is known by
+    return replace(known, size=size or known.size)
 
 
 def length(text: str | None, default: str = "m") -> float | None:

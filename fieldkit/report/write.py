@@ -115,7 +115,8 @@ def _markdown(book: Book, path: Path) -> Iterator[tuple[Path, bytes]]:
         lines += [f"{'##' if book.summary else '#'} {escaped(title)}", "", escaped(subtitle), ""]
         lines += [", ".join(f"{escaped(value)} ({what})" for value, what in headline(card)) + ".", ""]
         yield beside(f"{number}-forecast", picture(partial(forecast, card=card), (WIDE, 2.2), "png"), "Predicted")
-        yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), "The log")
+        told = "The log" if card.trace else "The flights of this rocket so far"
+        yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), told)
         for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, "SI", "US"), figures), ""]
