@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fieldkit.flight import Flight
 
 if TYPE_CHECKING:
-    from fieldkit.ledger import Ledger, Version
+    from fieldkit.ledger import Version
     from fieldkit.loop.findings import Findings
     from fieldkit.tui.desk import Desk
 
@@ -30,10 +30,11 @@ class Standing:
         return not any(version.active for version in self.versions)
 
 
-def standing_of(ledger: "Ledger", rocket: str | None) -> Standing:
+def standing_of(desk: "Desk", rocket: str | None) -> Standing:
     """How a rocket stands, that flown last where it is not said or gone. Raises NoFlights."""
     from fieldkit.loop.desk import which_rocket
 
+    ledger = desk.ledger
     rockets = tuple(ledger.names("rocket"))
     name = which_rocket(ledger, rocket if rocket in rockets else None)
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))

@@ -128,7 +128,7 @@ class LoopScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the models of the rocket; what was found of older flights is no longer so."""
-        self.ask(partial(standing_of, self.desk.ledger, self._rocket), self._have)
+        self.ask(partial(standing_of, self.desk, self._rocket), self._have)
 
     def redraw(self) -> None:
         """The same in other units."""
