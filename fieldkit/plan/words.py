@@ -42,16 +42,14 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
     yield f"  90 % between {p05:.1f} and {p95:.1f} s; rests on {said.rests_on} clean flights, model {said.model}"
     if judged.delays:
-        yield f"  {'delay':>7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>6}  {'too fast':>8}"
+        yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>6}  {'too fast':>8}"
     yield from (f"  {_delay(one)}" for one in judged.delays)
     yield from (f"  {words}" for words in judged.words)
     if tool is not None and tool.caveat and not all(one.on_sale for one in judged.delays):
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest with its maker's tool."
-    yield (
-        f"  Too fast is over {fast:.0f} m/s. Delays stray by up to 20 % or 1.5 s (NFPA 1125), which these figures hold."
-    )
+    yield f"  Too fast is over {fast:.0f} m/s. That delays stray by up to 20 % or 1.5 s (NFPA 1125) is reckoned with."
 
 
 def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
@@ -111,9 +109,9 @@ def _delay(one: Delay) -> str:
     low, middle, high = one.after_apogee
     name = f"{one.delay:g} s" + ("" if one.on_sale else "*")
     if not isfinite(middle):
-        return f"{name:>7}  the rocket meets the ground first"
+        return f"{name:<7}  the rocket meets the ground first"
     return (
-        f"{name:>7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
+        f"{name:<7}  {f'{middle:+.1f} s':>12}  {f'{low:+.1f} to {high:+.1f}':>12}"
         f"  {f'{one.speed[1]:.0f} m/s':>6}  {one.too_fast:>8.0%}"
     )
 
