@@ -104,7 +104,9 @@ def _result(content: bytes) -> Result:
     return Result(**{**kept, **errors, "also": tuple(kept["also"]), "top": tuple(kept["top"])})
 
 
-def _sets(folder: Path, labels: Sequence[Mapping[str, Any]], command: Sequence[str], timeout: float) -> dict[str, Set]:
+def to_score(
+    folder: Path, labels: Sequence[Mapping[str, Any]], command: Sequence[str], timeout: float
+) -> dict[str, Set]:
     """The sets by their names."""
     found = {}
     for label in labels:
@@ -185,7 +187,7 @@ def main() -> None:
         ):
             chosen.append(label)
     found = []
-    sets = _sets(given.sets, chosen, shlex.split(given.command), given.timeout)
+    sets = to_score(given.sets, chosen, shlex.split(given.command), given.timeout)
     for result in results(sets, given.keep, given.jobs, given.cluster):
         found.append(result)
         mark = result.error or ("right" if result.right else "wrong")
