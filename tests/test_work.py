@@ -115,7 +115,7 @@ def test_the_bench_scores_a_set_from_what_it_is_given_and_goes_on(tmp_path: Path
     label |= {"ideal_mae_m": 5.0, "blind_mae_m": 10.0, "ideal_future_mae_m": 5.0}
     for name in ("set_001.csv", "set_001_future.csv"):
         (tmp_path / name).write_text("flight_id\n1\n")
-    failing = score._sets(tmp_path, [label], [sys.executable, "-c", "raise SystemExit(1)"], 20.0)
+    failing = score.to_score(tmp_path, [label], [sys.executable, "-c", "raise SystemExit(1)"], 20.0)
     (result,) = score.results(failing, tmp_path / "kept", 1, "")
     assert result.error.startswith("ValueError")
     kept = json.loads((tmp_path / "kept" / "set_001").read_text())
