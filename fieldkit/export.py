@@ -12,10 +12,11 @@ NUMBERS = {column.header for column in COLUMNS}
 
 
 def csv_table(flights: Sequence[Flight]) -> str:
-    """A flight table that imports again as the same flights, and in which a spreadsheet finds nothing to compute."""
-    out = io.StringIO()
+    """A flight table (RFC 4180) that imports again as the same flights, and in which a spreadsheet finds nothing to
+    compute."""
+    out = io.StringIO(newline="")
     headers = table_headers(flights)
-    writer = csv.writer(out, lineterminator="\n")
+    writer = csv.writer(out)
     writer.writerow(map(as_cell, headers))
     for row in map(table_row, flights):
         writer.writerow(row.get(name, "") if name in NUMBERS else as_cell(row.get(name, "")) for name in headers)

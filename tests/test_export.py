@@ -77,3 +77,8 @@ def test_a_flight_that_is_none_is_rejected_with_its_place(text: str, found: str)
 
 def test_every_readout_is_in_the_document() -> None:
     assert {column.header for column in READOUTS} <= set(document(Flight()))
+
+
+def test_a_line_feed_of_its_own_kind_in_a_text_breaks_no_row() -> None:
+    flight = Flight(flight_id="a\rb", rocket="c\nd", motor="C6-5", notes="'=e", apogee=100.0)
+    assert list(read(csv_table([flight]).encode(), "t.csv", lambda name: None).flights) == [flight]

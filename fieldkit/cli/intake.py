@@ -142,7 +142,7 @@ def export(
         text = csv_table(flights)
     if file is None:
         if isinstance(sys.stdout, TextIOWrapper):
-            sys.stdout.reconfigure(encoding="utf-8")  # whatever the terminal: it is a file on its way
+            sys.stdout.reconfigure(encoding="utf-8", newline="")  # whatever the terminal: it is a file on its way
         sys.stdout.write(text)
     else:
         write(file, text.encode())
