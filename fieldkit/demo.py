@@ -12,7 +12,7 @@ from fieldkit.loop.desk import close_loop, predict_plans, which_rocket
 from fieldkit.loop.findings import Findings, findings
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.paper.report import Report, report
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Catalogue
 
 Tell = Callable[[str, float], None]

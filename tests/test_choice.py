@@ -13,8 +13,9 @@ from fieldkit.errors import UnknownEffect
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import EACH, Place, effect_candidates, effect_terms
 from fieldkit.loop.choice import MOST, may_leave, steady_evidence
+from fieldkit.loop.data import OBSERVED, observe
 from fieldkit.loop.diagnose import SEARCH_SLACK, diagnose
-from fieldkit.loop.model import OBSERVED, Model, base_model, observe, shown
+from fieldkit.loop.model import Model, base_model, shown
 from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.motors import catalogue
 

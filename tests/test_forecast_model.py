@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.loop.model import OBSERVED, base_model, doubted, shown
-from fieldkit.loop.predict import Prediction, predict
+from fieldkit.loop.data import OBSERVED
+from fieldkit.loop.model import base_model, doubted, shown
+from fieldkit.loop.predict import predict
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found, catalogue
 
 CHECK_SHAPES = False

@@ -10,8 +10,8 @@ from bench.make import make
 from bench.rockets import Needs
 from bench.scenarios import SCENARIOS, Part, Scenario
 from fieldkit.flight import Flight
+from fieldkit.loop.data import observe
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
-from fieldkit.loop.model import observe
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.loop.residual import fingerprint, patterns, readout_residuals, spreads
 from fieldkit.motors import Found, catalogue

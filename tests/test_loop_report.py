@@ -17,12 +17,12 @@ from fieldkit.ledger import Ledger
 from fieldkit.loop import desk
 from fieldkit.loop import leftover as leftover_module
 from fieldkit.loop.ahead import FEWEST
+from fieldkit.loop.data import observe
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.loop.findings import Findings, findings
 from fieldkit.loop.judged import gain, judge
 from fieldkit.loop.leftover import leftover
 from fieldkit.loop.marks import marks
-from fieldkit.loop.model import observe
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.loop.score import Forecasts
 from fieldkit.loop.telling import BALLAST, Explanation, divergence, options, telling

@@ -17,7 +17,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site, keep_site, site_of
 from fieldkit.loop.desk import predict_plans
 from fieldkit.loop.paper.reference import TABLE
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.plan.air import air_of
 from fieldkit.plan.ballast import Goal, ballast

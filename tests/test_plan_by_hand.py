@@ -8,7 +8,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.ledger.sites import Site
 from fieldkit.loop.model import COARSE, shown
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.loop.tangent import coast_and_lean, lean_of_apogee, lean_slope
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.plan.contest import season

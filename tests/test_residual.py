@@ -7,8 +7,9 @@ import pytest
 from scipy.stats import chi2, kstest, rankdata, spearmanr, ttest_1samp
 from scipy.stats import kruskal as scipys_kruskal
 
+from fieldkit.loop.data import OBSERVED, Data
 from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import OBSERVED, Data, Model, Term
+from fieldkit.loop.model import Model, Term
 from fieldkit.loop.posterior import scale_grid, solve
 from fieldkit.loop.rank_tests import kruskal, ranks, spearman, spread_p, student_p
 from fieldkit.loop.residual import associations, holm, spread_of, standardised

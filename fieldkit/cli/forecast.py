@@ -14,7 +14,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
     from fieldkit.plan.safety import Line
 
 app = typer.Typer()

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger, Start
     from fieldkit.ledger.sites import Site
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Catalogue, Found
     from fieldkit.plan.desk import Rocket
     from fieldkit.plan.limits import Limit

@@ -13,9 +13,9 @@ import numpy as np
 
 from fieldkit.loop.candidates import Candidate
 from fieldkit.loop.choice import ODDS, Ranked, choose, choose_in_folds, rank, stands
+from fieldkit.loop.data import Data
 from fieldkit.loop.diagnose import LIKELY, Diagnosis, likely_firsts
 from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import Data
 from fieldkit.loop.posterior import Fit, Growing
 from fieldkit.loop.score import Forecasts, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect

@@ -13,12 +13,13 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, Start
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
+from fieldkit.loop.data import observe
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
 from fieldkit.loop.forward import Forecast
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.made_from import design_parts, digest, model_parts, plan_parts
-from fieldkit.loop.model import observe
-from fieldkit.loop.predict import Prediction, predict, rocket_model
+from fieldkit.loop.predict import predict, rocket_model
+from fieldkit.loop.prediction import Prediction
 from fieldkit.loop.told import forecast_document
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found

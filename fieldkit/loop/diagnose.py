@@ -11,8 +11,9 @@ import numpy as np
 from fieldkit.errors import UnknownEffect
 from fieldkit.loop.candidates import Candidate, Place, effect_candidates
 from fieldkit.loop.choice import Ranked, choose, choose_in_folds, confidence, probability, rank, stands
+from fieldkit.loop.data import Data
 from fieldkit.loop.fit import fit
-from fieldkit.loop.model import Data, Model
+from fieldkit.loop.model import Model
 from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.loop.posterior import Fit
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score

@@ -9,8 +9,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from fieldkit.loop.data import OBSERVED, Data
 from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import OBSERVED, OPENING, Data, Model
+from fieldkit.loop.model import OPENING, Model
 from fieldkit.loop.posterior import Fit, solve
 from fieldkit.loop.spread import TAIL
 from fieldkit.loop.tangent import lean_slope, tangents

@@ -9,7 +9,8 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import stretch, stretched, surprise
-from fieldkit.loop.predict import apart, predict
+from fieldkit.loop.predict import predict
+from fieldkit.loop.prediction import apart
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 

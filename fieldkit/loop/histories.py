@@ -11,11 +11,11 @@ from textwrap import fill
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.loop.data import observe
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.loop.forward import Forecast, tally
 from fieldkit.loop.judged import LEVELS, resampled
 from fieldkit.loop.leftover import leftover
-from fieldkit.loop.model import observe
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Found

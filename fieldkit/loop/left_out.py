@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, Data, reading_sd
+from fieldkit.loop.data import OBSERVED, Data, reading_sd
 from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid
 from fieldkit.loop.spread import Spread, apogee_spread
 from fieldkit.shapes import Array, Float

@@ -11,8 +11,9 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import READOUTS
+from fieldkit.loop.data import OBSERVED, compared
 from fieldkit.loop.diagnose import Diagnosis
-from fieldkit.loop.model import OBSERVED, compared, shown
+from fieldkit.loop.model import shown
 from fieldkit.loop.posterior import Fit
 from fieldkit.loop.trial import Trial
 from fieldkit.shapes import Array, Flags, Float

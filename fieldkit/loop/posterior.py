@@ -11,7 +11,8 @@ from math import erf, log, sqrt
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, Data, Model
+from fieldkit.loop.data import OBSERVED, Data
+from fieldkit.loop.model import Model
 from fieldkit.loop.tangent import Tangent
 from fieldkit.shapes import Array, Flags, Float
 

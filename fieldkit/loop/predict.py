@@ -5,17 +5,19 @@ all of them fly in one batch. With no flight to learn from the priors are flown,
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
+from fieldkit.loop.data import observe
 from fieldkit.loop.fit import fit_robustly
 from fieldkit.loop.left_out import leave_one_out, own_reading_sd
-from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, observe, shown
+from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, shown
 from fieldkit.loop.patterns import pattern_terms
 from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid, term_sds
+from fieldkit.loop.prediction import Prediction
 from fieldkit.loop.spread import tails
 from fieldkit.loop.tangent import lean_of_apogee
 from fieldkit.loop.unlike import fitting
@@ -31,71 +33,6 @@ FORECAST_SLACK = 3.0
 DESIGN_CD_SD = 0.2
 """Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
 for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
-LEVELS = (0.05, 0.5, 0.95)
-
-
-@dataclass(frozen=True, slots=True)
-class Prediction:
-    """What the altimeter will show of a planned flight, as draws of the apogee and figures drawn with it. SI.
-
-    `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from
-    apogee to the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of
-    the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
-    flown with. `rests_on` counts the flights that taught the model. `stretched_by` is by what the spread of
-    `apogee` was multiplied because of how `earlier_forecasts` fared, 1 where there are too few of them. `left_out` has
-    a line for each readout that does not fit the rest of its flight and taught nothing.
-    """
-
-    plan: Flight
-    found: Found
-    apogee: Float[Array, "draw"]
-    true_apogee: Float[Array, "draw"]
-    eject: Float[Array, "draw"]
-    coast: Float[Array, "draw"]
-    top_speed: Float[Array, "draw"]
-    rail_speed: Float[Array, "draw"]
-    eject_speed: Float[Array, "draw"]
-    coast_time: Float[Array, "draw"]
-    rise_time: Float[Array, "draw"]
-    duration: Float[Array, "draw"]
-    drift: Float[Array, "draw"]
-    cd: Float[Array, "draw"]
-    alpha: Float[Array, "draw"]
-    rests_on: int
-    model: str
-    stretched_by: float = 1.0
-    earlier_forecasts: int = 0
-    left_out: tuple[str, ...] = ()
-
-    def apogee_quantiles(self) -> Float[Array, "level"]:
-        """At 5, 50 and 95 %. [m]"""
-        return np.asarray(np.quantile(self.apogee, LEVELS))
-
-    def corrected(self, factor: float | None, earlier: int) -> "Prediction":
-        """The same with the spread of the apogee multiplied about its median, by ratio; None changes nothing."""
-        if factor is None:
-            return self
-        return replace(self, apogee=apart(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
-
-    @property
-    def median_eject(self) -> float | None:
-        """From apogee to the ejection charge, or None without a delay. [s]"""
-        return median(self.eject)
-
-
-def apart(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
-    """Draws of an apogee further from their median, by ratio; those that stay on the pad are left there."""
-    flown = apogee > 0
-    if factor == 1.0 or not flown.any():
-        return apogee
-    middle = np.median(apogee[flown])
-    return np.where(flown, middle * (np.where(flown, apogee, middle) / middle) ** factor, apogee)
-
-
-def median(values: Float[Array, "draw"]) -> float | None:
-    """The median of the draws that have a value, or None."""
-    finite = values[np.isfinite(values)]
-    return float(np.median(finite)) if len(finite) else None
 
 
 def rocket_model(

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import CONDITIONS
+from fieldkit.loop.data import OBSERVED
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.left_out import LeftOut
-from fieldkit.loop.model import OBSERVED, groups
+from fieldkit.loop.model import groups
 from fieldkit.loop.rank_tests import kruskal, spearman, spread_p, student_p
 from fieldkit.loop.score import forecasts_of
 from fieldkit.loop.trial import Trial

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.loop.model import OBSERVED, SCATTER, Model, Term, compared, shown, tops
+from fieldkit.loop.data import OBSERVED, compared
+from fieldkit.loop.model import SCATTER, Model, Term, shown, tops
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.simulator.effect import Effect
 
@@ -38,18 +39,19 @@ def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight r
 
 def lean_of_apogee(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
     """What a lean of one unit does to the logarithm of the apogee: as `lean_slope`, and quicker."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        upright, leaning = np.log(tops(model, np.stack([at, at]), {"tilt": _lean(model)}))
-        return np.asarray(leaning - upright)
+    return _ratio(tops(model, np.stack([at, at]), {"tilt": _lean(model)}))
 
 
 def coast_and_lean(model: Model, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-    """The time from burnout to apogee of flights at a point [s], and what a lean of one unit does to the logarithm of
-    the apogee as in `lean_of_apogee`, from the same flights."""
+    """The time from burnout to apogee of flights at a point [s], and their `lean_of_apogee`, from the same flights."""
     readings = shown(model, np.stack([at, at]), {"tilt": _lean(model)})
+    return readings["coast_time"][0], _ratio(readings["true"])
+
+
+def _ratio(heights: Float[Array, "2 flight"]) -> Float[Array, "flight"]:
+    """The logarithm of the second over the first."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        upright, leaning = np.log(readings["true"])
-        return readings["coast_time"][0], np.asarray(leaning - upright)
+        return np.asarray(np.log(heights[1]) - np.log(heights[0]))
 
 
 def _lean(model: Model) -> Float[Array, "2 flight"]:

@@ -13,8 +13,9 @@ import numpy as np
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.loop.candidates import EACH, Place
+from fieldkit.loop.data import OBSERVED, reading_sd
 from fieldkit.loop.diagnose import SEARCH_SLACK
-from fieldkit.loop.model import OBSERVED, Model, reading_sd
+from fieldkit.loop.model import Model
 from fieldkit.loop.posterior import Fit, scale_grid
 from fieldkit.loop.predict import rocket_model
 from fieldkit.loop.tangent import Tangent, lean_slope, tangents

@@ -5,7 +5,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.loop.predict import Prediction, median
+from fieldkit.loop.prediction import Prediction, median
 from fieldkit.units import FOOT
 
 

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.loop.candidates import EACH, Candidate, Place
+from fieldkit.loop.data import Data
 from fieldkit.loop.fit import HOPELESS, Lane, fit_lanes
 from fieldkit.loop.left_out import LeftOut, leave_one_out
-from fieldkit.loop.model import Data, Model
+from fieldkit.loop.model import Model
 from fieldkit.loop.posterior import Fit
 from fieldkit.loop.score import Forecasts, mixed
 from fieldkit.shapes import Array, Float

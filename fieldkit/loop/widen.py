@@ -7,10 +7,11 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place
+from fieldkit.loop.data import Data
 from fieldkit.loop.fit import fit_robustly
 from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import Data
-from fieldkit.loop.predict import Prediction, apart, declared_places, forecast_model
+from fieldkit.loop.predict import declared_places, forecast_model
+from fieldkit.loop.prediction import Prediction, apart
 from fieldkit.loop.score import forecasts_of
 from fieldkit.motors import Found
 

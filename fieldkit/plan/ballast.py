@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.plan.air import air_of
 from fieldkit.plan.contest import Season

@@ -9,7 +9,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, NoFlights
 from fieldkit.flight import Flight
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.plan.air import air_of
 from fieldkit.plan.descent import durations, fall_of, landing_mass

@@ -10,7 +10,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue, ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.motors.motor import PLUGGED, Motor
 from fieldkit.plan.desk import Rocket, forecasts

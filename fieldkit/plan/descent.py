@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 from fieldkit.simulator.atmosphere import Air, altimeter_gain, drift_through, pad_air

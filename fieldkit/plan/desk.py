@@ -10,7 +10,8 @@ from fieldkit.ledger.sites import site_of
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.desk import accepted_places, accepted_widening, completed, design_cds, flown, start_of
-from fieldkit.loop.predict import Learnt, Prediction, fly_ahead, learn
+from fieldkit.loop.predict import Learnt, fly_ahead, learn
+from fieldkit.loop.prediction import Prediction
 from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
 from fieldkit.settings import Settings

@@ -11,7 +11,8 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site
-from fieldkit.loop.predict import Learnt, Prediction, median
+from fieldkit.loop.predict import Learnt
+from fieldkit.loop.prediction import Prediction, median
 from fieldkit.loop.tangent import coast_and_lean
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED, Motor

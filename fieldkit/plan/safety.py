@@ -16,7 +16,7 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.ledger.sites import Site
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.motors.motor import Motor
 from fieldkit.plan.air import air_of
 from fieldkit.plan.descent import Fall, landing, landing_mass

@@ -6,7 +6,7 @@ from math import isfinite
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Start
 from fieldkit.loop.desk import start_among
-from fieldkit.loop.predict import Prediction
+from fieldkit.loop.prediction import Prediction
 from fieldkit.measures import measure
 from fieldkit.plan.air import air_of
 from fieldkit.plan.ballast import Ballast, Goal

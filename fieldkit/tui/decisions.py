@@ -10,7 +10,7 @@ from fieldkit.flight import Flight
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.ledger.sites import Site
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Catalogue, Motor
     from fieldkit.plan.contest import Season
     from fieldkit.plan.desk import Rocket

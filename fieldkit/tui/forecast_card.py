@@ -13,7 +13,7 @@ from fieldkit.settings import Settings
 from fieldkit.tui import cards, next_words
 
 if TYPE_CHECKING:
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
     from fieldkit.plan.guide import Choice
     from fieldkit.tui.next_plan import Plan
 

@@ -11,7 +11,7 @@ from fieldkit.tui import cards
 from fieldkit.tui.table import Head
 
 if TYPE_CHECKING:
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Motor
     from fieldkit.plan.guide import Choice
     from fieldkit.plan.safety import Line, Verdict
@@ -89,7 +89,7 @@ def whole(height: float, system: str) -> str:
 
 def rail_speed(said: "Prediction", system: str) -> str:
     """The speed at the end of the rail, in the middle of its distribution."""
-    from fieldkit.loop.predict import median
+    from fieldkit.loop.prediction import median
 
     return measure(BY_NAME["top_speed"], median(said.rail_speed), system)
 
@@ -109,7 +109,7 @@ def interval(said: "Prediction", system: str) -> str:
 
 def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
     """What stands below the hill, name and value."""
-    from fieldkit.loop.predict import median
+    from fieldkit.loop.prediction import median
     from fieldkit.plan.air import air_of
     from fieldkit.plan.safety import DECIDES, MARKS
 

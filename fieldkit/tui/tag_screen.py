@@ -20,7 +20,7 @@ from fieldkit.tui.page import Help, PageScreen
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
 
 OWN = "another ..."
 """The row for a tag of one's own."""

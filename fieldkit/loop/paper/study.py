@@ -6,9 +6,9 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.loop.data import observe
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.loop.judged import LEVELS, Interval, Judged, judge, resampled
-from fieldkit.loop.model import observe
 from fieldkit.loop.paper.reference import Reference, reference
 from fieldkit.loop.paper.report import Report, report
 from fieldkit.loop.paper.two_flights import TwoFlights, two_flights

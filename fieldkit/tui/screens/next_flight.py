@@ -23,7 +23,7 @@ from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
 from fieldkit.tui.table import Table
 
 if TYPE_CHECKING:
-    from fieldkit.loop.predict import Prediction
+    from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Motor
     from fieldkit.plan.guide import Choice
 
