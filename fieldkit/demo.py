@@ -8,7 +8,8 @@ from fieldkit.flight import Flight
 from fieldkit.inference.flights import Inferred, Model, infer
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
-from fieldkit.loop.desk import close_loop, predict_plans, which_rocket
+from fieldkit.loop.closing import close_loop
+from fieldkit.loop.desk import predict_plans, which_rocket
 from fieldkit.loop.findings import Findings, findings
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.paper.report import Report, report

@@ -18,7 +18,8 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop.desk import close_loop, predict_plans
+from fieldkit.loop.closing import close_loop
+from fieldkit.loop.desk import predict_plans
 from fieldkit.motors import Catalogue, catalogue
 from tests.timing import beside, measured
 

@@ -77,7 +77,7 @@ def _season() -> Path:
 def looked_at() -> Any:
     """What the loop finds in that season where four effects might be missing, worked out once."""
     from fieldkit.loop import candidates
-    from fieldkit.loop.desk import close_loop
+    from fieldkit.loop.closing import close_loop
     from fieldkit.loop.findings import findings
     from fieldkit.motors import catalogue
     from fieldkit.simulator.effect import effects

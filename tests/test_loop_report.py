@@ -26,7 +26,7 @@ from fieldkit.loop.marks import marks
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.loop.score import Forecasts
 from fieldkit.loop.telling import BALLAST, Explanation, divergence, options, telling
-from fieldkit.loop.widen import widened, widening
+from fieldkit.loop.widen import widening
 from fieldkit.loop.words import report
 from fieldkit.motors import catalogue
 from fieldkit.report.book import Book
@@ -198,10 +198,10 @@ def test_draws_are_widened_about_their_median() -> None:
     flights = windy()[:4]
     known = [(flight, catalogue().resolve(flight.motor)) for flight in flights]
     (narrow,) = predict(known, [(flights[0].with_changes(apogee=None), known[0][1])], draws=300)
-    wide = widened(narrow, 1.5)
+    wide = narrow.widened(1.5)
     assert np.median(wide.apogee) == pytest.approx(np.median(narrow.apogee))
     np.testing.assert_allclose(np.log(wide.apogee).std(), 1.5 * np.log(narrow.apogee).std(), rtol=0.02)
-    np.testing.assert_array_equal(widened(narrow, 1.0).apogee, narrow.apogee)
+    np.testing.assert_array_equal(narrow.widened(1.0).apogee, narrow.apogee)
 
 
 def test_flights_that_their_forecasts_miss_widen_and_others_do_not() -> None:

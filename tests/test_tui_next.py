@@ -201,7 +201,7 @@ async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
 
 async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
     found = looked_at()
-    from fieldkit.loop.desk import version_payload
+    from fieldkit.loop.closing import version_payload
 
     with Ledger.open(file) as ledger:
         wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}

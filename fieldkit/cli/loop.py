@@ -33,7 +33,8 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
-    from fieldkit.loop.desk import close_loop, which_rocket
+    from fieldkit.loop.closing import close_loop
+    from fieldkit.loop.desk import which_rocket
     from fieldkit.loop.documents import loop_document
     from fieldkit.loop.findings import findings
     from fieldkit.loop.force.logs import kept_logs

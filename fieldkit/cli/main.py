@@ -1,48 +1,81 @@
 """`fieldkit`: its options, its groups of commands, and the one place where errors become a line.
 
-A group is a module of this package that binds `app`; nothing heavy is imported before a command runs.
+Commands live in modules of this package that bind `app`, and a module is read when one of its commands is named:
+nothing heavy is imported before a command runs.
 """
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
+from typer.core import TyperGroup
+from typer.main import get_group
 
 from fieldkit.cli.tui import open_app
 from fieldkit.errors import FieldkitError
 
-GROUPS = (
-    "tui",
-    "demo",
-    "intake",
-    "capture",
-    "add",
-    "records",
-    "compare",
-    "remeasure",
-    "infer",
-    "forecast",
-    "predictions",
-    "loop",
-    "score",
-    "report",
-    "journal",
-    "ork",
-    "backups",
-    "motors",
-    "plan",
-    "simulate",
-    "paper",
-    "study",
-    "train",
-    "docs",
-)
-"""Modules of `fieldkit.cli` in the order in which `--help` lists their commands."""
+GROUPS = {
+    "tui": ("tui", "serve"),
+    "demo": ("demo",),
+    "intake": ("import", "export"),
+    "capture": ("capture",),
+    "add": ("add",),
+    "records": ("flights", "show", "edit", "tag", "untag", "remove"),
+    "compare": ("compare",),
+    "remeasure": ("remeasure",),
+    "infer": ("infer",),
+    "forecast": ("predict",),
+    "predictions": ("predictions",),
+    "loop": ("loop", "model"),
+    "score": ("score",),
+    "report": ("report",),
+    "journal": ("undo", "redo", "history"),
+    "ork": ("ork",),
+    "backups": ("backups",),
+    "motors": ("motors",),
+    "plan": ("delay", "ballast", "contest", "sites"),
+    "simulate": ("simulate",),
+    "paper": ("paper",),
+    "study": ("study",),
+    "train": ("train",),
+    "docs": ("docs",),
+}
+"""The commands of every module of `fieldkit.cli`, in the order in which `--help` lists them."""
+HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
+
+
+class OnDemand(Mapping[str, Any]):
+    """The commands by name; the module of one is read when it is asked for."""
+
+    def __getitem__(self, command: str) -> Any:
+        return _module(HOMES[command])[command]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(HOMES)
+
+    def __len__(self) -> int:
+        return len(HOMES)
+
+
+@cache
+def _module(name: str) -> Mapping[str, Any]:
+    """The commands of one module."""
+    return get_group(import_module(f"fieldkit.cli.{name}").app).commands
+
+
+class Commands(TyperGroup):
+    """All commands of fieldkit, of which a line wakes the one that it names."""
+
+    def __init__(self, **settings: Any) -> None:
+        super().__init__(**settings | {"commands": OnDemand()})
+
 
 app = typer.Typer(
+    cls=Commands,
     invoke_without_command=True,
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -85,10 +118,6 @@ def options(
             typer.echo(context.get_help())
             raise typer.Exit
         open_app(ledger)
-
-
-for group in GROUPS:
-    app.add_typer(import_module(f"fieldkit.cli.{group}").app)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:

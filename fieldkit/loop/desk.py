@@ -1,10 +1,9 @@
-"""The loop on a ledger: what is asked of a rocket by name, answered from the flights that are kept."""
+"""Forecasts from a ledger: what is asked of a rocket by name, answered from the flights that are kept."""
 
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import asdict
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -13,16 +12,14 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, Start
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
-from fieldkit.loop.data import observe
-from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
-from fieldkit.loop.forward import Forecast
-from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.made_from import design_parts, digest, model_parts, plan_parts
-from fieldkit.loop.predict import predict, rocket_model
+from fieldkit.loop.predict import predict
 from fieldkit.loop.prediction import Prediction
 from fieldkit.loop.told import forecast_document
-from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
+
+if TYPE_CHECKING:
+    from fieldkit.loop.forward import Forecast
 
 LIKELY = 40
 """Equally likely apogees that a kept prediction is known by: enough to tell how it fared, to 2.5 %. [1]"""
@@ -145,7 +142,7 @@ def predict_plans(
         cds = design_cds(starts, [*before, *own])
         made = predict(history, planned, places, declared=which == "after", cds=cds)
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
-        finished = [widened(one, wider).corrected(sure, len(surprises)) for one in made]
+        finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]
         if keep:
             _keep(ledger, finished, before, which)
         answers |= dict(zip(rows, finished, strict=True))
@@ -169,7 +166,7 @@ def used_version(ledger: Ledger, rocket: str) -> int:
     return active.number if active else 0
 
 
-def keep_forecasts(ledger: Ledger, rows: Sequence[Forecast]) -> None:
+def keep_forecasts(ledger: Ledger, rows: "Sequence[Forecast]") -> None:
     """Keep forecasts beside what was flown, so that the next ones are as wide as these had to be."""
     for row in rows:
         payload = {
@@ -191,74 +188,4 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
     (made,) = predict(history, [(plan, motors.resolve(flight.motor))], accepted_places(ledger, flight.rocket))
-    return widened(made, accepted_widening(ledger, flight.rocket))
-
-
-def close_loop(
-    ledger: Ledger,
-    motors: Catalogue,
-    rocket: str,
-    *,
-    accept: bool = True,
-    progress: Progress | None = None,
-    given: Sequence[str] = (),
-) -> Diagnosis:
-    """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
-
-    `given` are effects that the flyer knows to be there: they are taken whatever the evidence. A version is kept
-    only where it differs from the one in use. Raises NoFlights for fewer than four clean flights with an apogee,
-    UnknownEffect for a given effect that these flights could not show.
-    """
-    history = flown(ledger, motors, rocket)
-    teach = [flight.clean and flight.apogee is not None for flight, _ in history]
-    if sum(teach) < 4:
-        raise NoFlights(
-            f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
-        )
-    flights = [flight for flight, _ in history]
-    model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
-    diagnosis = diagnose(model, observe(flights, teach), progress, given)
-    if accept:
-        adopt(ledger, rocket, diagnosis)
-    return diagnosis
-
-
-def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
-    places = diagnosis.places
-    left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
-    same = places == accepted_places(ledger, rocket)
-    if same and np.isclose(accepted_widening(ledger, rocket), left.widened if left else 1.0, atol=0.005):
-        return
-    if not places and (left is None or left.widened == 1.0):
-        ledger.activate(rocket, None)
-        return
-    ledger.keep_version(rocket, version_payload(diagnosis, left))
-
-
-def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
-    """What a model version keeps: its effects with strengths, the flights behind it, errors, a digest.
-
-    `left` is what no effect accounts for, and by how much it widens forecasts.
-    """
-    payload: dict[str, Any] = {
-        "effects": [
-            {
-                **asdict(trial.candidate.place),
-                **dict(zip(("mean", "sd"), trial.strength(), strict=True)),
-                "unit": trial.unit,
-            }
-            for trial in diagnosis.accepted
-        ],
-        "flights": [
-            f.flight_id for f, seen in zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True) if seen
-        ],
-        "confidence": diagnosis.confidence,
-        "before": diagnosis.before.json(),
-        "after": diagnosis.after.json(),
-    }
-    if left is not None:
-        pattern = [asdict(place) for place in diagnosis.pattern]
-        payload["unexplained"] = {"goes_with": left.in_words, "widened": left.widened, "pattern": pattern}
-    payload["digest"] = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
-    return payload
+    return made.widened(accepted_widening(ledger, flight.rocket))

@@ -17,7 +17,6 @@ from fieldkit.loop.forward import Forecast, tally
 from fieldkit.loop.judged import LEVELS, resampled
 from fieldkit.loop.leftover import leftover
 from fieldkit.loop.predict import predict, rocket_model
-from fieldkit.loop.widen import widened
 from fieldkit.motors import Found
 from fieldkit.shapes import Array, Float
 
@@ -94,7 +93,7 @@ def _forecast(
     wider = leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
     (plain,) = predict(before, [plan], draws=DRAWS)
     (closed,) = predict(before, [plan], diagnosis.places, draws=DRAWS)
-    one, other = (forecast.apogee_quantiles() for forecast in (plain, widened(closed, wider)))
+    one, other = (forecast.apogee_quantiles() for forecast in (plain, closed.widened(wider)))
     return (
         float(one[1] / flight.apogee - 1),
         float(other[1] / flight.apogee - 1),

@@ -1,7 +1,6 @@
 """Intervals after a residual that nothing accounts for: as much wider as flights left out show that they must be."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 import numpy as np
 
@@ -11,7 +10,6 @@ from fieldkit.loop.data import Data
 from fieldkit.loop.fit import fit_robustly
 from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.predict import declared_places, forecast_model
-from fieldkit.loop.prediction import Prediction, apart
 from fieldkit.loop.score import forecasts_of
 from fieldkit.motors import Found
 
@@ -31,10 +29,3 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, patt
     below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
     distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
     return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0
-
-
-def widened(prediction: Prediction, factor: float) -> Prediction:
-    """The same forecast with draws of the apogee that lie further from their median, by ratio."""
-    return replace(
-        prediction, apogee=apart(prediction.apogee, factor), true_apogee=apart(prediction.true_apogee, factor)
-    )

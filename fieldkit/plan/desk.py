@@ -12,7 +12,6 @@ from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.desk import accepted_places, accepted_widening, completed, design_cds, flown, start_of
 from fieldkit.loop.predict import Learnt, fly_ahead, learn
 from fieldkit.loop.prediction import Prediction
-from fieldkit.loop.widen import widened
 from fieldkit.motors import Catalogue, Found
 from fieldkit.settings import Settings
 from fieldkit.shapes import Array, Float
@@ -101,4 +100,4 @@ def flown_ahead(
 ) -> list[Prediction]:
     """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
     made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd, lean=lean)
-    return [widened(one, rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]
+    return [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]

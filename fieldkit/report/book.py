@@ -10,7 +10,7 @@ import numpy as np
 from fieldkit.errors import LedgerError, NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop.desk import close_loop
+from fieldkit.loop.closing import close_loop
 from fieldkit.loop.findings import Findings, findings
 from fieldkit.motors import Catalogue
 from fieldkit.report.card import Card, cards, totals

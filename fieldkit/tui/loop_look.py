@@ -45,7 +45,7 @@ def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
 
     Raises NoFlights for too few flights.
     """
-    from fieldkit.loop.desk import close_loop
+    from fieldkit.loop.closing import close_loop
     from fieldkit.loop.findings import findings
     from fieldkit.loop.force.logs import kept_logs
 

@@ -9,7 +9,7 @@ from fieldkit import __version__
 from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import BY_NAME
-from fieldkit.loop.desk import version_payload
+from fieldkit.loop.closing import version_payload
 from fieldkit.loop.diagnose import Diagnosis
 from fieldkit.loop.findings import Compared, Findings
 from fieldkit.loop.force.words import climbs_in_words

@@ -256,7 +256,7 @@ class LoopScreen(PageScreen):
         if self._found is None:
             self.complain("nothing to accept yet: l looks for what is missing, and Verdict shows how far it is")
             return
-        from fieldkit.loop.desk import adopt
+        from fieldkit.loop.closing import adopt
 
         found = self._found
         plain = self._standing is None or self._standing.plain
