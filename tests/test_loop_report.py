@@ -14,7 +14,7 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop import desk
+from fieldkit.loop import closing, desk
 from fieldkit.loop import leftover as leftover_module
 from fieldkit.loop.ahead import FEWEST
 from fieldkit.loop.data import observe
@@ -229,17 +229,17 @@ def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
     unexplained = replace(diagnosis, effect="unexplained", accepted=())
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add(windy())
-        monkeypatch.setattr(desk, "diagnose", lambda *_: unexplained)
+        monkeypatch.setattr(closing, "diagnose", lambda *_: unexplained)
         monkeypatch.setattr(leftover_module, "widening", lambda *_: 1.4)
-        desk.close_loop(ledger, motors, HOSTILE)
+        closing.close_loop(ledger, motors, HOSTILE)
         assert desk.accepted_widening(ledger, HOSTILE) == 1.4
         assert desk.accepted_widening(ledger, HOSTILE, "before") == 1.0
         assert "lower than the others" in ledger.versions(HOSTILE)[0].payload["unexplained"]["goes_with"]
-        desk.close_loop(ledger, motors, HOSTILE)
+        closing.close_loop(ledger, motors, HOSTILE)
         assert len(ledger.versions(HOSTILE)) == 1
         (wide,) = desk.predict_plans(ledger, motors, [plan], keep=False)
-        monkeypatch.setattr(desk, "diagnose", lambda *_: replace(unexplained, effect="none"))
-        desk.close_loop(ledger, motors, HOSTILE)
+        monkeypatch.setattr(closing, "diagnose", lambda *_: replace(unexplained, effect="none"))
+        closing.close_loop(ledger, motors, HOSTILE)
         (narrow,) = desk.predict_plans(ledger, motors, [plan], keep=False)
     assert np.log(wide.apogee).std() == pytest.approx(1.4 * np.log(narrow.apogee).std(), rel=0.02)
 

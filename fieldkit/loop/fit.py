@@ -20,7 +20,9 @@ from fieldkit.shapes import Array, Float
 ROUNDS = 5
 """Times the point of linearisation is moved."""
 SETTLED = 0.03
-"""Move of a point that is none, in standard deviations of the prior. [1]"""
+"""Move of a point that is none, in standard deviations of the prior: evidence is compared to tenths of a nat. [1]"""
+NEAR = 0.2
+"""The same for a forecast, in those of the posterior: what is left then is hundredths of its interval. [1]"""
 HOPELESS = 8.0
 """Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
 OPENINGS = (0.15, 0.6, 1.2)
@@ -132,14 +134,16 @@ class _Walk:
         assert result is not None
         terms = result.model.terms
         sds = np.array([term.sd for term in terms])
-        wanted = result.mean[int(np.argmax(result.log_weight))]
+        best = int(np.argmax(result.log_weight))
+        wanted = result.mean[best]
         target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
         bent = np.array([term.bends not in OBSERVED for term in terms])
+        close = NEAR * np.sqrt(np.diagonal(result.covariance[best])) if result.model.doubtful else SETTLED * sds
         move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
         turned = np.sign(move * self._last)
         self._share = np.minimum(self._share * 2.0**turned, 1.0)
         move = self._last = self._share * move
-        if np.all(np.abs(move) < SETTLED * sds, where=bent):
+        if np.all(np.abs(move) < close, where=bent):
             return False
         self.at = self.at + move
         return True

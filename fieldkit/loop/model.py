@@ -90,7 +90,7 @@ class Model:
     """A rocket's flights, in the order flown, and the unknowns they share.
 
     A `doubtful` one takes neither the simulator nor what the device shows beside the apogee on trust. A `coarse` one
-    flies by `COARSE` curves and steps: for hundreds of motors at once.
+    flies by `COARSE` curves and steps: to learn from flights, or for hundreds of motors at once.
     """
 
     flights: tuple[Flight, ...]

@@ -5,7 +5,7 @@ all of them fly in one batch. With no flight to learn from the priors are flown,
 """
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -125,7 +125,8 @@ def learn(
     acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     taught = acted or [0]  # of a rocket never flown, one prior stands in for what was learned
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
-    result = fit_robustly(model.part(past).only(taught), observe(flights[past], teach[past]))
+    teaching = replace(model.part(past).only(taught), coarse=True)
+    result = fit_robustly(teaching, observe(flights[past], teach[past]))
     rng = np.random.default_rng(seed)
     values, scales = _drawn(model, taught, result, draws, rng)
     at = np.array([term.mean for term in model.terms])

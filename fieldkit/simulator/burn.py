@@ -109,16 +109,18 @@ def burn(setup: Setup, *, highlights: bool = True) -> Track:
     at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
     track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
+    begun: Array | None = None
     for first, dt, thrust, mass in _steps(setup):
-        if first.min() < latest:
+        if waits := bool(first.min() < latest):
             place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
             thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
         before = track.position, track.velocity
-        _advance(track, setup, pull, dt, thrust, mass)
+        _advance(track, setup, pull, dt, thrust, mass, begun)
         if highlights:
             _leave_rail(track, setup, dt, *before)
             slope_before = slope
-            slope = _along(track.velocity, pull(track.position, track.velocity, thrust[2], mass[2]))
+            ended = pull(track.position, track.velocity, thrust[2], mass[2])
+            slope, begun = _along(track.velocity, ended), None if waits else ended  # the next step begins as this ends
             track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
             _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
     return track
@@ -186,8 +188,13 @@ def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
     return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN) / setup.stride
 
 
-def _advance(track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:
-    """A step in as many parts as each draw needs; where most need no more, the others go on by themselves."""
+def _advance(
+    track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+) -> None:
+    """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
+
+    `begun` is the pull at its beginning, where that is known.
+    """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))
     for part in range(int(parts.max())):
@@ -201,7 +208,8 @@ def _advance(track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, 
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
-        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end))
+        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), begun)
+        begun = None
     _put_back(track, moving, rows)
 
 
@@ -220,10 +228,10 @@ def _put_back(track: Track, moving: Track, rows: Integers) -> None:
         setattr(track, name, values)
 
 
-def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages) -> None:
-    """One classical Runge-Kutta step of position and velocity."""
+def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None) -> None:
+    """One classical Runge-Kutta step of position and velocity; `begun` as in `_advance`."""
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
-    a1 = pull(x, v, thrust[0], mass[0])
+    a1 = pull(x, v, thrust[0], mass[0]) if begun is None else begun
     v2 = v + half * a1
     a2 = pull(x + half * v, v2, thrust[1], mass[1])
     v3 = v + half * a2

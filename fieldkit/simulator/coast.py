@@ -123,32 +123,36 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
     count = _count(4 + upward / SPEED_STEP)
     share = upward / count
 
-    def rates(y: Array, at: Array) -> Array:
+    def look(y: Array, at: Array) -> tuple[Array, Array]:
+        """Velocity and acceleration."""
+        velocity = np.concatenate([at[None], y[sideways]])
+        return velocity, pull(y[:axes], velocity, 0.0, mass)
+
+    def rates(velocity: Array, pulled: Array) -> Array:
         """Derivatives of (position, sideways velocity, time) by upward speed."""
-        velocity = np.concatenate([at[None], y[axes : 2 * axes - 1]])
-        pulled = pull(y[:axes], velocity, 0.0, mass)
-        return np.asarray(np.concatenate([velocity, pulled[1:], np.ones((1, len(at)))]) / pulled[0])
+        return np.asarray(np.concatenate([velocity, pulled[1:], ones]) / pulled[0])
 
     y = np.concatenate([track.position, track.velocity[1:], track.time[None]])
     sideways = slice(axes, 2 * axes - 1)
-    zero = np.zeros(len(upward))
+    zero, ones = np.zeros(len(upward)), np.ones((1, len(upward)))
 
-    def point(y: Array, at: Array) -> _Point:
-        slope = pull(y[:axes], np.concatenate([at[None], y[sideways]]), 0.0, mass)[0]
+    def point(y: Array, at: Array, slope: Array) -> _Point:
         drift, across = (y[1], y[2]) if axes == 2 else (zero, zero)
         return _Point(y[-1], y[0], at, slope, drift, across)
 
-    yield point(y, upward)
+    velocity, pulled = look(y, upward)
+    yield point(y, upward, pulled[0])
     for _ in range(int(count.max())):
         after = np.maximum(upward - share, 0.0)
         step = after - upward
         half = upward + 0.5 * step
-        k1 = rates(y, upward)
-        k2 = rates(y + 0.5 * step * k1, half)
-        k3 = rates(y + 0.5 * step * k2, half)
-        k4 = rates(y + step * k3, after)
+        k1 = rates(velocity, pulled)
+        k2 = rates(*look(y + 0.5 * step * k1, half))
+        k3 = rates(*look(y + 0.5 * step * k2, half))
+        k4 = rates(*look(y + step * k3, after))
         y, upward = y + step / 6 * (k1 + 2 * (k2 + k3) + k4), after
-        yield point(y, upward)
+        velocity, pulled = look(y, upward)
+        yield point(y, upward, pulled[0])
 
 
 def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> list[Array]:

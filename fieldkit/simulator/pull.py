@@ -62,7 +62,7 @@ class Pull:
     def _planar(self, position: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         height = position[0]
         path = self._path(position)
-        if np.all(path >= self.turned):
+        if (path >= self.turned).all():
             return self._turned(height, velocity, thrust, mass)
         free = smooth_step((path - self.setup.rail_length) / TURN_LENGTH)
         through_air = velocity.copy()
@@ -80,7 +80,9 @@ class Pull:
         up, sideways = velocity[0], velocity[1] - wind_at(height, self.setup.wind)
         speed = np.maximum(np.hypot(up, sideways), 1e-9)
         along = (thrust / mass - self.drag_like(height, speed, mass)) / speed
-        return np.stack([up * along - self.setup.gravity, sideways * along])
+        pull = np.empty_like(velocity)
+        pull[0], pull[1] = up * along - self.setup.gravity, sideways * along
+        return pull
 
     def _path(self, position: Array) -> Array:
         return np.asarray(position[0] * self.rail[0] + position[1] * self.rail[1])
