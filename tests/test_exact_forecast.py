@@ -1,0 +1,99 @@
+"""The posterior that forecasts draw from, against exact weights: importance sampling with the simulator itself."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.loop.data import OBSERVED, compared, observe
+from fieldkit.loop.fit import fit_robustly
+from fieldkit.loop.model import Model, shown
+from fieldkit.loop.posterior import Fit, scale_grid, term_sds
+from fieldkit.loop.predict import forecast_model
+from fieldkit.motors import Found, catalogue
+from fieldkit.shapes import Array
+
+DRAWS = 2000
+MOTORS = ("F24", "F39", "E35")
+
+
+def season(rng: np.random.Generator, kept: tuple[str, ...]) -> list[tuple[Flight, Found]]:
+    """Twelve flights of a draggy rocket on three motors, of which some readouts were kept."""
+    plans = [
+        Flight(str(i), "Test", "A", motor, dry_mass=0.322, diameter=0.066, delay=10.0, rail_length=1.2)
+        for i, motor in enumerate(MOTORS * 4)
+    ]
+    found = [catalogue().resolve(plan.motor) for plan in plans]
+    model = forecast_model(plans, found)
+    truth = np.array([[term.mean + 0.7 * term.sd * (term.bends == "drag") for term in model.terms]])
+    scatter = {"drag": 0.03 * rng.normal(size=(1, 12)), "thrust": 0.025 * rng.normal(size=(1, 12))}
+    readings = shown(model, truth, scatter)
+    noisy = {name: readings[name][0] * np.exp(0.01 * rng.normal(size=12)) for name in kept}
+    rows = [
+        plan.with_changes(**{name: float(values[i]) for name, values in noisy.items()}) for i, plan in enumerate(plans)
+    ]
+    return list(zip(rows, found, strict=True))
+
+
+@dataclass(frozen=True)
+class Drawn:
+    """Draws of the terms from the posterior, the pair of scales of each, and their exact weights."""
+
+    terms: Array
+    weight: Array
+
+
+def weighed(result: Fit, rng: np.random.Generator) -> Drawn:
+    """Prior times likelihood over the density that was drawn from; only the noise about a flight stays as it was."""
+    model = result.model
+    which = rng.choice(len(result.weights), size=DRAWS, p=result.weights)
+    roots = np.linalg.cholesky(result.covariance)[which]
+    z = rng.normal(size=(DRAWS, len(model.terms)))
+    terms = result.mean[which] + np.einsum("dtu,du->dt", roots, z)
+    low, high, mean = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high", "mean"))
+    inside = ((terms >= low) & (terms <= high)).all(axis=1)
+    terms = np.clip(terms, low, high)
+    readings = shown(model, terms, {})
+    flown = compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+    usable = result.data.seen & np.isfinite(flown) & np.isfinite(result.tangent.values)
+    miss = np.where(usable, result.data.values - flown, 0.0)
+    misfit = np.einsum("dfo,dfop,dfp->d", miss, result.told.sharpness[which], miss)
+    sds = term_sds(model)[which]
+    prior = -0.5 * (((terms - mean) / sds) ** 2).sum(axis=1) - np.log(sds).sum(axis=1)
+    target = prior - 0.5 * (misfit + result.told.log_det.sum(axis=1)[which])
+    target = target + scale_grid(model.doubtful)[2][which]
+    drawn = -0.5 * (z**2).sum(axis=1) - np.log(np.diagonal(roots, axis1=1, axis2=2)).sum(axis=1)
+    log_weight = np.where(inside, target - drawn - np.log(result.weights[which]), -np.inf)
+    weight = np.exp(log_weight - log_weight.max())
+    return Drawn(terms, weight / weight.sum())
+
+
+def quantiles(values: Array, weight: Array) -> Array:
+    order = np.argsort(values)
+    return np.interp([0.05, 0.5, 0.95], np.cumsum(weight[order]), values[order])
+
+
+@pytest.mark.parametrize(
+    ("kept", "effective", "off"),
+    [(OBSERVED, 0.3, 0.05), (("apogee", "top_speed"), 0.3, 0.15), (("apogee",), 0.1, 0.25)],
+    ids=["all", "apogee and speed", "apogee"],
+)
+def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(
+    kept: tuple[str, ...], effective: float, off: float
+) -> None:
+    """To a share of how wide that is, before scatter; from apogees alone drag and thrust lie on a curved ridge."""
+    rng = np.random.default_rng(5)
+    flights, found = map(list, zip(*season(rng, kept), strict=True))
+    model = replace(forecast_model(flights, found), coarse=True)
+    result = fit_robustly(model, observe(flights, [True] * len(flights)))
+    drawn = weighed(result, rng)
+    assert 1 / (drawn.weight**2).sum() > effective * DRAWS
+    apogees = np.log(next_apogees(model, drawn.terms))
+    said, exact = quantiles(apogees, np.full(DRAWS, 1 / DRAWS)), quantiles(apogees, drawn.weight)
+    np.testing.assert_allclose(exact, said, atol=off * (said[2] - said[0]))
+
+
+def next_apogees(model: Model, terms: Array) -> Array:
+    """Of the first flight flown again, without its scatter. [m]"""
+    return shown(model.part(slice(0, 1)), terms, {})["apogee"][:, 0]
