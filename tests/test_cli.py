@@ -431,3 +431,13 @@ def test_a_plan_without_a_mass_is_one_clear_line(capsys: pytest.CaptureFixture[s
     shown = capsys.readouterr()
     assert shown.out == ""
     assert shown.err == "the flight: found no dry mass, expected dry_mass_g, the rocket's mass without its motor\n"
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="needs a device that is always full")
+def test_an_answer_that_cannot_be_written_is_one_clear_line() -> None:
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--version"]
+    with open("/dev/full", "w", encoding="utf-8") as full:
+        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, check=False)
+    assert done.returncode == 1
+    assert done.stderr.endswith("found No space left on device, expected to read or write there\n")
+    assert "Traceback" not in done.stderr

@@ -4,12 +4,16 @@ Commands live in modules of this package that bind `app`, and a module is read w
 nothing heavy is imported before a command runs.
 """
 
+import atexit
+import gc
+import os
 import sys
+import threading
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from importlib import import_module
 from io import TextIOWrapper
-from typing import Annotated, Any
+from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
@@ -45,14 +49,19 @@ GROUPS = {
     "docs": ("docs",),
 }
 """The commands of every module of `fieldkit.cli`, in the order in which `--help` lists them."""
+SELDOM = 50_000
+"""Objects after which memory is looked through for cycles: modules being read make many, and hardly a cycle. [1]"""
 HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
 
 
 class OnDemand(Mapping[str, Any]):
-    """The commands by name; the module of one is read when it is asked for."""
+    """The commands by name; the module of one is read when it is asked for, once."""
+
+    def __init__(self) -> None:
+        self._read = cache(_module)
 
     def __getitem__(self, command: str) -> Any:
-        return _module(HOMES[command])[command]
+        return self._read(HOMES[command])[command]
 
     def __iter__(self) -> Iterator[str]:
         return iter(HOMES)
@@ -61,7 +70,6 @@ class OnDemand(Mapping[str, Any]):
         return len(HOMES)
 
 
-@cache
 def _module(name: str) -> Mapping[str, Any]:
     """The commands of one module."""
     return get_group(import_module(f"fieldkit.cli.{name}").app).commands
@@ -126,16 +134,43 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if isinstance(stream, TextIOWrapper):
             stream.reconfigure(errors="replace")  # a terminal that lacks a letter still gets the line
     try:
-        app(args=arguments, prog_name="fieldkit")
+        status = _status(arguments)
+        sys.stdout.flush()
+        return status
     except FieldkitError as error:
-        from fieldkit.cli.screen import complain
+        found = str(error)
+    except BrokenPipeError:
+        return 1  # who read along has seen enough
+    except OSError as error:
+        found = f"{error.filename or 'the output'}: found {error.strerror}, expected to read or write there"
+    from fieldkit.cli.screen import complain
 
-        complain(str(error))
-        return 1
+    complain(found)
+    return 1
+
+
+def _status(arguments: Sequence[str] | None) -> int:
+    try:
+        app(args=arguments, prog_name="fieldkit")
     except SystemExit as end:
         return end.code if isinstance(end.code, int) else int(end.code is not None)
     return 0
 
 
+def run() -> NoReturn:
+    """Run the command line of the process and leave it at once.
+
+    What is registered to be done at exit is done; memory is the system's to free, which takes the interpreter a tenth
+    of a second. Where threads are still at work it ends in its own time.
+    """
+    gc.set_threshold(SELDOM)
+    status = main()
+    if threading.active_count() > 1:
+        sys.exit(status)
+    atexit._run_exitfuncs()
+    sys.stderr.flush()
+    os._exit(status)
+
+
 if __name__ == "__main__":
-    sys.exit(main())
+    run()

@@ -14,7 +14,7 @@ from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.made_from import design_parts, digest, model_parts, plan_parts
 from fieldkit.loop.predict import predict
-from fieldkit.loop.prediction import Prediction
+from fieldkit.loop.prediction import Prediction, quantiles
 from fieldkit.loop.told import forecast_document
 from fieldkit.motors import Catalogue, Found
 
@@ -155,7 +155,7 @@ def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[F
     for one in predictions:
         decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
         parts = decided | model_parts(history, one.model, version)
-        likely = np.quantile(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
+        likely = quantiles(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
         payload = forecast_document(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
         ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
 

@@ -3,8 +3,6 @@
 from collections.abc import Iterator
 from typing import Any
 
-import numpy as np
-
 from fieldkit.loop.prediction import Prediction, median
 from fieldkit.units import FOOT
 
@@ -58,7 +56,7 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
             "p50": float(p50),
             "p95": float(p95),
         },
-        "true_apogee_m": float(np.median(prediction.true_apogee)),
+        "true_apogee_m": median(prediction.true_apogee),
         "ejection_s": prediction.median_eject,
         "coast_s": median(prediction.coast),
         "top_speed_mps": median(prediction.top_speed),

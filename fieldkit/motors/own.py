@@ -3,7 +3,6 @@
 from pathlib import Path
 
 from fieldkit.errors import DamagedLog, FieldkitError
-from fieldkit.motors import rasp, rocksim
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 
@@ -14,6 +13,8 @@ LARGEST = 16 << 20
 
 def read(data: bytes, source: str) -> list[Motor]:
     """The motors of a file, RockSim or RASP by what is in it. Raises DamagedLog."""
+    from fieldkit.motors import rasp, rocksim
+
     markup = data.lstrip(b"\xef\xbb\xbf\xff\xfe \t\r\n\0").startswith(b"<")
     return rocksim.read(data, source) if markup else rasp.read(data, source)
 
