@@ -1,7 +1,7 @@
 """Readouts near a point: their values and how they change with each unknown, all from one batch of flights."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -38,8 +38,8 @@ def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight r
 
 
 def lean_of_apogee(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
-    """What a lean of one unit does to the logarithm of the apogee: as `lean_slope`, and quicker."""
-    return _ratio(tops(model, np.stack([at, at]), {"tilt": _lean(model)}))
+    """What a lean of one unit does to the logarithm of the apogee: as `lean_slope` of a coarse model, and quicker."""
+    return _ratio(tops(replace(model, coarse=True), np.stack([at, at]), {"tilt": _lean(model)}))
 
 
 def coast_and_lean(model: Model, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
