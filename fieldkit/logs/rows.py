@@ -138,6 +138,7 @@ class Rows:
         return loaded
 
     def _one_by_one(self, rows: Sequence[int], lines: Sequence[str]) -> None:
+        whole: list[tuple[int, list[float], list[str]]] = []
         for row, line in zip(rows, lines, strict=True):
             cells = [cell.strip().strip('"').strip() for cell in line.split(self.separator)]
             numbers = self._numbers(row, line, cells)
@@ -145,8 +146,10 @@ class Rows:
                 self.told += [numbers] if len(self.told) < MOST_TOLD else []
                 self.damaged, self.last_damaged = self.damaged + 1, max(row, self.last_damaged)
             else:
-                said = [[cells[place] if place < len(cells) else ""] for place in self.words.values()]
-                self._keep([row], np.array([numbers]), said)
+                whole.append((row, numbers, [cells[i] if i < len(cells) else "" for i in self.words.values()]))
+        if whole:
+            kept, values, said = zip(*whole, strict=True)
+            self._keep(list(kept), np.array(values), [list(column) for column in zip(*said, strict=True)])
 
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
         """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""
