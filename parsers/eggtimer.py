@@ -191,7 +191,7 @@ def _fall(
     """
     inside = (clock >= start) & (clock <= stop)
     nothing = (float("nan"),) * 3
-    if inside.sum() < 12:
+    if len(np.unique(clock[inside])) < 12:
         return nothing
     middle = float(clock[inside].mean())
     curve = np.polynomial.polynomial.polyfit(clock[inside] - middle, height[inside], 2)
