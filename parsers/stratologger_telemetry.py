@@ -15,7 +15,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, read_columns
-from fieldkit.logs.header import Header, header_or_damage
+from fieldkit.logs.header import Header, find_header, header_or_damage
 from fieldkit.logs.text import decode, lines_of, shown
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.units import FOOT, UNITS
@@ -30,7 +30,7 @@ CHANNELS = (
 
 
 def recognises(head: bytes) -> bool:
-    return TITLE in decode(head)
+    return TITLE.partition(",")[0] in decode(head) and find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
