@@ -16,7 +16,7 @@ from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.logs.header import Header, find_header, header_or_damage
 from fieldkit.logs.pad import upright
-from fieldkit.logs.text import decode
+from fieldkit.logs.text import decode, lines_of
 from fieldkit.parsing import HEAD, Found, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
@@ -75,7 +75,7 @@ def _series(table: Table) -> Series:
 def _labels(log: bytes, head: Header) -> dict[str, str]:
     """The labels before the table with their values, which stand side by side."""
     labels: dict[str, str] = {}
-    for line in decode(log[:HEAD]).splitlines()[: min(head.row - 1, LABELS)]:
+    for line in lines_of(decode(log[:HEAD]))[: min(head.row - 1, LABELS)]:
         cells = [printable(cell.strip().strip('"')) for cell in line.split(head.separator)]
         labels |= {label: value for label, value in zip(cells[::2], cells[1::2], strict=False) if label and value}
     return labels

@@ -20,6 +20,7 @@ from datetime import datetime
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.logs.header import SEPARATORS
 from fieldkit.logs.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import identity
@@ -45,7 +46,13 @@ DEVICE = "AltimeterTwo"
 
 
 def recognises(head: bytes) -> bool:
-    return _kind(first_row(decode(head), ",")[1]) is not None
+    return _header(decode(head)) is not None
+
+
+def _header(text: str) -> tuple[int, list[str], str] | None:
+    """The row of names, the names and what parts them, None where none is of the journal."""
+    rows = ((*first_row(text, separator), separator) for separator in SEPARATORS)
+    return next((one for one in rows if _kind(one[1])), None)
 
 
 def _kind(header: list[str]) -> str | None:
@@ -58,15 +65,16 @@ def _kind(header: list[str]) -> str | None:
 
 def read(log: bytes) -> list[Found]:
     text = decode_whole(log)
-    header_row, header = first_row(text, ",")
+    head = _header(text)
+    if head is None:
+        raise DamagedLog(f"found no header of the journal, expected {','.join(LAUNCH)}", row=1)
+    header_row, header, separator = head
     kind = _kind(header)
-    if kind is None:
-        raise DamagedLog(f"found no header of the journal, expected {','.join(LAUNCH)}", row=header_row or 1)
-    names = [name.strip() for name in header]
+    names = [name.strip() for name in header if name.strip()]
     found: list[Found] = []
     unmeasured = 0
-    for row, cells in rows(text, ","):
-        if row <= header_row or not cells:
+    for row, cells in rows(text, separator):
+        if row <= header_row or (not isinstance(cells, DamagedLog) and not any(map(str.strip, cells))):
             continue
         try:
             record = _record(row, cells, names)
@@ -87,6 +95,8 @@ def _record(row: int, cells: list[str] | DamagedLog, names: list[str]) -> dict[s
     """A row as name to text. Raises DamagedLog if it has not a cell for every name."""
     if isinstance(cells, DamagedLog):
         raise cells
+    while len(cells) > len(names) and not cells[-1].strip():
+        cells = cells[:-1]
     if names[-1] == "Note" and len(cells) > len(names):
         cells = [*cells[: len(names) - 1], ",".join(cells[len(names) - 1 :])]
     if len(cells) != len(names):

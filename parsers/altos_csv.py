@@ -21,9 +21,12 @@ from fieldkit.logs.text import first_lines
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import UNITS, Unit
 
+VERSION_5 = frozenset({"accel_speed", "baro_speed"})
+"""What only a header of version 5 names."""
 CERTAIN = "main_voltage"
 """The last column of a version 5 header that is where its name says."""
-MOST_HEADER = 200
+MOST_HEADER, MOST_TITLES = 200, 3
+"""The header is looked for among so many lines, of which so few are no comments. [1]"""
 FIRST_ROWS = MOST_CELLS = 200
 BAROMETER = {
     "height": "altitude",
@@ -52,7 +55,7 @@ def read(log: bytes) -> list[Found]:
     if header is None:
         raise DamagedLog("found no header, expected one that begins #version,serial,flight", row=1)
     row, names, separator = header
-    widths = _widths(log, row, separator)
+    widths = _widths(log, row, names, separator)
     common = widths.most_common(1)[0][0] if widths else len(names)
     remarks: list[Found] = []
     allowed: Collection[int] = {common}
@@ -74,20 +77,28 @@ def read(log: bytes) -> list[Found]:
 
 def _header(log: bytes) -> tuple[int, list[str], str] | None:
     """The row, the names and the separator of the header, None if it is none of AltOS."""
+    titles = 0
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         for separator in SEPARATORS:
-            names = [name.strip().lower() for name in line.lstrip("# ").split(separator)]
+            names = [name.strip().strip('"# ').lower() for name in line.rstrip(f"{separator} ").split(separator)]
             if names[:3] == ["version", "serial", "flight"] or ({"serial", "tick", "ptype", "height"} <= {*names}):
                 return row, names, separator
-        if line.strip() and not line.startswith("#"):
+        titles += bool(line.strip()) and not line.lstrip('"').startswith("#")
+        if titles > MOST_TITLES:
             return None
     return None
 
 
-def _widths(log: bytes, header_row: int, separator: str) -> Counter[int]:
-    """How many cells the first rows have."""
+def _widths(log: bytes, header_row: int, names: Sequence[str], separator: str) -> Counter[int]:
+    """How many cells the first rows have, apart from blank ones that a spreadsheet put behind them."""
     lines = first_lines(log, after=header_row, most=FIRST_ROWS)
-    return Counter(line.count(separator) + 1 for line in lines if line.strip() and not line.startswith("#"))
+    widths = Counter[int]()
+    for line in lines:
+        if line.strip() and not line.startswith("#"):
+            whole, padded = (one.count(separator) + 1 for one in (line.rstrip(f'{separator}" '), line))
+            fits = whole <= len(names) <= padded and not set(names) >= VERSION_5
+            widths[len(names) if fits else whole] += 1
+    return widths
 
 
 def _refuse_commas(log: bytes, header_row: int, separator: str) -> None:

@@ -6,6 +6,7 @@ checksum, a clock of 16 bits and what the letter says. Erased bytes are ff; a ch
 Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files.
 """
 
+import codecs
 import re
 from dataclasses import fields
 
@@ -41,7 +42,7 @@ OTHERS = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
 
 
 def recognises(head: bytes) -> bool:
-    text = head.translate(None, b"\0").decode("latin-1")
+    text = _plain(head).decode("latin-1")
     if text.lstrip().startswith("{"):
         return '"log_format"' in text
     return bool(OLD_MARK.search(text)) and any(OLD_RECORD.match(line) for line in text.splitlines())
@@ -50,7 +51,7 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     if len(log) > LARGEST:
         raise DamagedLog(f"found {len(log)} bytes, expected at most {LARGEST}, the largest flash there is")
-    log = log.translate(None, b"\0")
+    log = _plain(log)
     settings, row = _settings(log)
     number = _setting(settings, "log.format")
     if number == TELEMINI_1:
@@ -70,6 +71,11 @@ def read(log: bytes) -> list[Found]:
     if not found:
         raise DamagedLog("found no samples, expected records of the letter A", row=row)
     return [*found, *flash.found]
+
+
+def _plain(log: bytes) -> bytes:
+    """A log without the NUL that pads it or that UTF-16 puts between its letters, and without the mark before them."""
+    return log.translate(None, b"\0").lstrip(codecs.BOM_UTF8 + codecs.BOM_UTF16)
 
 
 def _settings(log: bytes) -> tuple[str, int]:

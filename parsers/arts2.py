@@ -15,7 +15,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.logs.header import find_header
-from fieldkit.logs.text import decode
+from fieldkit.logs.text import decode, lines_of
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
@@ -28,7 +28,7 @@ RESTING = 25
 
 def _interpreted(head: bytes) -> tuple[int, str | None] | None:
     """The row of the interpreted header and what parts its cells (None: blanks), or None."""
-    for row, line in enumerate(decode(head[:HEAD]).splitlines(), start=1):
+    for row, line in enumerate(lines_of(decode(head[:HEAD])), start=1):
         if match := _INTERPRETED.match(line):
             return row, match[1].strip() or None
     return None

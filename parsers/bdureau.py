@@ -18,7 +18,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.damage import Damaged
-from fieldkit.logs.text import shown
+from fieldkit.logs.text import narrow, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.units import ZERO_CELSIUS
@@ -41,7 +41,7 @@ def checksum(body: bytes) -> int:
 
 
 def recognises(head: bytes) -> bool:
-    return _KNOWN.search(head) is not None
+    return _KNOWN.search(narrow(head)) is not None
 
 
 def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
@@ -60,7 +60,7 @@ def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
 
 
 def read(log: bytes) -> list[Found]:
-    damaged = Damaged()
+    log, damaged = narrow(log), Damaged()
     flights: dict[int, array[float]] = {}
     live = array("d")
     board, firmware, samples = "", "", 0

@@ -17,7 +17,7 @@ from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.logs.header import Header, find_header, header_or_damage
 from fieldkit.logs.pad import marks, scale_at_rest, upright
-from fieldkit.logs.text import decode
+from fieldkit.logs.text import decode, lines_of
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS, Unit
@@ -105,7 +105,7 @@ def _reading(series: Series, table: Table, head: Header, log: bytes) -> Reading:
 
 def _lift_off(table: Table, head: Header, log: bytes) -> datetime | None:
     """When the clock of a flight was zero; the day alone where a spreadsheet has spoilt the time of day."""
-    lines = decode(log[:HEAD]).splitlines()
+    lines = lines_of(decode(log[:HEAD]))
     row = int(table.rows[0])
     places = [head.place(name) for name in ("year", "month", "day", "time")]
     if row > len(lines) or None in places:

@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from datetime import datetime, timedelta
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.logs.text import decode, shown
+from fieldkit.logs.text import decode, lines_of, shown
 from fieldkit.parsing import HEAD, Found, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.units import parse
@@ -31,12 +31,15 @@ EVENTS = {
     "time to fourth channel fire": "fourth channel",
 }
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_OURS = re.compile(r"^Max Altitude,.*?^(?:Launch (?:date|time)|Time to Apo channel fire),", re.M | re.S | re.I)
+_OURS = re.compile(
+    r'^"?Max Altitude"?[,;\t].*?^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.S | re.I
+)
+_LINE = re.compile(r"\s*([^,;\t]+?)\s*[,;\t]\s*(.*?)[\s,;]*")
 _DATE = re.compile(r"(\d{1,2})-([A-Za-z]{3})-(\d{2}|\d{4})$")
 
 
 def recognises(head: bytes) -> bool:
-    return _OURS.search(decode(head)) is not None
+    return _OURS.search("\n".join(lines_of(decode(head)))) is not None
 
 
 def read(log: bytes) -> list[Found]:
@@ -44,10 +47,11 @@ def read(log: bytes) -> list[Found]:
     events: dict[str, float] = {}
     extra: dict[str, str] = {}
     found: list[Found] = []
-    for row, line in enumerate(decode(log[:HEAD]).splitlines(), start=1):
-        spelled, comma, value = (part.strip() for part in line.partition(","))
+    for row, line in enumerate(lines_of(decode(log[:HEAD])), start=1):
+        match = _LINE.fullmatch(line.replace('"', ""))
+        spelled, value = match.groups() if match else ("", "")
         key = " ".join(spelled.lower().split())
-        if not comma or not key or key in extra:
+        if not key or key in extra:
             continue
         extra[key] = value
         try:

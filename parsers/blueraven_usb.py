@@ -20,7 +20,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.checks import BUYPASS
 from fieldkit.logs.pad import scale_at_rest, upright
-from fieldkit.logs.text import line_end, lines
+from fieldkit.logs.text import line_end, lines, narrow
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
@@ -87,7 +87,7 @@ class Frame:
 
 
 def recognises(head: bytes) -> bool:
-    return any(kind in head for kind in KINDS)
+    return any(kind in narrow(head) for kind in KINDS)
 
 
 def frames_of(lines: Sequence[bytes]) -> list[Frame | None]:
@@ -118,7 +118,7 @@ def _frame(text: bytes) -> Frame | None:
 
 
 def read(log: bytes) -> list[Found]:
-    samples = {"LOW": array("d"), "HIR": array("d")}
+    log, samples = narrow(log), {"LOW": array("d"), "HIR": array("d")}
     lost, first_lost, cut = 0, 0, False
     last = log.count(line_end(log)) + 1
     rows, row = lines(log, LINE), 0

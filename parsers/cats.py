@@ -39,6 +39,8 @@ KINDS: Mapping[str, tuple[str, ...]] = {
     "imu": ("id", "ax", "ay", "az"),
 }
 """Each kind of file, by columns that it has after `ts`."""
+MOST_ABOVE = 5
+"""A header further down is that of another table. [1]"""
 PASCAL = (1_000.0, 115_000.0)
 """What air a rocket flies in may measure. [Pa]"""
 
@@ -52,7 +54,7 @@ def kind_of(names: Sequence[str]) -> str:
 
 def recognises(head: bytes) -> bool:
     found = find_header(head, lambda names: bool(kind_of(names)))
-    return found is not None and found.row <= 2
+    return found is not None and found.row <= MOST_ABOVE
 
 
 def read(log: bytes) -> list[Found]:

@@ -6,6 +6,7 @@ seen the log is refused, and a unit in the header (`Alt_ft`, `Alt_m`) mends it. 
 steps of a tenth or a twentieth of a second show. A column of events holds the altitude at its event, else zero.
 """
 
+import codecs
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -18,7 +19,7 @@ from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.logs.header import Header, find_header, header_in
 from fieldkit.logs.pad import marks
-from fieldkit.logs.text import decode, lines
+from fieldkit.logs.text import lines, narrow
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
@@ -61,8 +62,7 @@ class _Part:
 
 
 def read(log: bytes) -> list[Found]:
-    if b"\0" in log[:200]:
-        log = decode(log).encode()
+    log = narrow(log)
     found: list[Found] = []
     parts = list(islice(_parts(log), MOST_FLIGHTS))
     if not parts:
@@ -87,7 +87,7 @@ def _parts(log: bytes) -> Iterator[_Part]:
         begin, place = place, place + len(line) + 1
         if line[:1].isdigit() or not line.strip():
             continue
-        text = line[:400].decode("cp1252", "replace")
+        text = line[:400].removeprefix(codecs.BOM_UTF8).decode("cp1252", "replace")
         if head := header_in(text, row, _fits):
             if part:
                 yield replace(part, stop=min(part.stop, begin))
@@ -191,7 +191,7 @@ def _fall(
     """
     inside = (clock >= start) & (clock <= stop)
     nothing = (float("nan"),) * 3
-    if inside.sum() < 12:
+    if len(np.unique(clock[inside])) < 12:
         return nothing
     middle = float(clock[inside].mean())
     curve = np.polynomial.polynomial.polyfit(clock[inside] - middle, height[inside], 2)

@@ -13,7 +13,7 @@ from fieldkit.flight import Series
 from fieldkit.logs.clocks import in_order
 from fieldkit.logs.columns import Table, read_columns
 from fieldkit.logs.header import Header, find_header, header_or_damage
-from fieldkit.logs.text import decode, lines
+from fieldkit.logs.text import decode, lines, lines_of, narrow
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.safe_text import printable
 from fieldkit.units import FOOT, Unit
@@ -45,7 +45,7 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, "UTCTIME,UNIXTIME,ALT,LAT,LON or TRACKER,DATE,TIME with ALT,LAT,LON")
     ground = head.names[:3] == GROUND
-    text = b"\n".join(_seconds(log, head)) if ground else log
+    text = b"\n".join(_seconds(narrow(log), head)) if ground else log
     table = read_columns(
         text,
         head.channels(CHANNELS),
@@ -75,7 +75,7 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
     """The lines of a ground station's log, with the time of day in seconds where it was `14:09:44.6`."""
     mark = head.separator.encode()
     for row, line in enumerate(lines(log), start=1):
-        cells = line.rstrip(b"\r").split(mark)
+        cells = line.rstrip(b"\r").replace(b'"', b"").split(mark)
         clock = cells[2].replace(b",", b".").split(b":") if len(cells) > 2 and row > head.row else []
         if len(clock) == 3:
             try:
@@ -84,7 +84,8 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
                 pass
             else:
                 seconds += hours * 3600 + minutes * 60
-                cells[2] = (b"%.3f" % seconds).replace(b".", b"," if b"," in cells[2] else b".")
+                points = mark == b"," or any(b"." in cell for cell in cells[3:])
+                cells[2] = (b"%.3f" % seconds).replace(b".", b"." if points else b",")
         yield mark.join(cells)
 
 
@@ -107,7 +108,7 @@ def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
 def _utc(log: bytes, head: Header, table: Table, time: np.ndarray) -> dict[str, str]:
     """The stated UTC of the earliest row, where it stands near the start of the log."""
     place = head.place("utctime")
-    texts = decode(log[:HEAD]).splitlines()
+    texts = lines_of(decode(log[:HEAD]))
     row = int(table.rows[int(np.argmin(time))])
     if place is None or row > len(texts):
         return {}

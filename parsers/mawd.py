@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.text import shown
+from fieldkit.logs.text import narrow, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import FOOT
 
@@ -26,13 +26,14 @@ LARGEST = 4 << 20
 
 
 def recognises(head: bytes) -> bool:
-    return STATISTICS.search(head) is not None
+    return STATISTICS.search(narrow(head)) is not None
 
 
 def read(log: bytes) -> list[Found]:
     if len(log) > LARGEST:
         expected = f"expected at most {LARGEST} for the 99999 samples that its statistics can count"
         raise DamagedLog(f"found {len(log)} bytes, {expected}")
+    log = narrow(log).rstrip(b"\0\x1a")
     found = list(STATISTICS.finditer(log))
     if not found:
         raise DamagedLog("found no statistics, expected five lines such as G00812, A01204, N00512, D00000, M00700")

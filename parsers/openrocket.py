@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.headings import heading, unit_named
 from fieldkit.logs.simulations import TIME_WORDS, channel_of, read_simulation
-from fieldkit.logs.text import decode
+from fieldkit.logs.text import decode, lines_of
 from fieldkit.parsing import HEAD, Found, Parser, Reading
 
 EVENTS = {
@@ -66,13 +66,13 @@ def read(log: bytes) -> list[Found]:
         log, header.names, "OpenRocket", after=header.row, separator=header.separator, comment=mark
     )
     events = _events(line for _, line in table.remarks)
-    extra = _description(head.splitlines()[: header.row - 1], mark)
+    extra = _description(lines_of(head)[: header.row - 1], mark)
     return [replace(item, events=events, extra=extra) if isinstance(item, Reading) else item for item in found]
 
 
 def _header(text: str) -> Header | None:
     """The line of names, in which time comes with its unit and every cell ends in brackets."""
-    for row, line in enumerate(text.splitlines()[:500], start=1):
+    for row, line in enumerate(lines_of(text)[:500], start=1):
         match = _HEADER.match(line)
         if match and match["first"].lower() in TIME_WORDS and unit_named("time", match["unit"]):
             after = match["after"]

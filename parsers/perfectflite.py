@@ -21,6 +21,8 @@ from fieldkit.logs.text import first_lines, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import check
 
+MOST_ABOVE = 5
+"""Among so many lines is the first, behind blank ones or a title. [1]"""
 MOST_HEADER = 100
 """The row of columns is looked for among so many lines. [1]"""
 ERASED = 25.50
@@ -36,8 +38,7 @@ OUTPUTS = {"drogue at": "drogue", "main at": "main"}
 
 
 def recognises(head: bytes) -> bool:
-    first = next((line for line in first_lines(head, most=5) if line.strip()), "")
-    return first.lstrip('"').startswith("PerfectFlite ")
+    return any(line.lstrip('"').startswith("PerfectFlite ") for line in first_lines(head, most=MOST_ABOVE))
 
 
 def read(log: bytes) -> list[Found]:
@@ -71,7 +72,7 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     for row, line in enumerate(first_lines(log, most=MOST_HEADER), start=1):
         if DATA.match(line):
             return header, row, line
-        line = line.rstrip(",").strip('"')
+        line = line.rstrip(",;\t ").strip('"')
         if line.startswith("PerfectFlite "):
             header["PerfectFlite"] = line.strip()
         elif line.strip().upper().endswith("PWRLOSS"):
@@ -92,13 +93,18 @@ def _table(log: bytes, data_row: int, data: str) -> Table:
     ]
     if unit:
         channels.append(Channel("temperature", 3, units.unit("temperature", unit[1]), header="Temperature"))
-    return read_columns(log, channels, after=data_row, widths=range(3, 6))
+    parted = re.search(r"Time\"?\s*([,;\t])", data)
+    return read_columns(log, channels, after=data_row, separator=parted[1] if parted else ",", widths=range(3, 6))
 
 
 def _written(table: Table) -> int:
-    """How many rows there are before those that were never written, up to the end of the log."""
-    written = np.flatnonzero(table.values["voltage"] != ERASED)
-    return int(written[-1]) + 1 if len(written) else len(table)
+    """How many rows there are before those that were never written, up to the end of the log.
+
+    The last row tells nothing: it may be cut off within its voltage.
+    """
+    written = np.flatnonzero(table.values["voltage"][:-1] != ERASED)
+    last = int(written[-1]) + 1 if len(written) else 0
+    return last if 0 < last < len(table) - 1 else len(table)
 
 
 def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:

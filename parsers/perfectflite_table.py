@@ -61,7 +61,8 @@ def read(log: bytes) -> list[Found]:
 
 def _layout(log: bytes) -> Layout | None:
     """How a log is laid out, None if it is no such export."""
-    rows = [(row, line) for row, line in enumerate(first_lines(log, most=FIRST_ROWS), start=1) if line.strip()]
+    lines = enumerate((line.rstrip(",;\t ") for line in first_lines(log, most=FIRST_ROWS)), start=1)
+    rows = [(row, line) for row, line in lines if line and not line.startswith("sep=")]
     if not rows:
         return None
     row, first = rows[0]

@@ -3,27 +3,24 @@
 Rows are a hundredth of a second apart. Units stand in brackets; `lb` is a force for thrust and drag.
 """
 
-import re
+from collections.abc import Sequence
 
-from fieldkit.errors import DamagedLog
+from fieldkit.logs.header import find_header, header_or_damage
 from fieldkit.logs.simulations import read_simulation
-from fieldkit.logs.text import decode, first_row
-from fieldkit.parsing import HEAD, Found, Parser
+from fieldkit.parsing import Found, Parser
 
-_HEADER = re.compile(r"\s*Time \(sec\)\s*([,;\t])\s*Stage\s*\1\s*Stage Time \(sec\)\s*\1", re.IGNORECASE)
+
+def _fits(names: Sequence[str]) -> bool:
+    return tuple(names[:3]) == ("time (sec)", "stage", "stage time (sec)") and len(names) > 3
 
 
 def recognises(head: bytes) -> bool:
-    return bool(_HEADER.match(decode(head)))
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    text = decode(log[:HEAD])
-    found = _HEADER.match(text)
-    if not found:
-        raise DamagedLog("found no header of RASAero II, expected Time (sec),Stage,Stage Time (sec),...", row=1)
-    row, names = first_row(text, found[1])
-    return read_simulation(log, names, "RASAero II", after=row, separator=found[1])[1]
+    head = header_or_damage(log, _fits, "Time (sec),Stage,Stage Time (sec),...")
+    return read_simulation(log, head.names, "RASAero II", after=head.row, separator=head.separator)[1]
 
 
 PARSER = Parser("RASAero II simulation (CSV)", recognises, read)

@@ -17,13 +17,12 @@ from fieldkit.flight import Series
 from fieldkit.logs.clocks import LATEST, in_order
 from fieldkit.logs.columns import Channel, Table, read_columns
 from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.logs.text import lines
+from fieldkit.logs.text import lines, narrow
 from fieldkit.parsing import Found, Parser, Reading
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
 
 FLAGS = "bilba"
-MARKS = (",", ";")
 CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "axial accel (gs)": ("felt", Unit(STANDARD_GRAVITY)),
     "baro (atm)": ("pressure", UNITS["pressure"]["atm"]),
@@ -48,13 +47,14 @@ def _fits(names: Sequence[str]) -> bool:
 
 
 def recognises(head: bytes) -> bool:
-    return find_header(head, _fits, MARKS) is not None
+    return find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
     if len(log) > LARGEST:
         raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {LARGEST >> 20} MB of a Raven")
-    head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel", MARKS)
+    log = narrow(log)
+    head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel")
     places: dict[str, int] = {}
     for name, (channel, _) in CHANNELS.items():
         if name in head.names[1::3]:
@@ -70,17 +70,21 @@ def read(log: bytes) -> list[Found]:
 
 
 def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
-    """The lines of a log with three cells for every channel, also for those that have ended."""
+    """The lines of a log with three cells for every channel, also for those that have ended.
+
+    A spreadsheet pads each line to the longest, so that the flags, not the length, tell whether cells are missing.
+    """
     for line in lines(log):
-        if line.count(mark) == 3 * channels - 1:
+        line = line.rstrip(b"\r").replace(b'"', b"")
+        cells, place, row = line.split(mark), 0, list[bytes]()
+        if len(cells) >= 3 * channels and not any(cell.strip(b" b01") for cell in cells[2 : 3 * channels : 3]):
             yield line
             continue
-        cells, place, row = line.rstrip(b"\r").split(mark), 0, list[bytes]()
         for _ in range(channels):
             ended = place < len(cells) and not cells[place].strip()
             row += [b"", b"", b""] if ended else cells[place : place + 3]
             place += 2 if ended else 3
-        yield mark.join(row) if place == len(cells) else line
+        yield mark.join(row) if place <= len(cells) and not any(map(bytes.strip, cells[place:])) else line
 
 
 def _clocks(table: Table, places: Mapping[str, int]) -> tuple[Series, ...]:

@@ -8,11 +8,16 @@ that the speed makes of them must be the one that the height shows.
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.header import SEPARATORS
 from fieldkit.logs.headings import heading, stated_unit, unit_named
+from fieldkit.logs.layout import split
 from fieldkit.logs.simulations import base_words, channel_of, read_simulation
-from fieldkit.logs.text import decode, first_row
+from fieldkit.logs.text import decode, lines_of
 from fieldkit.parsing import HEAD, Found, Parser
 
 _OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
+
+
+MOST_ABOVE = 5
+"""Among so many lines that are not blank are the names, behind a title or two. [1]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -30,7 +35,8 @@ def read(log: bytes) -> list[Found]:
 def _header(head: bytes) -> tuple[int, list[str], str] | None:
     """The row of names, the names and what parts them, or None where none is RockSim's."""
     text = decode(head)
-    rows = ((*first_row(text, separator), separator) for separator in SEPARATORS)
+    first = [(row, line) for row, line in enumerate(lines_of(text), start=1) if line.strip()][:MOST_ABOVE]
+    rows = ((row, split(line, separator), separator) for row, line in first for separator in SEPARATORS)
     return next((one for one in rows if _is_rocksims(one[1])), None)
 
 

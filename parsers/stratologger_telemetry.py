@@ -7,6 +7,7 @@ from launch on, all are. The first kind shows by a step down to about nothing af
 Source: docs/telem.md (UND-ARC/StratoLogger).
 """
 
+from collections.abc import Sequence
 from datetime import datetime
 
 import numpy as np
@@ -14,15 +15,14 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.logs.columns import Channel, read_columns
-from fieldkit.logs.text import decode, shown
+from fieldkit.logs.header import Header, find_header, header_or_damage
+from fieldkit.logs.text import decode, lines_of, shown
 from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
 from fieldkit.units import FOOT, UNITS
 
 TITLE = "StratoLogger live telemetry, captured by fieldkit"
 ON_PAD = 30 * FOOT
 """Heights of a rocket that is still on its pad, by its own barometer. [m]"""
-MOST_HEADER = 100
-"""The row of columns is looked for among so many lines. [1]"""
 CHANNELS = (
     Channel("time", 0, needed=True, header="seconds"),
     Channel("altitude", 1, UNITS["length"]["ft"], header="feet"),
@@ -30,22 +30,19 @@ CHANNELS = (
 
 
 def recognises(head: bytes) -> bool:
-    return head.startswith(TITLE.encode())
+    return TITLE.partition(",")[0] in decode(head) and find_header(head, _fits) is not None
 
 
 def read(log: bytes) -> list[Found]:
-    head = decode(log[:HEAD]).splitlines()[:MOST_HEADER]
-    if "seconds,feet" not in head:
-        raise DamagedLog("found no row seconds,feet, expected it before the samples", row=1)
-    header = head.index("seconds,feet")
-    table = read_columns(log, CHANNELS, after=header + 1, widths={2})
+    head = header_or_damage(log, _fits, "seconds,feet before the samples")
+    table = read_columns(log, CHANNELS, after=head.row, separator=head.separator, widths={2})
     notes = list(table.found)
     heard = ~np.isnan(table.values["altitude"])
     if not heard.all():
         lost = table.rows[~heard]
         notes.append(Note(f"is the first of {len(lost)} lines that were no number and are left out", int(lost[0])))
     stated: dict[str, object] = {}
-    began = next((line.removeprefix("began,") for line in head[:header] if line.startswith("began,")), "")
+    began = _began(log, head)
     try:
         stated["date_time"] = datetime.fromisoformat(began).replace(tzinfo=None) if began else None
     except ValueError:
@@ -55,10 +52,21 @@ def read(log: bytes) -> list[Found]:
         stated["site_elevation"] = float(height[0])
         time, height = time[1:], height[1:]
     if not len(height):
-        raise DamagedLog("found no sample, expected rows of seconds,feet", row=header + 1)
+        raise DamagedLog("found no sample, expected rows of seconds,feet", row=head.row)
     order = np.argsort(time, kind="stable")
     series = Series(time=time[order] - time.min(), altitude=height[order])
     return [Reading(stated, series=series, device="PerfectFlite StratoLogger"), *notes]
+
+
+def _fits(names: Sequence[str]) -> bool:
+    return tuple(names) == ("seconds", "feet")
+
+
+def _began(log: bytes, head: Header) -> str:
+    """When the capture began, as the lines above the table say; empty where they do not."""
+    above = lines_of(decode(log[:HEAD]))[: head.row - 1]
+    parted = (line.replace('"', "").partition(head.separator) for line in above)
+    return next((value.strip(head.separator) for name, _, value in parted if name == "began"), "")
 
 
 PARSER = Parser("PerfectFlite StratoLogger live telemetry", recognises, read)

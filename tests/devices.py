@@ -36,11 +36,17 @@ class Wire:
         self.commands: list[bytes] = []
         self.left: int | None = None
         """How many bytes it may still say before its cable is pulled; None for as many as it likes."""
+        self.flood: tuple[int, bytes] | None = None
+        """What it babbles, once, when it has said so many bytes; None for a unit that makes sense."""
         self._unread = bytearray()
         self._gone = threading.Event()
 
     def say(self, content: bytes, dribble: random.Random | None = None) -> None:
         """Send bytes, all at once or in pieces of one to nine with pauses."""
+        if self.flood is not None:
+            after, babble = self.flood
+            self.flood = (after - len(content), babble) if after > len(content) else None
+            content = content if self.flood else content[:after] + babble + content[after:]
         torn = self.left is not None and len(content) > self.left
         if self.left is not None:
             content = content[: self.left]
@@ -419,6 +425,16 @@ def pulled(device: Device, after: int) -> Device:
         device(wire)
 
     return broken
+
+
+def flooded(device: Device, after: int, flood: bytes) -> Device:
+    """A unit that babbles, once, when it has said so many bytes."""
+
+    def babbling(wire: Wire) -> None:
+        wire.flood = (after, flood)
+        device(wire)
+
+    return babbling
 
 
 def deaf(wire: Wire) -> None:

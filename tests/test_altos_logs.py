@@ -99,6 +99,7 @@ def test_the_flight_comes_back_from_every_form(name: str, rows: int, seconds: fl
     [
         "altos_eeprom__telemetrum_2_with_damage.eeprom",
         "altos_eeprom__telemetrum_1_among_commands.eeprom",
+        "altos_eeprom__easymega_cut_off.eeprom",
         "altos_telem__telemetrum_1.telem",
         "altos_csv__with_satellites.csv",
     ],
@@ -110,6 +111,14 @@ def test_acceleration_is_net_of_gravity(name: str) -> None:
     steady = (series.time > 1.5) & (series.time < 5.0)
     assert series.acceleration[steady] == pytest.approx(expected[steady], abs=0.5)
     assert series.acceleration[series.time < 0] == pytest.approx(0.0, abs=0.5)
+
+
+def test_counts_that_are_not_those_of_the_pad_are_no_acceleration() -> None:
+    """As of a unit that was mounted upside down, or of a firmware that keeps something else there."""
+    name = "altos_eeprom__easymega_cut_off.eeprom"
+    log = (LOGS / name).read_bytes().replace(b"46 31 09 00 03 00 bb 3c", b"46 32 09 00 03 00 bb 3b")
+    assert log != (LOGS / name).read_bytes()
+    assert read(name, log)[0].clocks[0].acceleration is None
 
 
 def test_what_was_not_measured_is_nan() -> None:

@@ -282,40 +282,6 @@ def test_a_fault_in_a_protocol_loses_nothing(tmp_path: Path, monkeypatch: pytest
     assert read_capture(file).raw == b"precious"
 
 
-@terminals
-@pytest.mark.parametrize(
-    ("device", "content"),
-    [
-        ("micropeak", devices.micropeak_stream(devices.micropeak_payload(100_000, 99_000, range(99_000, 99_100)))),
-        ("eggtimer", b"\nT,Alt,Veloc\r\n" + b"".join(b"%d,%d,0\r\n" % (n, n) for n in range(100))),
-        ("stratologger", b"\n" + b"".join(b"%d\r\n" % n for n in range(100))),
-    ],
-    ids=["micropeak", "eggtimer", "stratologger"],
-)
-def test_a_megabyte_of_noise_hides_nothing(tmp_path: Path, device: str, content: bytes) -> None:
-    flood = devices.noise(1_000_000)
-    with played(devices.talking(flood + content)) as wire:
-        began = time.monotonic()
-        stop = devices.arrived(tmp_path, flood + content)
-        end = followed(capture(Port(wire.name), device, folder=tmp_path, stop=stop), wire)
-        assert time.monotonic() - began < 60
-    assert end.samples >= 99
-    assert read_capture(end.file).raw == flood + content
-    (log,) = logs_in(end.file)
-    assert content.strip()[-300:] in log.content or device == "stratologger"
-
-
-@terminals
-def test_a_unit_that_floods_before_it_answers_is_understood(tmp_path: Path) -> None:
-    rows = devices.altimulti_data(0, 50)
-    flights = [[*rows[:25], devices.noise(1_000_000).replace(b";", b":"), *rows[25:]]]
-    with played(devices.altimulti(flights)) as wire:
-        *_, end = capture(Port(wire.name), "altimulti", folder=tmp_path)
-    assert isinstance(end, Ended)
-    assert end.whole
-    assert end.samples == 50
-
-
 # --- Kill, stop, pull
 
 

@@ -408,7 +408,7 @@ def test_the_text_of_an_eggtimer_is_kept_as_it_came(tmp_path: Path) -> None:
 RADIO = [devices.telem(devices.telem_sensor(65_530 + 10 * n, 30 * n, 55.5)) for n in range(30)]
 FEET = [b"%d\r\n" % height for height in (812, 0, 1, 40, 160, 300, 290, 100, 0)]
 REMEMBERED: list[tuple[str, Callable[[], devices.Device], int]] = [
-    ("micropeak", lambda: devices.talking(devices.micropeak_stream(PAYLOADS[0])), 150),
+    ("micropeak", lambda: devices.talking(devices.micropeak_stream(PAYLOADS[0]) * 2), 150),
     ("altimulti", lambda: devices.altimulti(FLIGHTS), 10_000),
     ("altos", lambda: devices.altos(altos_memory(5), [(1, 0x10, 0x15)]), 3000),
     ("mawd", lambda: devices.mawd(HEIGHTS), 700),
@@ -465,6 +465,45 @@ def test_a_stream_over_two_ports_loses_what_was_torn_and_makes_nothing_up(
     kept = [line.rpartition(b",")[2] if device == "stratologger" else line for line in log.content.splitlines()]
     wanted = [line.strip() for line in [*lines[:half], *lines[half + 1 + (device != "teledongle") :]]]
     assert kept[kept.index(wanted[0]) :] == wanted
+
+
+# --- A megabyte of nothing: noise, memory that was never written, blank lines
+
+FLOOD = devices.noise(500_000).translate(None, b"0123456789") + b"\r\n" * 125_000 + bytes(275_000)
+BABBLING = [*STREAMED, ("blue_raven", lambda low: devices.blue_raven(low, HIGH), LOW)]
+
+
+@pytest.mark.parametrize("place", [0, 1], ids=["before", "within"])
+@pytest.mark.parametrize(("device", "unit", "after"), REMEMBERED[:-1], ids=[one for one, *_ in REMEMBERED[:-1]])
+def test_a_memory_with_a_megabyte_of_nothing_in_its_answers_is_what_it_would_have_been(
+    tmp_path: Path, device: str, unit: Callable[[], devices.Device], after: int, place: int
+) -> None:
+    with played(unit()) as wire:
+        calm = ended(heard(wire, device, tmp_path, BRIEF))
+    with played(devices.flooded(unit(), after * place, FLOOD + b"\r\n")) as wire:
+        end = ended(heard(wire, device, tmp_path, BRIEF))
+    assert end.whole
+    assert len(read_capture(end.file).raw) > 1_000_000
+    for log, wanted in zip(logs_in(end.file), logs_in(calm.file), strict=True):
+        lines = [line for line in wanted.content.splitlines() if line]
+        assert [line for line in log.content.splitlines() if line in lines] == lines
+
+
+@pytest.mark.parametrize(("device", "unit", "lines"), BABBLING, ids=[one for one, *_ in BABBLING])
+def test_a_megabyte_of_nothing_in_a_stream_costs_the_line_that_it_tears(
+    tmp_path: Path, device: str, unit: Callable[[list[bytes]], devices.Device], lines: list[bytes]
+) -> None:
+    half = len(lines) // 2
+    said = devices.IDENTITY if device == "teledongle" else b""
+    after = len(said + b"".join(lines[:half])) + 2
+    with played(devices.flooded(unit(lines), after, FLOOD)) as wire:
+        stop = devices.arrived(tmp_path, said + b"".join(lines) + FLOOD)
+        end = ended(heard(wire, device, tmp_path, BRIEF, stop if device != "blue_raven" else lambda: False))
+    (log,) = logs_in(end.file)
+    kept = [line.rpartition(b",")[2] if device == "stratologger" else line for line in log.content.splitlines()]
+    wanted = [line.strip() for line in [*lines[:half], *lines[half + 1 :]] if line.strip()]
+    assert [line for line in kept if line in wanted] == wanted
+    assert len(read_capture(end.file).raw) > 1_000_000
 
 
 # --- Units that nobody named

@@ -3,16 +3,19 @@
 Each is made of a sample log, or of one small flight, by what the notes on formats say of real files.
 """
 
+import csv
+import io
 import re
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 import pytest
 
-from fieldkit.parsing import Reading, claims, recognise
+from fieldkit.parsing import Reading, claims, parsers, recognise
 from fieldkit.standard_air import GRAVITY
 from fieldkit.units import FOOT
-from tests.samples import SAMPLES
+from tests.samples import SAMPLES, owner
 from tools.samples.one_parachute import flight
 from tools.samples.writing import cells, table
 
@@ -41,6 +44,9 @@ def parted(log: str, separator: str) -> str:
     return re.sub(r"(?<=\d)\.(?=\d)", "\0", log).replace(",", separator).replace("\0", ",")
 
 
+MAPPED = text("mapped_table__time_three_axes")
+TRS = text("eggtimer__classic")
+USB, SENTENCES = text("blueraven_usb"), text("bdureau__two_flights")
 PF2, EXPORT = text("perfectflite__drogue_and_main"), text("perfectflite_table__commas_and_celsius")
 ALTOS, RRC3, ARTS2 = text("altos_csv__with_satellites"), text("rrc3__feet_and_commas"), text("arts2__interpreted")
 RAVEN, EEPROM = text("blueraven_app__low_rate"), text("altos_eeprom__easymini")
@@ -68,6 +74,17 @@ VARIANTS: Sequence[tuple[str, str, bytes, bytes]] = [
         re.sub(r"\d\d:(\d\d:\d\d\.\d)\d\d", r"\1", RAVEN).encode("utf-8-sig")),
     ("an .eeprom with its settings on one line", "altos_eeprom", EEPROM.encode(),
         (" ".join(SETTINGS.split()) + FLASH).encode()),
+    ("an .eeprom with a mark before it", "altos_eeprom", EEPROM.encode(), EEPROM.encode("utf-8-sig")),
+    ("an .eeprom in UTF-16", "altos_eeprom", EEPROM.encode(), EEPROM.encode("utf-16")),
+    ("sentences in UTF-16", "bdureau", SENTENCES.encode(), SENTENCES.encode("utf-16")),
+    ("frames in UTF-16", "blueraven_usb", USB.encode(), USB.encode("utf-16")),
+    ("an Eggtimer with a mark before it", "eggtimer", TRS.encode(), TRS.encode("utf-8-sig")),
+    ("AltOS in quotation marks", "altos_csv", ALTOS.encode(),
+        re.sub(r"[^,\n]+", r'"\g<0>"', ALTOS[ALTOS.index("#version") :]).encode()),
+    ("AltOS below a title", "altos_csv", ALTOS.encode(), b"Saturday\n\n" + ALTOS.encode()),
+    ("a pf2 with semicolons", "perfectflite", PF2.encode(), PF2.replace(",", ";").encode()),
+    ("a table whose lines end twice", "mapped_table", MAPPED.encode(), MAPPED.replace("\n", "\r\r\n").encode()),
+    ("a table with every other line blank", "mapped_table", MAPPED.encode(), MAPPED.replace("\n", "\n\n").encode()),
     ("an .eeprom in capitals", "altos_eeprom", EEPROM.encode(), (SETTINGS + FLASH.upper()).encode()),
 ]  # fmt: skip
 
@@ -83,6 +100,51 @@ def test_a_variant_has_the_samples_of_the_plain_log(parser: str, plain: bytes, v
     for one, other in zip(expected, got, strict=True):
         for channel in one.__slots__:
             np.testing.assert_array_equal(getattr(other, channel), getattr(one, channel), channel)
+
+
+def saved(log: str, separator: str, decimal: str) -> bytes:
+    """A table as a spreadsheet saves it: a mark, all rows as wide as the widest, numbers as short as can be."""
+    parted = max(",;\t", key=log.splitlines()[-2].count)
+    rows = [[shortest(cell, decimal) for cell in row] for row in csv.reader(io.StringIO(log), delimiter=parted)]
+    rows = [row + [""] * (max(map(len, rows)) - len(row)) for row in rows]
+    written = io.StringIO()
+    csv.writer(written, delimiter=separator).writerows([*rows, [""] * len(rows[-1]), [""] * 4])
+    return written.getvalue().encode("utf-8-sig")
+
+
+def shortest(cell: str, decimal: str) -> str:
+    match = re.fullmatch(r"\s*(-?[\d:]*)[.,](\d*?)0*(e-?\d+)?([CFV]?)\s*", cell, re.IGNORECASE)
+    if not match:
+        return cell
+    fraction = decimal + match[2] if match[2] else ""
+    return (match[1] if match[1].strip("-") else match[1] + "0") + fraction + (match[3] or "") + match[4]
+
+
+TABULAR = [
+    *("aim_xtra", "altimetercloud", "altos_csv", "blueraven_app", "cats", "eggtimer", "featherweight_gps"),
+    *("micropeak_csv", "perfectflite_table", "rasaero", "raven_fip", "rocksim", "rrc3", "stratologger_telemetry"),
+]
+
+
+@pytest.mark.parametrize(("separator", "decimal"), [(",", "."), (";", ","), ("\t", ".")])
+@pytest.mark.parametrize("sample", [one for one in SAMPLES if owner(one) in TABULAR], ids=lambda one: one.name)
+def test_a_table_that_a_spreadsheet_has_saved_has_the_samples_of_the_log(
+    sample: Path, separator: str, decimal: str
+) -> None:
+    log, name = sample.read_bytes(), owner(sample)
+    again = saved(log.decode("utf-16" if log[1:2] == b"\xfe" else "utf-8-sig"), separator, decimal)
+    assert claims(again) == [name]
+    expected, got = (
+        [clock for one in parsers()[name].read(one) if isinstance(one, Reading) for clock in one.clocks]
+        for one in (log, again)
+    )
+    assert len(expected) == len(got) >= 1
+    for one, other in zip(expected, got, strict=True):
+        for channel in one.__slots__:
+            values = getattr(other, channel), getattr(one, channel)
+            assert (values[0] is None) == (values[1] is None), channel
+            if values[0] is not None:
+                np.testing.assert_allclose(*values, rtol=1e-9, atol=1e-9, err_msg=channel)
 
 
 def other_rows(values: list[str], odd: bool) -> list[str]:
@@ -122,6 +184,38 @@ def test_a_table_that_no_parser_knows_has_its_heights_in_metres(
     heights = next(values for clock in reading.clocks if (values := getattr(clock, channel)) is not None)
     assert np.nanmax(heights) - np.nanmin(heights) == pytest.approx(MADE.apogee, abs=0.5)
     assert np.ptp(reading.clocks[0].time) == pytest.approx(np.ptp(TIME), abs=0.1)
+
+
+@pytest.mark.parametrize("name", ["rocksim", "rasaero"])
+@pytest.mark.parametrize("above", ["sep=,\n", "Astra, take 2\n\n"])
+def test_a_simulation_below_a_title_is_no_flight(name: str, above: str) -> None:
+    log = (above + text(name)).encode()
+    assert claims(log) == [name]
+    assert [one.describes for one in recognise(log).read(log) if isinstance(one, Reading)] == ["simulation"]
+
+
+@pytest.mark.parametrize("separator", [";", "\t"])
+def test_a_summary_that_a_spreadsheet_has_saved_states_the_same(separator: str) -> None:
+    plain = text("blueraven_summary")
+    variant = "".join(separator.join((*line.split(",", 1), "", "\r\n")) for line in plain.splitlines())
+    assert claims(variant.encode()) == ["blueraven_summary"]
+    one, other = (parsers()["blueraven_summary"].read(log.encode())[0] for log in (plain, variant))
+    assert one == other
+
+
+def test_a_header_of_version_5_is_no_truer_when_a_spreadsheet_has_padded_its_rows() -> None:
+    """It names 74 columns of which its rows have 70: names behind main_voltage are not above their cells."""
+    for name in ("altos_csv__version_5_with_a_comma", "altos_csv__version_5_with_cells"):
+        log = saved(text(name), ",", ".")
+        (reading,) = (one for one in recognise(log).read(log) if isinstance(one, Reading))
+        assert reading.clocks[0].latitude is None
+        assert reading.clocks[0].gps_altitude_msl is None
+
+
+def test_a_row_that_is_cut_off_brings_back_no_heights_from_after_the_power_was_lost() -> None:
+    log = text("perfectflite__power_lost").encode().rstrip()
+    whole, torn = (len(parsers()["perfectflite"].read(one)[0].clocks[0].time) for one in (log, log[:-7]))
+    assert whole == torn
 
 
 def test_a_table_of_flights_with_a_date_and_readouts_is_one() -> None:

@@ -37,9 +37,19 @@ class Line:
             raise ForbiddenCommand(f"{self.protocol or 'a listener'} may not send {command!r}")
         self.tape.note(sent=command.decode("latin-1"))
         try:
+            self._go_on()
             self._port.write(command)
         except _faults() as error:
             raise PortLost(f"{self.name}: the port is gone ({_reason(error)})") from error
+
+    def _go_on(self) -> None:
+        """Undo an XOFF that noise held, which would hold back every command: none is too long for a unit.
+
+        Linux goes on after an XOFF only if it was told to stop as well.
+        """
+        if self._port.xonxoff:
+            self._port.set_output_flow_control(False)
+            self._port.set_output_flow_control(True)
 
     def hear(self) -> bytes:
         """What has arrived, after `WAIT` at most and perhaps nothing; it is on the tape already. Raises PortLost."""

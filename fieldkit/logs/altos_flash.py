@@ -2,7 +2,8 @@
 
 A record is a letter, a checksum, a clock of 16 bits and what the letter says; its length and what is where in it
 tells the log format. Erased bytes are ff; a checksum that is wrong costs its record.
-Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files.
+Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files, but the accelerometer that
+a TeleMega and an EasyMega have along their axis only from `struct ao_log_mega` (ao_log.h).
 """
 
 import re
@@ -31,7 +32,7 @@ class Layout:
     """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
 
     `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
-    record of the flight) are 2 bytes, None where the format has none or it is not known where.
+    record of the flight) are 2 bytes, None where the format has none.
     """
 
     device: str
@@ -48,7 +49,7 @@ MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
 LAYOUTS: Mapping[int, Layout] = {
     1: Layout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
     7: Layout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
-    **{number: Layout(device, 32) for number, device in (MEGA | EASY_MEGA).items()},
+    **{number: Layout(device, 32, acceleration=26, ground=2) for number, device in (MEGA | EASY_MEGA).items()},
     **{number: Layout(device, 16, counts=3) for number, device in MINI.items()},
 }
 

@@ -7,7 +7,7 @@ from functools import lru_cache
 
 from fieldkit.errors import DamagedLog
 from fieldkit.logs.cells import Channel
-from fieldkit.logs.text import decode
+from fieldkit.logs.text import decode, lines_of
 from fieldkit.reading import HEAD
 from fieldkit.units import Unit
 
@@ -51,12 +51,16 @@ def find_header(
 @lru_cache(maxsize=2)
 def _first_rows(head: bytes) -> list[list[tuple[str, tuple[str, ...]]]]:
     """What the cells of each line would be called by each separator: every parser asks of the same few lines."""
-    return [list(_ways(line, SEPARATORS)) for line in re.split(r"\r\n|\n|\r", decode(head))]
+    return [list(_ways(line, SEPARATORS)) for line in lines_of(decode(head))]
 
 
 def _ways(line: str, separators: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The names of a line by each separator, without the empty ones that a spreadsheet puts behind them."""
     for separator in separators:
-        yield separator, tuple(_plain(cell) for cell in line.lstrip("\ufeff").split(separator))
+        names = [_plain(cell) for cell in line.split(separator)]
+        while len(names) > 1 and not names[-1]:
+            names.pop()
+        yield separator, tuple(names)
 
 
 def header_in(

@@ -80,9 +80,9 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
     """The first of three lines (or of those there are) that are rows of numbers alike."""
     rows = [split(line, separator) for line in lines]
     for start in range(len(rows)):
-        alike = [cells for cells in rows[start : start + 4] if any(cell.strip() for cell in cells)][:3]
-        if not alike or len(alike[0]) < 2 or not _numbers(alike[0], separator):
+        if len(rows[start]) < 2 or not _numbers(rows[start], separator):
             continue
+        alike = [cells for cells in rows[start : start + 7] if any(cell.strip() for cell in cells)][:3]
         if all(len(cells) == len(alike[0]) and _numbers(cells, separator) for cells in alike):
             return start
     return None

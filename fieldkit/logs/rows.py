@@ -54,6 +54,9 @@ class Rows:
         self.last = rows[-1]
         if self.widths is not None:
             wrong = [i for i, width in enumerate(self._widths(lines)) if width not in self.widths]
+            for i in wrong:
+                lines[i] = self._without_blanks(lines[i])
+            wrong = [i for i in wrong if self._widths([lines[i]])[0] not in self.widths]
             self._one_by_one([rows[i] for i in wrong], [lines[i] for i in wrong])
             for i in reversed(wrong):
                 del rows[i], lines[i]
@@ -71,6 +74,14 @@ class Rows:
             return [len(line.split()) for line in lines]
         separator = self.separator
         return [line.count(separator) + 1 for line in lines]
+
+    def _without_blanks(self, line: str) -> str:
+        """A line without as many of the blank cells at its end as it has cells too many: a spreadsheet adds them."""
+        separator, widest = self.separator, max(self.widths or [0])
+        if separator is None:
+            return line
+        cells = line.split(separator)
+        return separator.join(cells[:widest]) if not any(cell.strip() for cell in cells[widest:]) else line
 
     def _around(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
         """Keep the rows of a block, whose gaps are `filled` with nan, up to each damaged one and from there on."""
@@ -138,15 +149,20 @@ class Rows:
         return loaded
 
     def _one_by_one(self, rows: Sequence[int], lines: Sequence[str]) -> None:
+        whole: list[tuple[int, list[float], list[str]]] = []
         for row, line in zip(rows, lines, strict=True):
             cells = [cell.strip().strip('"').strip() for cell in line.split(self.separator)]
+            if not any(cells):
+                continue
             numbers = self._numbers(row, line, cells)
             if isinstance(numbers, DamagedLog):
                 self.told += [numbers] if len(self.told) < MOST_TOLD else []
                 self.damaged, self.last_damaged = self.damaged + 1, max(row, self.last_damaged)
             else:
-                said = [[cells[place] if place < len(cells) else ""] for place in self.words.values()]
-                self._keep([row], np.array([numbers]), said)
+                whole.append((row, numbers, [cells[i] if i < len(cells) else "" for i in self.words.values()]))
+        if whole:
+            kept, values, said = zip(*whole, strict=True)
+            self._keep(list(kept), np.array(values), [list(column) for column in zip(*said, strict=True)])
 
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
         """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""

@@ -95,6 +95,16 @@ def first_lines(log: bytes, after: int = 0, most: int = 200) -> list[str]:
     return list(islice(lines, most))
 
 
+def lines_of(text: str) -> list[str]:
+    """The lines of the beginning of a log, as `blocks` counts them."""
+    return [line.strip("\r\ufeff") for line in text.split("\n" if "\n" in text else "\r")]
+
+
+def narrow(log: bytes) -> bytes:
+    """A log with one byte a character, for a parser that looks at bytes: a terminal may have saved it as UTF-16."""
+    return log if encodings(log[:2])[0] == "utf-8" else decode(log).encode()
+
+
 def _texts(log: bytes) -> Iterator[str]:
     begin, size = 0, _size(log)
     while log.startswith(codecs.BOM_UTF8, begin):
@@ -136,11 +146,14 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
 
 
 def first_row(text: str, separator: str) -> tuple[int, list[str]]:
-    """The first row that is not blank, with its number: the header of a table. (0, []) if there is none."""
+    """The first row that is neither blank nor a spreadsheet's `sep=;`, with its number: the header of a table.
+
+    (0, []) if there is none.
+    """
     for row, cells in rows(text, separator):
         if isinstance(cells, DamagedLog):
             break
-        if any(cell.strip() for cell in cells):
+        if any(cell.strip() for cell in cells) and not cells[0].strip().lower().startswith("sep="):
             return row, cells
     return 0, []
 

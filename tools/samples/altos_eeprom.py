@@ -95,7 +95,13 @@ def altos_eeprom() -> Iterator[tuple[str, bytes]]:
     yield "altos_eeprom__easymini.eeprom", text([*settings(6), *flash(mini)]) + bytes(64)
     seen = whole.between(-1.0, 20.0, 0.1)
     counts = raw_pressure(seen.pressure + noise(11, len(seen.time), 2.0))
-    mega = logged(seen, 32, lambda: little(3, 2), lambda i: little(counts[i], 4) + little(WARM, 4), 9)
+    mega = logged(
+        seen,
+        32,
+        lambda: little(3, 2) + little(PLUS + 2, 2) + little(pad, 4),
+        lambda i: little(counts[i], 4) + little(WARM, 4) + bytes(18) + little(gravities[i], 2),
+        9,
+    )
     yield "altos_eeprom__easymega_cut_off.eeprom", text([*settings(16), *flash(mega)])[:-211]
     words = [3, *telemini_words(whole)]
     data = b"".join(little(word, 2) for word in words).ljust(1024, b"\xff")

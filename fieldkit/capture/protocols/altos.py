@@ -211,7 +211,7 @@ def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
 
 
 _CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")
-_SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-z0-9_-]{0,40})\s+)(\S[^\r\n]{0,80})$")
+_SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-z0-9_-]{0,40})\s+)([!-~][ -~]{0,80})$")
 _RENAMED = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
