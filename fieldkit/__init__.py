@@ -13,5 +13,17 @@ def __getattr__(name: str) -> str:
         try:
             return version("fieldkit")
         except PackageNotFoundError:  # a checkout that was never installed
-            return "0"
+            return _version_here()
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+
+
+def _version_here() -> str:
+    """The version that the project file beside this package states, marked as that of a checkout."""
+    import tomllib
+    from pathlib import Path
+
+    try:
+        project = tomllib.loads((Path(__file__).parents[1] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+        return f"{project['version']}+checkout"
+    except (OSError, KeyError, tomllib.TOMLDecodeError):
+        return "unknown version"

@@ -9,10 +9,12 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.motors import Found, catalogue
 from fieldkit.plan.air import air_of
 from fieldkit.plan.contest import allowed, copy_season, declared_score, outlook, score, season, seasons
+from fieldkit.plan.day import Day, day_of, keep_day, read_window
 from fieldkit.plan.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
 from fieldkit.plan.desk import Rocket
 from fieldkit.simulator.field import field_setup
@@ -56,7 +58,7 @@ def test_up_to_three_declared_flights_make_a_score() -> None:
     rule = season(2027)
     scored = [(Flight(flight_id=name), points) for name, points in (("4", 8.0), ("5", 20.0), ("6", 3.0), ("7", 1.0))]
     assert declared_score(rule, scored, ["4", "5", "6"]) == pytest.approx(11.0)
-    for names, found in ((["4"], "1 flights"), (["4", "5", "6", "7"], "4 flights"), (["4", "9"], "'9'")):
+    for names, found in ((["4"], "found 1,"), (["4", "5", "6", "7"], "found 4,"), (["4", "9"], "'9'")):
         with pytest.raises(BadValue, match=found):
             declared_score(rule, scored, names)
 
@@ -179,3 +181,20 @@ def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.
     points = {one["flight_id"]: one["points"] for one in document["flights"]}
     assert document["score"]["points"] == pytest.approx(points["3"] + points["9"])
     assert not document["plan"]["timed"]
+
+
+@pytest.mark.parametrize("text", ["40-37", "37", "37-x", "-1-4", "nan-3"])
+def test_a_window_that_is_none_is_not_taken(text: str) -> None:
+    assert read_window("37-40 s") == (37.0, 40.0)
+    with pytest.raises(BadValue, match="such as 37-40"):
+        read_window(text)
+
+
+def test_the_day_of_a_contest_is_kept_by_its_season(tmp_path: Path) -> None:
+    day = Day(target=785 * FOOT, window=(38.0, 41.0), cut=60.0, declared=("4", "5"))
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        keep_day(ledger, 2027, day)
+        assert (day_of(ledger, 2027), day_of(ledger, 2026)) == (day, Day())
+    rule = day.rule(season(2027))
+    assert (rule.target, rule.window, rule.year) == (day.target, day.window, 2027)
+    assert Day().rule(rule) == rule

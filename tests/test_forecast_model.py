@@ -85,3 +85,25 @@ def test_only_what_forecasts_doubt_has_a_scale_of_its_own() -> None:
     assert {term.rough for term in plain.terms} == {""}
     assert {str(term.bends) for term in doubt.terms if term.rough == "reading"} == set(OBSERVED) - {"apogee"}
     assert [term.name for term in doubt.terms if term.rough == "scatter"] == ["apogee of AeroTech F24W"]
+
+
+ALTERNATIVES = (
+    {"motor": "G40W"},
+    {"config": "B", "dry_mass": 0.448},
+    {"wind": 5.0},
+    {"diameter": None, "dry_mass": 0.9},
+    {"motor": "E35", "site": "another field"},
+)
+"""What plans beside the one in question differ in: each brings news of its own to what has flown."""
+
+
+@pytest.mark.parametrize(("past", "diameter"), [(0, 0.066), (3, None), (5, 0.066)])
+def test_what_is_said_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, diameter: float | None) -> None:
+    flown = [(one.with_changes(diameter=diameter), motor) for one, motor in season({})]
+    flown = flown[:past] if past != 3 else [pair for pair in flown if pair[0].motor == "F24"]  # or a single motor
+    plan = PLAN.with_changes(diameter=diameter)
+    plans = [plan, *(plan.with_changes(**other) for other in ALTERNATIVES)]
+    planned = [(one, catalogue().resolve(one.motor)) for one in plans]
+    (alone,), (*_, beside) = predict(flown, planned[:1], draws=30), predict(flown, planned[::-1], draws=30)
+    assert beside.apogee == pytest.approx(alone.apogee, rel=1e-9)
+    assert beside.cd == pytest.approx(alone.cd, rel=1e-9)

@@ -15,6 +15,7 @@ from fieldkit.flight import MOTOR_TEMPERATURE, Flight
 from fieldkit.form import enter, offer
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site, keep_site, site_of
+from fieldkit.loop.candidates import Place
 from fieldkit.loop.desk import predict_plans
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.prediction import Prediction
@@ -368,3 +369,13 @@ def test_ballast_by_a_seasons_points_reckons_with_the_descent(rocket: Rocket, pl
     assert best.today.points is not None
     assert best.there.points <= best.today.points
     assert "points" in " ".join(ballast_in_words(best, Goal(rule.target, 3.0, "points", rule)))
+
+
+def test_what_grows_from_flight_to_flight_has_not_grown_between_motors_to_choose_among(
+    rocket: Rocket, plan: Flight, motors: Catalogue
+) -> None:
+    """The last motor of a list is not flown after all the others."""
+    worn = replace(rocket, places=(Place("wear"),))
+    some = [motors.resolve(name).motor for name in ("F39T", "E35W", "F24-4W")]
+    beside, alone = (guide(worn, plan, chosen, limits(), Site(), 60)[-1] for chosen in (some, some[-1:]))
+    assert beside.prediction.apogee == pytest.approx(alone.prediction.apogee, rel=1e-9)

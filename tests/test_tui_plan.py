@@ -8,6 +8,7 @@ import pytest
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import site_of
 from tests.pressing import frozen, opened, press, season, told, typed, words
 
 CHECK_SHAPES = False
@@ -49,6 +50,40 @@ async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(fi
         await press(pilot, "left_square_bracket")
         assert "parachute 95% of the area flown" in told(pilot, "#answer")
         assert "points by this rule: " in told(pilot, "#answer")
+
+
+async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_are_used(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "p")
+        await press(pilot, *typed("640ft"), "enter", *typed("40-37"), "enter", "ctrl+s")  # to the slip
+        assert "expected seconds" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("30-50"), "enter", *typed("60"), "enter", *typed("1,9,12"), "enter")
+        await press(pilot, *typed("700mm"), "enter", *typed("400m"), "enter", *typed("300"), "ctrl+s")
+        seen = told(pilot, "#answer")
+        assert "target 640 ft" in seen
+        assert "window 30 to 50 s" in seen
+        assert "sum to 60 or less" in seen
+        assert "best 2 of 1, 9, 12" in seen
+        assert "contest length: ok" in seen
+        assert "field size: unknown: wind not given" in seen  # what it asks for beside
+        assert "ceiling: ok" in seen
+        await press(pilot, "p", "ctrl+u", "ctrl+s")
+        assert "target 800 ft" in told(pilot, "#answer")  # the season's own again
+    with Ledger.open(file) as ledger:
+        assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
+
+
+async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "6", "right", "right", "enter", "ctrl+u", *typed("South field"), "enter", "down")
+        await press(pilot, *typed("400 m"), "enter", *typed("-3"), "ctrl+s")
+        assert "above nothing" in words(pilot)
+        await press(pilot, "ctrl+u", *typed("3000ft"), "ctrl+s", "_")
+        assert "South field 210.0 m 400.0 m 914.4 m 12" in words(pilot)
+        await press(pilot, "u", "_")
+        assert "North field" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert site_of(ledger, "South field").ceiling == pytest.approx(914.4)
 
 
 async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

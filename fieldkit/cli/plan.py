@@ -134,13 +134,14 @@ def contest(
     from fieldkit.errors import NoFlights
     from fieldkit.places import data_folder
     from fieldkit.plan.contest import allowed, copy_season, declared_score, outlook, score
+    from fieldkit.plan.day import read_declared, read_window
     from fieldkit.plan.words import outlook_in_words
 
     if own:
         complain(f"your own rule, used from now on: {copy_season(season, data_folder() / 'seasons')}")
     if cut is not None and given.get("motor") is None:
         raise typer.BadParameter("found --cut without --motor, expected both: the chance is that of a plan")
-    rule = _rule(season).announced(length(target), _window(window))
+    rule = _rule(season).announced(length(target), read_window(window) if window else None)
     area = _share(parachute, 1.0) * (1 - _share(reef, 0.0))
     document: dict[str, object] = {"season": rule.year, "checked": rule.checked, "remarks": rule.remarks}
     ahead = lines = None
@@ -157,7 +158,7 @@ def contest(
         {"flight_id": flight.flight_id, "points": points, "timed": flight.duration is not None}
         for flight, points in scored
     ]
-    names = [name.strip() for name in declared.split(",")] if declared else []
+    names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None
     if total is not None:
         document["score"] = {"declared": names, "points": total}
@@ -184,16 +185,6 @@ def _flown(flight: "Flight") -> str:
 
     lasted = "height alone" if flight.duration is None else f"{flight.duration:.1f} s"
     return f"{(flight.apogee or 0.0) / FOOT:.0f} ft, {lasted}"
-
-
-def _window(text: str | None) -> tuple[float, float] | None:
-    if text is None:
-        return None
-    try:
-        low, high = (float(part.strip(" s")) for part in text.split("-"))
-    except ValueError:
-        raise typer.BadParameter(f"found --window {text!r}, expected seconds such as 37-40") from None
-    return low, high
 
 
 def _share(text: str | None, default: float) -> float:

@@ -49,3 +49,15 @@ def keep_site(
     saved[name] = saved.get(name, {}) | changes
     ledger.keep_draft(SITES, saved)
     return site_of(ledger, name)
+
+
+def put_site(ledger: Ledger, site: Site, was: str = "") -> None:
+    """Save a site as it is now, what is not known of it as not known; `was` is its name before it had this one.
+
+    The elevation of a site that has been flown at is left to its flights, unless it was saved.
+    """
+    saved, was = ledger.draft(SITES) or {}, was or site.name
+    told = {"elevation"} if was in ledger.names("site") and "elevation" not in saved.get(was, {}) else set()
+    known = {key: getattr(site, key) for key in ("elevation", "size", "ceiling") if key not in told}
+    saved.pop(was, None)
+    ledger.keep_draft(SITES, saved | {site.name: {key: value for key, value in known.items() if value is not None}})

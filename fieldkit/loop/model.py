@@ -39,6 +39,9 @@ DISCREPANCY = 0.05
 """By what share of an apogee a rocket disagrees with its model on one motor and not on another, in units of
 scatter: as much as single flights disagree. [1]"""
 
+PER = ("motor", "config", "site", "day")
+"""What flights are grouped by."""
+
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
 
 
@@ -90,13 +93,15 @@ class Model:
     """A rocket's flights, in the order flown, and the unknowns they share.
 
     A `doubtful` one takes neither the simulator nor what the device shows beside the apogee on trust. A `coarse` one
-    flies by `COARSE` curves and steps: to learn from flights, or for hundreds of motors at once.
+    flies by `COARSE` curves and steps: to learn from flights, or for hundreds of motors at once. `turns` are the places
+    of the flights in the order flown, from 0; plans that a flyer chooses among share one.
     """
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
+    turns: tuple[int, ...]
     doubtful: bool = False
     coarse: bool = False
 
@@ -121,11 +126,14 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        return replace(self, flights=self.flights[rows], found=self.found[rows], area=self.area[rows], terms=terms)
+        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "turns")}
+        return replace(self, **kept, terms=terms)
 
 
-def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float[Array, "flight"]:
     """Frontal area of the body; without a diameter, that of a rocket of this dry mass as they are built. [m^2]
+
+    The mass is the mean of the first `flown` flights, by default of all; of a rocket never flown, each plan's own.
 
     The law of thumb, d = 60 mm (m / 0.4 kg)^0.2, is a fit to the drag of 34 rockets from 36 g to 3.8 kg in a
     public launch ledger (jdsmith39/RocketLaunchJournal, flights to 2017), with Cd as in `CD`.
@@ -133,8 +141,9 @@ def reference_area(flights: Sequence[Flight]) -> Float[Array, "flight"]:
     Raises ImpossibleFlight for a flight without a dry mass.
     """
     guess = 0.060 * (dry_masses(flights) / 0.4) ** 0.2
+    guess = guess if flown == 0 else guess[:flown].mean()
     diameter = recorded(flights, "diameter")
-    result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), guess.mean(), diameter) ** 2
+    result: Float[Array, "flight"] = np.pi / 4 * np.where(np.isnan(diameter), guess, diameter) ** 2
     return result
 
 
@@ -147,21 +156,29 @@ def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[
     return [str(getattr(flight, per)) for flight in flights]
 
 
-def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float = 1.0) -> Model:
+def base_model(
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    slack: float = 1.0,
+    flown: int | None = None,
+    turns: Sequence[int] | None = None,
+) -> Model:
     """The plain model: one drag for the rocket, certified motors, and the small print of both.
 
     `slack` scales how far motors may be from their certificate and configurations from each other. Forecasts
-    take it as it is; a search for effects takes less, for what it leaves to chance it cannot find.
+    take it as it is; a search for effects takes less, for what it leaves to chance it cannot find. `flown` as in
+    `reference_area`, `turns` as in `Model`, by default one after the other.
     """
-    area = reference_area(flights)
+    area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
+    several = flown != 0  # of a rocket never flown each plan stands for itself
     every = np.ones(len(flights))
     terms = [
         Term("drag", "drag", CD[0], float(np.hypot(CD[1], UNKNOWN_AREA_SD * unknown)), every),
         Term("thrust", "thrust", 0.0, 0.02 * slack, every),
         Term("mass", "mass", 0.0, 0.02 * slack, every),
-        *_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")),
-        *_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")),
+        *(_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")) if several else []),
+        *(_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")) if several else []),
         *_per_group("burn", "stretch", 0.04 * slack, groups(flights, found, "motor"), alone=True),
         *_per_group("delay", "delay", 0.08, groups(flights, found, "motor"), alone=True),
         Term(OPENING, "opening", 0.6, 0.4, every, low=0.0),
@@ -171,7 +188,7 @@ def base_model(flights: Sequence[Flight], found: Sequence[Found], slack: float =
         Term("coast read", "coast_to_apogee", 0.0, 0.01, every),
         Term("ejection read", "apogee_to_eject", 0.0, 0.1, every),
     ]
-    return Model(tuple(flights), tuple(found), area, tuple(terms))
+    return Model(tuple(flights), tuple(found), area, tuple(terms), tuple(turns or range(len(flights))))
 
 
 def doubted(model: Model) -> Model:

@@ -32,8 +32,15 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
     """A pattern that the first so many flights of a model show, as unknowns of all of them; none if they do not."""
     for kind in known_patterns(model.flights[:flown]):
         if place.where in kind:
-            return _odd(place.where, kind[place.where](model.flights))
+            return _odd(place.where, _weighed(kind[place.where], model, flown))
     return ()
+
+
+def _weighed(weigh: Weigh, model: Model, flown: int) -> Float[Array, "flight"]:
+    """How strongly a pattern acts on the flights flown, and on each plan as if those before its turn were its like."""
+    past, planned = model.flights[:flown], zip(model.flights[flown:], model.turns[flown:], strict=True)
+    ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
+    return np.array([*weigh(past), *ahead])
 
 
 def known_patterns(flights: Sequence[Flight]) -> list[Kind]:

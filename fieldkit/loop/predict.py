@@ -2,6 +2,7 @@
 
 Draws of the shared unknowns come from the posterior, scatter and reading errors anew for every flight, and
 all of them fly in one batch. With no flight to learn from the priors are flown, and the prediction says so.
+What is said of a plan does not hang on the plans that it is asked with: each flies on the same draws as it would alone.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,6 +14,7 @@ from fieldkit.flight import Flight
 from fieldkit.loop.candidates import Place, effect_terms
 from fieldkit.loop.data import observe
 from fieldkit.loop.fit import fit_robustly
+from fieldkit.loop.kinds import by_kind
 from fieldkit.loop.left_out import leave_one_out, own_reading_sd
 from fieldkit.loop.model import EXTRAS, SCATTER, Model, base_model, bent, doubted, shown
 from fieldkit.loop.patterns import pattern_terms
@@ -41,12 +43,14 @@ def rocket_model(
     accepted: Sequence[Place] = (),
     slack: float = 1.0,
     flown: int | None = None,
+    turns: Sequence[int] | None = None,
 ) -> Model:
-    """The model of a rocket with the effects and patterns that were accepted into it; `slack` as in `base_model`.
+    """The model of a rocket with the effects and patterns that were accepted into it; `slack` and `turns` as in
+    `base_model`.
 
     Patterns are those of the first `flown` flights, by default of all.
     """
-    model = base_model(flights, found, slack)
+    model = base_model(flights, found, slack, flown, turns)
     known = [place for place in accepted if place.effect in effects()]
     odd = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown
@@ -55,10 +59,14 @@ def rocket_model(
 
 
 def forecast_model(
-    flights: Sequence[Flight], found: Sequence[Found], accepted: Sequence[Place] = (), flown: int | None = None
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    accepted: Sequence[Place] = (),
+    flown: int | None = None,
+    turns: Sequence[int] | None = None,
 ) -> Model:
-    """The model of a rocket that its next flight is forecast with; `flown` as in `rocket_model`."""
-    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK, flown))
+    """The model of a rocket that its next flight is forecast with; `flown` and `turns` as in `rocket_model`."""
+    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK, flown, turns))
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -96,32 +104,43 @@ def predict(
 ) -> list[Prediction]:
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
+    The plans are flown one after the other, which matters to what grows from flight to flight and to nothing else.
     Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
     that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
     are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
     Raises ImpossibleFlight for a flight without a dry mass.
     """
-    return fly_ahead(learn(flown, planned, accepted, declared=declared, cds=cds, draws=draws, seed=seed))
+
+    def said(rows: Sequence[int]) -> list[Prediction]:
+        own, turns = [planned[row] for row in rows], [len(flown) + row for row in rows]
+        taught = learn(flown, own, accepted, turns, declared=declared, cds=cds, draws=draws, seed=seed)
+        return fly_ahead(taught, paired=True)
+
+    return by_kind(flown, planned, said)
 
 
 def learn(
     flown: Sequence[tuple[Flight, Found]],
     planned: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
+    turns: Sequence[int] | None = None,
     *,
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> Learnt:
-    """Fit the flights flown, for the planned ones; see `predict`."""
+    """Fit the flights flown, for planned ones of a kind (see `fieldkit.loop.kinds`), each with its turn in the order
+    flown, by default the next for all of them; the rest as in `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     flights[: len(flown)], left_out = fitting(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    model = forecast_model(flights, found, acting, len(flown))
-    model = _designed(model, cds) if cds else model
+    order = [*range(len(flown)), *(turns or [len(flown)] * len(planned))]
+    model = forecast_model(flights, found, acting, len(flown), order)
+    own = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
+    model = _designed(model, own) if own else model
     acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
     taught = acted or [0]  # of a rocket never flown, one prior stands in for what was learned
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
@@ -216,15 +235,19 @@ def _drawn(
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
     """Draws of every term: those that act on flown flights from what these taught, the others from their prior.
 
-    Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn.
+    Terms of a motor never flown are independent of the flights, so hundreds of motors cost no more to learn. Those of
+    one kind, such as the thrust of each motor, share their luck: a motor is as lucky beside others as it is alone.
     """
     learned, which = _sampled(result, draws, rng)
     sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, taught] = learned
+    luck: dict[str, Float[Array, "draw"]] = {}
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
-        values[:, i] = np.clip(term.mean + sds[:, i] * rng.normal(size=draws), term.low, term.high)
+        kind = term.name.partition(" of ")[0]
+        luck[kind] = luck[kind] if kind in luck else rng.normal(size=draws)
+        values[:, i] = np.clip(term.mean + sds[:, i] * luck[kind], term.low, term.high)
     return values, _scales(result, which, rng)
 
 

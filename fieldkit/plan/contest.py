@@ -141,10 +141,10 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
     """The sum of the best of the flights that were declared, by their ids. Raises BadValue for what cannot be."""
     points = {flight.flight_id: own for flight, own in scored}
     if strange := [name for name in names if name not in points]:
-        raise BadValue(f"--declared: found {strange[0]!r}, expected flights of this rocket that have an apogee")
+        raise BadValue(f"declared flights: found {strange[0]!r}, expected flights of this rocket that have an apogee")
     if not rule.best <= len(set(names)) <= rule.declared:
         wanted = f"{rule.best} to {rule.declared} flights"
-        raise BadValue(f"--declared: found {len(set(names))} flights, expected {wanted} such as 4,5,6")
+        raise BadValue(f"declared flights: found {len(set(names))}, expected {wanted} such as 4,5,6")
     return float(rule.sums(np.array([[points[name] for name in dict.fromkeys(names)]]))[0])
 
 

@@ -10,6 +10,7 @@ from fieldkit.ledger.sites import site_of
 from fieldkit.loop.candidates import Place
 from fieldkit.loop.conformal import kept_surprises, stretch
 from fieldkit.loop.desk import accepted_places, accepted_widening, completed, design_cds, flown, start_of
+from fieldkit.loop.kinds import by_kind
 from fieldkit.loop.predict import Learnt, fly_ahead, learn
 from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Catalogue, Found
@@ -78,15 +79,21 @@ def forecasts(
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
-    """Forecasts of plans as `predict` would make them, in the order given; nothing is kept.
+    """Forecasts of plans that a flyer chooses among, each as the next flight, as `predict` would make them, in the
+    order given; nothing is kept.
 
     `paired` and `delay_sd` as in `fieldkit.loop.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a mass.
     """
-    return flown_ahead(rocket, learnt_of(rocket, planned, draws), paired, delay_sd)
+
+    def said(rows: Sequence[int]) -> list[Prediction]:
+        learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
+        return flown_ahead(rocket, learnt, paired, None if delay_sd is None else delay_sd[list(rows)])
+
+    return by_kind(rocket.history, planned, said)
 
 
 def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
-    """What a rocket's flights taught of plans, from the Cd of the designs on that are kept."""
+    """What a rocket's flights taught of plans of a kind, each as the next flight, from the Cd of its design."""
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
     return learn(rocket.history, planned, rocket.places, cds=cds, draws=draws)
 

@@ -11,6 +11,7 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site
+from fieldkit.loop.kinds import by_kind
 from fieldkit.loop.predict import Learnt
 from fieldkit.loop.prediction import Prediction, median
 from fieldkit.loop.tangent import coast_and_lean
@@ -164,12 +165,11 @@ def guide(
         return []
     draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
-    learnt = learnt_of(rocket, planned, draws)
-    learnt = replace(learnt, model=replace(learnt.model, coarse=True))
-    coasts, lean = coast_and_lean(learnt.model, learnt.at)
-    delays = [_nearest(motor, coast) for motor, coast in zip(motors, coasts, strict=True)]
-    sd = tolerance(np.array([delay or np.nan for delay in delays]))
-    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd, lean=lean)
+
+    def flown(rows: Sequence[int]) -> list[Flown]:
+        learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
+        return _flown(rocket, replace(learnt, model=replace(learnt.model, coarse=True)))
+
     known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
     return [
         Choice(
@@ -181,8 +181,21 @@ def guide(
             *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
             tuple(safety_lines(said, site, fall, limits)),
         )
-        for motor, delay, said in zip(motors, delays, made, strict=True)
+        for motor, (delay, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
     ]
+
+
+Flown = tuple[float | None, Prediction]
+"""The delay that suits a motor best, if any is on sale [s], and its flight."""
+
+
+def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
+    """Each motor of what was learnt, with the delay that suits it."""
+    coasts, lean = coast_and_lean(learnt.model, learnt.at)
+    delays = [_nearest(found.motor, coast) for found, coast in zip(learnt.model.found, coasts, strict=True)]
+    sd = tolerance(np.array([delay or np.nan for delay in delays]))
+    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd, lean=lean)
+    return list(zip(delays, made, strict=True))
 
 
 def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:

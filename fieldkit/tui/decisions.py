@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from fieldkit.errors import NoFlights
+from fieldkit.errors import BadValue, NoFlights
 from fieldkit.flight import Flight
 
 if TYPE_CHECKING:
@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Catalogue, Motor
     from fieldkit.plan.contest import Season
+    from fieldkit.plan.day import Day
     from fieldkit.plan.desk import Rocket
     from fieldkit.plan.limits import Limit
     from fieldkit.plan.safety import Line
@@ -50,14 +51,14 @@ class Decision:
         yield from delays_in_words(judged, fast, tool)
         yield from self._below(judged.forecast)
 
-    def ballast(self, target: float | None, aim: Aim, year: int) -> Iterator[str]:
-        """The dry mass that best meets a target [m], or brings the fewest points of a season."""
+    def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Iterator[str]:
+        """The dry mass that best meets a target [m], or brings the fewest points of a season on its day."""
         from fieldkit.motors import Found
         from fieldkit.plan.ballast import Goal, ballast
         from fieldkit.plan.contest import allowed
         from fieldkit.plan.words import ballast_in_words
 
-        rule = rule_of(year).announced(target, None) if aim == "points" else None
+        rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
             yield "No target yet: g on the page Next sets one."
@@ -66,21 +67,21 @@ class Decision:
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
         yield from ballast_in_words(best, goal)
-        yield from self._below(said, allowed(rule, said.plan, said.found) if rule else ())
+        yield from self._below(said, allowed(rule, said.plan, said.found, day.length) if rule else ())
 
-    def contest(self, ledger: "Ledger", year: int, area: float) -> Iterator[str]:
-        """The points to expect of a plan by a season's rule on a share of the parachute's area [1], and those of the
-        flights flown."""
+    def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Iterator[str]:
+        """The points to expect of a plan by a season's rule on a share of the parachute's area [1], the chance to
+        qualify, and the points of the flights flown."""
         from fieldkit.motors import Found
         from fieldkit.plan.contest import allowed, outlook
         from fieldkit.plan.words import outlook_in_words
 
-        rule = rule_of(year)
+        rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
-        yield from outlook_in_words(ahead, rule, area)
-        yield from self._scored(ledger, rule)
-        yield from self._below(said, allowed(rule, said.plan, said.found))
+        yield from outlook_in_words(ahead, rule, area, day.cut)
+        yield from self._scored(ledger, rule, day)
+        yield from self._below(said, allowed(rule, said.plan, said.found, day.length))
 
     def kept(self, ledger: "Ledger", motors: "Catalogue") -> Iterator[str]:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
@@ -97,17 +98,25 @@ class Decision:
             yield f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()
             yield from (f"  {line}" for line in in_words(one))
 
-    def _scored(self, ledger: "Ledger", rule: "Season") -> Iterator[str]:
-        from fieldkit.plan.contest import score
+    def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
+        from fieldkit.plan.contest import declared_score, score
 
         try:
-            scored = score(rule, ledger.flights(self.plan.rocket))[-SCORED:]
+            scored = score(rule, ledger.flights(self.plan.rocket))
         except NoFlights:
             return
         points = (
-            f"{one.flight_id} {own:.0f}{'' if one.duration is not None else ' (height alone)'}" for one, own in scored
+            f"{one.flight_id} {own:.0f}{'' if one.duration is not None else ' (height alone)'}"
+            for one, own in scored[-SCORED:]
         )
         yield f"  flown     points by this rule: {', '.join(points)}"
+        if not day.declared:
+            return
+        try:
+            total = declared_score(rule, scored, day.declared)
+            yield f"  declared  {total:.0f} points, the best {rule.best} of {', '.join(day.declared)}"
+        except BadValue as error:
+            yield f"  declared  {error}"
 
     def _below(self, said: "Prediction", more: "Iterable[Line]" = ()) -> Iterator[str]:
         """The conditions of a forecast and all its safety lines."""

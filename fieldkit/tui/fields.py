@@ -1,6 +1,6 @@
 """A question with a line to type its answer in, and a note on the answer."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from typing import Any, ClassVar
 
 from textual import events
@@ -95,7 +95,8 @@ class Field(Horizontal):
 class Form(ModalScreen[dict[str, object] | None]):
     """A few questions in a frame; the result is the fields of a flight by name, or None.
 
-    `units` are those of numbers typed without one, by question.
+    `units` are those of numbers typed without one, by question; `read` makes a value of a name, a text and its unit, or
+    raises BadValue.
     """
 
     DEFAULT_CSS = """
@@ -114,9 +115,17 @@ class Form(ModalScreen[dict[str, object] | None]):
         Binding("escape", "dismiss(None)", "Leave it"),
     ]
 
-    def __init__(self, title: str, questions: Iterable[Question], texts: dict[str, str], units: dict[str, str]) -> None:
+    def __init__(
+        self,
+        title: str,
+        questions: Iterable[Question],
+        texts: dict[str, str],
+        units: dict[str, str],
+        read: Callable[[str, str, str], object] = read_answer,
+    ) -> None:
         super().__init__()
         self._title, self._questions, self._texts, self._units = title, tuple(questions), texts, units
+        self._value = read
 
     def compose(self) -> ComposeResult:
         """The questions, and what the one in hand means."""
@@ -129,13 +138,15 @@ class Form(ModalScreen[dict[str, object] | None]):
             yield KeyBar()
 
     def on_descendant_focus(self) -> None:
-        """Explain the field in hand, and what cannot be read in it."""
+        """Explain the field in hand, or all of why it cannot be read."""
         field = self.focused.parent if self.focused is not None else None
         for one in self.query(Field):
             one.set_class(one is field, "-hand")
             one.note(self._read(one)[1])
         if isinstance(field, Field):
-            self.query_one("#help", Static).update(Content(field.question.help))
+            note = self._read(field)[1]
+            about = printable(note) if note.startswith("✗") else field.question.help
+            self.query_one("#help", Static).update(Content(about))
 
     def on_input_changed(self) -> None:
         """The note follows what is typed."""
@@ -146,7 +157,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:
-            return read_answer(name, "" if text == NOTHING else text, unit), spelled(unit)
+            return self._value(name, "" if text == NOTHING else text, unit), spelled(unit)
         except BadValue as error:
             return None, f"✗ {error}"
 

@@ -1,9 +1,13 @@
 """Flights that name the same thing: the builds of rockets and the sites of a ledger."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
+
+if TYPE_CHECKING:
+    from fieldkit.ledger.sites import Site
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 
@@ -18,11 +22,20 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
+class Place:
+    """A launch site that flights name or that was saved, with the `ids` of its flights and the `last` of them."""
+
+    site: "Site"
+    ids: tuple[str, ...]
+    last: Flight
+
+
+@dataclass(frozen=True, slots=True)
 class Kept:
-    """What the ledger names: builds of rockets with their mass and diameter, sites with their elevation."""
+    """What the ledger names: builds of rockets with their mass and diameter, and sites."""
 
     builds: tuple[Group, ...]
-    sites: tuple[Group, ...]
+    sites: tuple[Place, ...]
 
 
 def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
@@ -38,3 +51,18 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
         found.append(Group(key, tuple(id for id, _ in members), members[-1][1].with_changes(**known)))
     order = {id: place for place, id in enumerate(ids)}
     return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
+
+
+def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[Place, ...]:
+    """The sites of some flights, each with what was saved of it, and those that were saved alone."""
+    from fieldkit.ledger.sites import Site
+
+    saved = {site.name: site for site in known}
+    flown = {group.names[0]: group for group in groups}
+    found = []
+    for name in dict.fromkeys([*flown, *saved]):
+        group = flown.get(name, Group((name,), (), Flight(site=name)))
+        site = saved.get(name, Site(name))
+        elevation = group.last.site_elevation if site.elevation is None else site.elevation
+        found.append(Place(replace(site, elevation=elevation), group.ids, group.last))
+    return tuple(found)

@@ -1,8 +1,9 @@
 """Decide: once the motor is chosen, its delay, the ballast, the points of a contest, and the forecasts kept."""
 
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from functools import partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
@@ -12,8 +13,13 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
+from fieldkit.tui import contest_form
 from fieldkit.tui.decisions import AIMS, Decision
+from fieldkit.tui.fields import Form
 from fieldkit.tui.page import Help, PageScreen
+
+if TYPE_CHECKING:
+    from fieldkit.plan.day import Day
 
 VIEWS = ("Delay", "Ballast", "Contest", "Kept")
 SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
@@ -43,12 +49,19 @@ class PlanScreen(PageScreen):
                 "Feet off the target and seconds outside the window, as many flights as may be declared. , and . "
                 "change the season, [ and ] the area of the parachute.",
             ),
+            (
+                "the day",
+                "p: target and window as announced, the cut and so the chance to qualify, the flights declared, the "
+                "length of the rocket; and of the site the field's size and the ceiling, which safety lines ask for.",
+            ),
             ("kept", "Stale: mass, motor, weather, design or model have changed since the forecast was made."),
         ),
         (
             "fieldkit delay --motor F24",
             "fieldkit ballast --target 800ft [--miss] [--season 2027]",
-            "fieldkit contest --season 2027 --motor F24 --parachute 85%",
+            "fieldkit contest --season 2027 --motor F24 --parachute 85% --target 785ft --window 37-40 --cut 60",
+            "fieldkit contest --season 2027 --declared 4,5,6",
+            "fieldkit sites FIELD --size 400m --ceiling 3000ft",
             "fieldkit predictions",
         ),
     )
@@ -56,6 +69,7 @@ class PlanScreen(PageScreen):
         Binding("escape", "back", "Back"),
         Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
+        Binding("p", "day", "Day", tooltip="What is announced, the cut, flights declared, field and ceiling"),
         Binding("m", "aim", "Aim", tooltip="What ballast is for: the band, the mean miss, the points"),
         Binding("comma", "season(-1)", "Season before", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="The season after, or before with ,"),
@@ -101,13 +115,16 @@ class PlanScreen(PageScreen):
         return "\n".join(printable(line) for line in self._lines(view, settings))
 
     def _lines(self, view: int, settings: Settings) -> Iterator[str]:
+        from fieldkit.plan.day import day_of
+
         decision, ledger = self._decision, self.desk.ledger
         if view == 0:
             return decision.delay()
         if view == 1:
-            return decision.ballast(settings.target, AIMS[self._aim], self._season)
+            day = day_of(ledger, self._season)
+            return decision.ballast(settings.target, AIMS[self._aim], self._season, day)
         if view == 2:
-            return decision.contest(ledger, self._season, SHARES[self._share])
+            return decision.contest(ledger, self._season, SHARES[self._share], day_of(ledger, self._season))
         return decision.kept(ledger, self.desk.motors)
 
     def action_view(self, view: int) -> None:
@@ -137,6 +154,40 @@ class PlanScreen(PageScreen):
         """A larger parachute, or a smaller one."""
         self._share = min(max(self._share + by, 0), len(SHARES) - 1)
         self.action_view(2)
+
+    def action_day(self) -> None:
+        """Type what was announced and declared, and how large the field is."""
+        from fieldkit.plan.day import day_of
+
+        season = self._season
+        self.ask(lambda: day_of(self.desk.ledger, season), partial(self._ask_day, season), "day")
+
+    def _ask_day(self, season: int, day: "Day") -> None:
+        from fieldkit.plan.day import read_part
+
+        site, system = self._decision.site, self.desk.settings.units
+        title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
+        texts, units = contest_form.texts(day, site, system), contest_form.units(system)
+        form = Form(title, contest_form.questions(site), texts, units, read_part)
+        self.app.push_screen(form, partial(self._have_day, season, day))
+
+    def _have_day(self, season: int, known: "Day", values: dict[str, object] | None) -> None:
+        if values is None:
+            return
+        before = self._decision.site
+        day, site = contest_form.answered(values, before)
+        self._view = 2 if day != known and self._view == 0 else self._view
+
+        def work() -> None:
+            from fieldkit.ledger.sites import put_site
+            from fieldkit.plan.day import keep_day
+
+            keep_day(self.desk.ledger, season, day)
+            if site != before:
+                put_site(self.desk.ledger, site)
+
+        self._decision = replace(self._decision, site=site)
+        self.change(work, lambda _: self.field_app.changed())
 
     def copied(self) -> str:
         """The answer as text."""

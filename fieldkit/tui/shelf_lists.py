@@ -8,7 +8,8 @@ from fieldkit.flight import BY_NAME, Flight
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
-from fieldkit.tui.groups import Group, Kept
+from fieldkit.tui import cards
+from fieldkit.tui.groups import Group, Kept, Place
 from fieldkit.tui.table import Cells, Head
 
 if TYPE_CHECKING:
@@ -55,14 +56,15 @@ def builds_listed(kept: Kept, system: str) -> Listed:
 
 
 def sites_listed(kept: Kept, system: str) -> Listed:
-    """The sites that flights name."""
+    """The sites that flights name or that were saved, with what safety lines ask of them."""
 
-    def cells(group: Group) -> list[str]:
-        elevation = measure(BY_NAME["site_elevation"], group.last.number("site_elevation"), system)
-        return [group.names[0], elevation, str(len(group.ids)), answer_text(group.last, "date_time")[:10]]
+    def cells(place: Place) -> list[str]:
+        site = place.site
+        numbers = [measure(cards.APOGEE, height, system) for height in (site.elevation, site.size, site.ceiling)]
+        return [site.name, *numbers, str(len(place.ids)), answer_text(place.last, "date_time")[:10]]
 
-    heads = [Head("site", 0), Head("elevation", 9, True), Head("flights", 7, True), Head("last", 10)]
-    return Listed(heads, kept.sites, cells)
+    heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
+    return Listed([*heads, Head("flights", 7, True), Head("last", 10)], kept.sites, cells)
 
 
 def settings_listed(settings: Settings, ledger: str, wide: bool) -> Listed:

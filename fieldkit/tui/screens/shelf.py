@@ -16,10 +16,11 @@ from fieldkit.entry import Question
 from fieldkit.flight import BY_NAME
 from fieldkit.measures import measure, unit_of
 from fieldkit.settings import THEMES, UNITS
+from fieldkit.tui import site_form
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.fields import Form, Line
-from fieldkit.tui.groups import Group, Kept, grouped
+from fieldkit.tui.groups import Group, Kept, Place, grouped, placed
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
 from fieldkit.tui.shelf_lists import (
     RAIL,
@@ -45,10 +46,6 @@ BUILD = (
     Question("dry_mass", "Dry mass", f"{BY_NAME['dry_mass'].help} Changes every flight of this build."),
     Question("diameter", "Diameter", f"{BY_NAME['diameter'].help} Changes every flight of this build."),
 )
-SITE = (
-    Question("site", "Site", "Its name; a new name renames it in every flight there."),
-    Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),
-)
 
 
 class ShelfScreen(PageScreen):
@@ -66,9 +63,15 @@ class ShelfScreen(PageScreen):
             ("units", "SI: metres and grams. US: feet and ounces. mixed: feet, and grams. N changes them anywhere."),
             ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
             ("target", "The apogee that motors are compared against on the page Next."),
+            ("sites", "Size of the field and its ceiling feed the safety lines of every plan flown there."),
             ("rail", "Length and tilt of the rail you usually have, for plans that name none."),
         ),
-        ("fieldkit motors F24", "fieldkit motors --import FILE.eng", "fieldkit edit FLIGHT dry_mass=330g"),
+        (
+            "fieldkit motors F24",
+            "fieldkit motors --import FILE.eng",
+            "fieldkit edit FLIGHT dry_mass=330g",
+            "fieldkit sites FIELD --size 400m",
+        ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
@@ -114,9 +117,12 @@ class ShelfScreen(PageScreen):
         self._show()
 
     def _read(self) -> Kept:
+        from fieldkit.ledger.sites import sites
+
         flights = self.desk.ledger.flights()
         ids = self.desk.ledger.ids(flights)
-        return Kept(grouped(ids, flights, "rocket", "config"), grouped(ids, flights, "site"))
+        places = placed(grouped(ids, flights, "site"), sites(self.desk.ledger))
+        return Kept(grouped(ids, flights, "rocket", "config"), places)
 
     def _have(self, kept: Kept) -> None:
         self._kept = kept
@@ -191,8 +197,37 @@ class ShelfScreen(PageScreen):
     def _change_build(self, group: Group) -> None:
         self._edit(group, BUILD, " ".join(name for name in group.names if name))
 
-    def _change_site(self, group: Group) -> None:
-        self._edit(group, SITE, group.names[0])
+    def _change_site(self, place: Place) -> None:
+        """A form over a site: name and elevation are those of its flights, the rest is kept beside them."""
+        system, site = self.desk.settings.units, place.site
+        elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
+        texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
+        form = Form(
+            f"{site.name}: {len(place.ids)} flights",
+            site_form.QUESTIONS,
+            texts,
+            site_form.units(system),
+            site_form.read,
+        )
+        self.app.push_screen(form, partial(self._site_edited, place, texts))
+
+    def _site_edited(self, place: Place, texts: dict[str, str], values: dict[str, object] | None) -> None:
+        if values is None:
+            return
+        system, was = self.desk.settings.units, place.site
+        flown = {"site": values["site"], "site_elevation": values["site_elevation"]}
+        changes = {name: new for name, new in flown.items() if not same(place.last, name, new, texts[name], system)}
+        site = site_form.answered(was, values, texts, system)
+
+        def work() -> int:
+            from fieldkit.ledger.sites import put_site
+
+            if site != was:
+                put_site(self.desk.ledger, site, was.name)
+            return self.desk.ledger.edit_all(place.ids, was.name, **changes) if changes and place.ids else 0
+
+        if changes or site != was:
+            self.change(work, partial(self._changed, was.name))
 
     def _edit(self, group: Group, questions: Sequence[Question], what: str) -> None:
         """A form over a group; what is changed there is changed in every flight of it."""
@@ -215,7 +250,7 @@ class ShelfScreen(PageScreen):
             self.change(work, partial(self._changed, what))
 
     def _changed(self, what: str, count: int) -> None:
-        self.tell(f"{what}: {count} flights changed; u takes it back")
+        self.tell(f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed")
         self.field_app.changed()
 
     def _change_setting(self, name: str) -> None:
