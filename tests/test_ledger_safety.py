@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -140,6 +141,80 @@ def test_a_row_that_no_fieldkit_wrote_is_damage_and_not_a_crash(column: str, val
         for ask in (ledger.flights, lambda: ledger.flight(FIRST.flight_id)):
             with pytest.raises(LedgerError, match=r"the file is damaged.*`fieldkit backups restore`"):
                 ask()
+
+
+CHANGES = (
+    "UPDATE flights SET notes = 'Qual flaght 2'",
+    "UPDATE flights SET apogee = 46.475",
+    "UPDATE flights SET humidity = 0.0",
+    """UPDATE flights SET extra = '{"Weather": "gray"}'""",
+    "UPDATE flights SET checksum = NULL",
+    "UPDATE tags SET tag = 'mind'",
+    "DELETE FROM tags",
+    "UPDATE journal SET images = replace(images, '281.3', '281.7')",
+    "UPDATE versions SET payload = replace(payload, 'wind', 'wand')",
+    "UPDATE active_versions SET number = 1",
+    "UPDATE predictions SET payload = replace(payload, '250.0', '250.5')",
+    "UPDATE configurations SET dry_mass = 0.35",
+    "UPDATE drafts SET content = replace(content, '923ft', '933ft')",
+    "PRAGMA foreign_keys = OFF; DELETE FROM logs",
+)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_row_that_says_something_else_than_was_written_is_damage(change: str, tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST.with_changes(notes="Qual flight 2", extra={"Weather": "grey"})], log=b"a log")
+        for effect in ("wind", "wear"):
+            ledger.keep_version("Astra", {"effect": effect})
+        ledger.keep_prediction({"apogee_m": 250.0}, digest="d", rocket="Astra")
+        ledger.keep_start(Start("Astra", "A", 0.3))
+        ledger.keep_draft("add", {"apogee": "923ft"})
+    asked = (
+        lambda ledger: ledger.flight("1"),
+        lambda ledger: ledger.log("1"),
+        lambda ledger: ledger.versions("Astra"),
+        lambda ledger: ledger.predictions(),
+        lambda ledger: ledger.starts("Astra"),
+        lambda ledger: ledger.draft("add"),
+        lambda ledger: ledger.before([FIRST]),
+    )
+    assert failures(file, asked) == []
+    with closing(sqlite3.connect(file)) as raw:
+        raw.executescript(change)
+    said = failures(file, asked)
+    assert said
+    assert all("the file is damaged" in one and "backup" in one for one in said)
+
+
+def failures(file: Path, asked: Sequence[Callable[[Ledger], object]]) -> list[str]:
+    """What a ledger says when it cannot answer."""
+    said = []
+    with Ledger.open(file) as ledger:
+        for ask in asked:
+            try:
+                ask(ledger)
+            except LedgerError as error:
+                said.append(str(error))
+    return said
+
+
+def test_what_is_taken_back_is_sound_and_what_is_damaged_is_not_taken_back(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+        ledger.edit("1", apogee=290.0)
+        ledger.remove("1")
+        ledger.undo()
+        ledger.undo()
+        assert ledger.flights() == [FIRST]
+        ledger.redo()
+    for table, column in (("flights", "notes"), ("journal", "what")):
+        with closing(sqlite3.connect(file)) as raw, raw:
+            raw.execute(f"UPDATE {table} SET {column} = 'else'")
+        with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="the file is damaged"):
+            ledger.undo()
 
 
 def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
