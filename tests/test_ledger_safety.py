@@ -233,6 +233,15 @@ def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
         ledger.flight("1")
 
 
+def test_a_schema_that_is_no_text_any_more_is_damage(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+    file.write_bytes(file.read_bytes().replace(b"rail_length", b"rail_leng\xffh"))
+    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="the file is damaged"):
+        ledger.flights()
+
+
 def test_a_prediction_that_says_nothing_is_damage(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:

@@ -172,14 +172,17 @@ def _damage(engine: Engine) -> str | None:
 
 
 def _missing(engine: Engine) -> str:
-    """A table or a column that a ledger has lost, empty where all are there."""
-    with engine.connect() as connection:
-        there = inspect(connection)
-        for name, table in metadata.tables.items():
-            if not there.has_table(name):
-                return f"without its table {name}"
-            if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
-                return f"without the column {min(lost)} of {name}"
+    """A table or a column that a ledger has lost, or why not even that can be told; empty where all are there."""
+    try:
+        with engine.connect() as connection:
+            there = inspect(connection)
+            for name, table in metadata.tables.items():
+                if not there.has_table(name):
+                    return f"without its table {name}"
+                if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
+                    return f"without the column {min(lost)} of {name}"
+    except DBAPIError as error:  # of names that are no text any more
+        return " ".join(str(error.orig).split())
     return ""
 
 
