@@ -115,6 +115,15 @@ def test_a_ledger_of_a_newer_program_is_not_touched(tmp_path: Path) -> None:
         Ledger.open(file)
 
 
+def test_a_version_that_there_never_was_is_damage(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    Ledger.open(file).close()
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute("UPDATE alembic_version SET version_num = substr(version_num, 1, 8) || '}'")
+    with pytest.raises(LedgerError, match=r"the file is damaged \(found the version m\d{3}_"):
+        Ledger.open(file)
+
+
 def test_a_damaged_ledger_is_said_to_be_damaged(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:

@@ -251,7 +251,9 @@ def _version(connection: Connection) -> str | None:
         if version in STEPS:
             return str(version)
         if version and re.match(r"m\d{3}_", version):
-            raise LedgerError(f"{name}: made by a newer fieldkit ({version}), expected {STEPS[-1]} or older")
+            if version[:4] > STEPS[-1][:4]:
+                raise LedgerError(f"{name}: made by a newer fieldkit ({version}), expected {STEPS[-1]} or older")
+            raise DamagedRow(f"found the version {version}, expected one of {', '.join(STEPS)}")
     elif not tables.get_table_names():
         return None
     raise LedgerError(f"{name}: holds another program's tables, expected a ledger or an empty database")
