@@ -1,24 +1,22 @@
 """Kills in earnest, a few of each kind; `python -m bench.faults` has the thousand."""
 
 import os
-import signal
 import sqlite3
 import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import closing, contextmanager
+from collections.abc import Iterator
+from contextlib import closing
 from pathlib import Path
 
 import pytest
-from sqlalchemy import Connection, event
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Renewal, Start, journal
+from fieldkit.ledger import Ledger, journal
 
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
 
-from bench.faults import damage, kills, ledgers, servers
+from bench.faults import damage, kills, ledgers, servers, statements
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 
@@ -72,93 +70,12 @@ def url(server: servers.Server) -> str:
     return server.url
 
 
-WRITES: dict[str, Callable[[Ledger], object]] = {
-    "add": lambda ledger: ledger.add([SECOND], log=b"another log"),
-    "edit": lambda ledger: ledger.edit("1", apogee=110.0),
-    "edit all": lambda ledger: ledger.edit_all(["1"], "config", config="B"),
-    "tag": lambda ledger: ledger.tag("1", "mine", "weak_launch"),
-    "untag": lambda ledger: ledger.untag("1", "off_axis"),
-    "renew": lambda ledger: ledger.renew([Renewal("1", FIRST.with_changes(duration=40.0), None)]),
-    "remove": lambda ledger: ledger.remove("1"),
-    "undo": lambda ledger: ledger.undo(),
-    "redo": lambda ledger: ledger.redo(),
-    "a model": lambda ledger: ledger.keep_version("Astra", {"effect": "wear"}),
-    "another model": lambda ledger: ledger.activate("Astra", None),
-    "a prediction": lambda ledger: ledger.keep_prediction({"p50": 2.0}, digest="d2", rocket="Astra"),
-    "a start": lambda ledger: ledger.keep_start(Start("Comet", "A", 0.3)),
-    "a draft": lambda ledger: ledger.keep_draft("add", {"apogee": "924ft"}),
-}
-
-
 @pytest.mark.postgres
-@pytest.mark.parametrize("statements", [range(4, 5), pytest.param(range(1, 30), marks=pytest.mark.slow)])
-def test_each_change_whose_server_process_is_killed_in_its_midst_never_was(url: str, statements: range) -> None:
-    with Ledger.open(url) as ledger:
-        _furnish(ledger)
-        for name, write in WRITES.items():
-            before = ledgers.state(url)
-            for count in statements:
-                with killed_after(ledger, count) as killed:
-                    said = failure(ledger, write)
-                if not killed:
-                    break
-                assert "127.0.0.1" in said
-                servers.recovered(url)
-                assert ledgers.state(url) == before, f"{name}, after {count} statements"
-            assert killed or (count > 4 and not said), name
-        assert not failure(ledger, WRITES["add"])
-
-
-def failure(ledger: Ledger, write: Callable[[Ledger], object]) -> str:
-    """What a ledger says when it cannot be changed, empty where it was."""
-    try:
-        write(ledger)
-    except LedgerError as error:
-        return str(error)
-    return ""
-
-
-def _furnish(ledger: Ledger) -> None:
-    """Something of each kind, so that each change has what it needs; the last one is undone."""
-    ledger.add([FIRST], log=b"a log")
-    ledger.keep_version("Astra", {"effect": "wind"})
-    ledger.keep_prediction({"p50": 1.0}, digest="d1", rocket="Astra")
-    ledger.keep_start(Start("Astra", "A", 0.3))
-    ledger.keep_draft("add", {"apogee": "923ft"})
-    ledger.tag("1", "off_axis")
-    ledger.edit("1", notes="high")
-    ledger.undo()
-
-
-@contextmanager
-def killed_after(ledger: Ledger, count: int) -> Iterator[list[int]]:
-    """Kill the server's process behind a change after so many statements; the number of the one that was killed."""
-    killed, left = [], count
-
-    def kill(connection: Connection) -> None:
-        nonlocal left
-        left -= 1
-        if not left:
-            killed.append(connection.connection.driver_connection.info.backend_pid)
-            os.kill(killed[0], signal.SIGKILL)
-
-    with writing(ledger, "after_cursor_execute", kill):
-        yield killed
-
-
-@contextmanager
-def writing(ledger: Ledger, what: str, heard: Callable[[Connection], object]) -> Iterator[None]:
-    """Call a function at an event of the ledger's connections that change something."""
-
-    def hear(connection: Connection, *_: object) -> None:
-        if connection.get_execution_options().get("writes"):
-            heard(connection)
-
-    event.listen(ledger._engine, what, hear)
-    try:
-        yield
-    finally:
-        event.remove(ledger._engine, what, hear)
+@pytest.mark.parametrize("counts", [range(4, 5), pytest.param(range(1, 30), marks=pytest.mark.slow)])
+def test_each_change_whose_server_process_is_killed_in_its_midst_never_was(url: str, counts: range) -> None:
+    outcome = statements.process_killed(url, counts)
+    assert outcome.faults == []
+    assert outcome.tried >= len(statements.CHANGES)
 
 
 @pytest.mark.postgres

@@ -77,7 +77,11 @@ async def test_a_name_that_was_made_to_lead_here_gets_nothing(unused_tcp_port: i
     base, here = f"http://127.0.0.1:{unused_tcp_port}/", f"127.0.0.1:{unused_tcp_port}"
     try:
         async with ClientSession() as anyone:
-            for host in ("evil.example", f"evil.example:{unused_tcp_port}", f"127.0.0.1.evil.example:{unused_tcp_port}"):
+            for host in (
+                "evil.example",
+                f"evil.example:{unused_tcp_port}",
+                f"127.0.0.1.evil.example:{unused_tcp_port}",
+            ):
                 for path in ("", "ws", "static/"):
                     assert (await anyone.get(base + path, headers={"Host": host})).status == 403
                 with pytest.raises(WSServerHandshakeError):

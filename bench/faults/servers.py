@@ -27,7 +27,11 @@ from fieldkit.errors import LedgerError
 COMMANDS = {
     "add": ADD,
     "import": ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"),
+    "edit": ("edit", "k1", "apogee=200m"),
+    "tag": ("tag", "k1", "mine"),
+    "remove": ("remove", "k1", "k2"),
     "undo": ("undo",),
+    "redo": ("redo",),
     "migrate": ("history",),
 }
 TRACEBACK = 99
@@ -114,8 +118,10 @@ def _prepared(name: str, url: str) -> None:
     """The ledger that a command finds: two imports, or one at the first schema."""
     emptied(url)
     assert fieldkit(url, "import", str(TABLE))[0] == 0
-    if name == "undo":
+    if name in ("undo", "redo"):
         assert fieldkit(url, *COMMANDS["import"])[0] == 0
+    if name == "redo":
+        assert fieldkit(url, "undo")[0] == 0
     if name == "migrate":
         _back_to_the_first_step(url)
 

@@ -4,7 +4,7 @@ Undo and redo are changes too and stand in the journal themselves; which changes
 reading it from the start. Nothing in it is ever altered.
 """
 
-from collections.abc import Collection, Iterable, Mapping, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -66,7 +66,7 @@ class Pen:
         """Take rows out."""
         gone = self.connection.execute(select(table).where(where)).mappings().all()
         self.connection.execute(delete(table).where(where))
-        self.images += [Image(table.name, _without_checksum(row), None) for row in gone]
+        self.images += [Image(table.name, _without_checksum(dict(row)), None) for row in gone]
 
     def sign(self, command: str, what: str) -> None:
         """Seal the rows changed so far, and enter the changes in the journal as one command."""
@@ -165,7 +165,7 @@ def _touched(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:
     return keys
 
 
-def _without_checksum(row: Mapping[str, Any]) -> Row:
+def _without_checksum(row: Row) -> Row:
     return {name: value for name, value in row.items() if name != CHECKSUM}
 
 

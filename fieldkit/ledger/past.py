@@ -3,7 +3,7 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, Table, select
 
 from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights, sound_rows
@@ -61,12 +61,12 @@ def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
 
 
 def _rows(connection: Connection) -> Rows:
-    held = {
+    held: dict[Table, list[Row]] = {
         flights: sound_flights(connection, select(flights)),
-        tags: connection.execute(select(tags)).mappings(),
+        tags: list(map(dict, connection.execute(select(tags)).mappings())),
         active_versions: sound_rows(connection, select(active_versions)),
     }
-    return {table.name: {_key(table.name, row): dict(row) for row in rows} for table, rows in held.items()}
+    return {table.name: {_key(table.name, row): row for row in rows} for table, rows in held.items()}
 
 
 def _key(table: str, row: Any) -> tuple[Any, ...]:

@@ -36,6 +36,7 @@ def _checksum() -> Column[int]:
     """See `fieldkit.ledger.checksums`."""
     return Column("checksum", BigInteger)
 
+
 EDITED = text("entered IS NOT NULL")
 
 logs = Table(
