@@ -17,7 +17,7 @@ from sqlalchemy import create_engine, event
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Start, opening
+from fieldkit.ledger import Ledger, Start, opening, whereabouts
 from fieldkit.ledger.tables import metadata
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -323,9 +323,9 @@ def test_a_server_that_does_not_answer_is_named_without_its_password() -> None:
 
 
 def test_a_password_stays_out_of_messages() -> None:
-    url = opening.location("postgresql://me:secret@host/db")
+    url = whereabouts.location("postgresql://me:secret@host/db")
     assert url.drivername == "postgresql+psycopg"
-    assert "secret" not in opening.name_of(url)
+    assert "secret" not in whereabouts.name_of(url)
 
 
 def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -335,7 +335,7 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
     monkeypatch.delenv("FIELDKIT_LEDGER")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.setattr("sys.platform", "linux")
-    assert str(opening.location(None).database).endswith("ledger.db")
+    assert str(whereabouts.location(None).database).endswith("ledger.db")
 
 
 def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from typing import TypeVar
 
 from sqlalchemy import Connection, Engine
 
-from fieldkit.ledger import opening
+from fieldkit.ledger import opening, whereabouts
 from fieldkit.ledger.journal import Pen
 
 Kind = TypeVar("Kind", bound="OpenLedger")
@@ -29,14 +29,14 @@ class OpenLedger:
 
         None stands for FIELDKIT_LEDGER, or the file in the user's data folder.
         """
-        url = opening.location(where)
+        url = whereabouts.location(where)
         engine = opening.connect(url)
         try:
             opening.bring_up_to_date(engine)
         except BaseException:
             engine.dispose()
             raise
-        return cls(engine, opening.name_of(url))
+        return cls(engine, whereabouts.name_of(url))
 
     def __enter__(self: Kind) -> Kind:
         return self
