@@ -61,7 +61,7 @@ def without_tables(_: bytes) -> bytes:
     """What SQLite itself finds nothing wrong with."""
     with closing(sqlite3.connect(":memory:")) as empty:
         empty.execute("CREATE TABLE alembic_version (version_num TEXT)")
-        empty.execute("INSERT INTO alembic_version VALUES ('m003_indices')")
+        empty.execute("INSERT INTO alembic_version VALUES ('m004_checksums')")
         empty.commit()
         return empty.serialize()
 

@@ -16,7 +16,7 @@ from fieldkit.ledger import Ledger, journal
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
 
-from bench.faults import damage, kills, ledgers, servers
+from bench.faults import damage, kills, ledgers, servers, statements
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 
@@ -51,22 +51,38 @@ def test_bits_that_flip_are_seen_or_harmless(tmp_path: Path) -> None:
     assert damage.cut_short(tmp_path / "cut", 6, seed=1).faults == []
 
 
-@pytest.fixture
+@pytest.fixture(scope="module")
 def server() -> Iterator[servers.Server]:
     """A PostgreSQL server that may be killed."""
     if not servers.binaries():
         pytest.skip("there is no PostgreSQL on this machine")
-    with tempfile.TemporaryDirectory() as scratch:
+    memory = "/dev/shm" if Path("/dev/shm").is_dir() else None
+    with tempfile.TemporaryDirectory(dir=memory) as scratch:
         Path(scratch).chmod(0o755)  # the server is another user
         with servers.server(Path(scratch) / "server") as ours:
             yield ours
 
 
+@pytest.fixture
+def url(server: servers.Server) -> str:
+    """Where an empty ledger may be made on it."""
+    servers.emptied(server.url)
+    return server.url
+
+
+@pytest.mark.postgres
+@pytest.mark.parametrize("counts", [range(4, 5), pytest.param(range(1, 30), marks=pytest.mark.slow)])
+def test_each_change_whose_server_process_is_killed_in_its_midst_never_was(url: str, counts: range) -> None:
+    outcome = statements.process_killed(url, counts)
+    assert outcome.faults == []
+    assert outcome.tried >= len(statements.CHANGES)
+
+
 @pytest.mark.postgres
 def test_a_server_that_dies_in_mid_transaction_loses_that_change_alone(
-    server: servers.Server, monkeypatch: pytest.MonkeyPatch
+    server: servers.Server, url: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with Ledger.open(server.url) as ledger:
+    with Ledger.open(url) as ledger:
         ledger.add([FIRST])
         enter = journal._enter
 

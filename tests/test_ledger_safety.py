@@ -6,6 +6,7 @@ import subprocess
 import sys
 import threading
 import time
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from sqlalchemy import create_engine, event
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Start, opening
+from fieldkit.ledger import Ledger, Start, opening, whereabouts
 from fieldkit.ledger.tables import metadata
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -114,6 +115,15 @@ def test_a_ledger_of_a_newer_program_is_not_touched(tmp_path: Path) -> None:
         Ledger.open(file)
 
 
+def test_a_version_that_there_never_was_is_damage(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    Ledger.open(file).close()
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute("UPDATE alembic_version SET version_num = substr(version_num, 1, 8) || '}'")
+    with pytest.raises(LedgerError, match=r"the file is damaged \(found the version m\d{3}_"):
+        Ledger.open(file)
+
+
 def test_a_damaged_ledger_is_said_to_be_damaged(tmp_path: Path) -> None:
     file = tmp_path / "ledger.db"
     with Ledger.open(file) as ledger:
@@ -142,6 +152,80 @@ def test_a_row_that_no_fieldkit_wrote_is_damage_and_not_a_crash(column: str, val
                 ask()
 
 
+CHANGES = (
+    "UPDATE flights SET notes = 'Qual flaght 2'",
+    "UPDATE flights SET apogee = 46.475",
+    "UPDATE flights SET humidity = 0.0",
+    """UPDATE flights SET extra = '{"Weather": "gray"}'""",
+    "UPDATE flights SET checksum = NULL",
+    "UPDATE tags SET tag = 'mind'",
+    "DELETE FROM tags",
+    "UPDATE journal SET images = replace(images, '281.3', '281.7')",
+    "UPDATE versions SET payload = replace(payload, 'wind', 'wand')",
+    "UPDATE active_versions SET number = 1",
+    "UPDATE predictions SET payload = replace(payload, '250.0', '250.5')",
+    "UPDATE configurations SET dry_mass = 0.35",
+    "UPDATE drafts SET content = replace(content, '923ft', '933ft')",
+    "PRAGMA foreign_keys = OFF; DELETE FROM logs",
+)
+
+
+@pytest.mark.parametrize("change", CHANGES)
+def test_a_row_that_says_something_else_than_was_written_is_damage(change: str, tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST.with_changes(notes="Qual flight 2", extra={"Weather": "grey"})], log=b"a log")
+        for effect in ("wind", "wear"):
+            ledger.keep_version("Astra", {"effect": effect})
+        ledger.keep_prediction({"apogee_m": 250.0}, digest="d", rocket="Astra")
+        ledger.keep_start(Start("Astra", "A", 0.3))
+        ledger.keep_draft("add", {"apogee": "923ft"})
+    asked = (
+        lambda ledger: ledger.flight("1"),
+        lambda ledger: ledger.log("1"),
+        lambda ledger: ledger.versions("Astra"),
+        lambda ledger: ledger.predictions(),
+        lambda ledger: ledger.starts("Astra"),
+        lambda ledger: ledger.draft("add"),
+        lambda ledger: ledger.before([FIRST]),
+    )
+    assert failures(file, asked) == []
+    with closing(sqlite3.connect(file)) as raw:
+        raw.executescript(change)
+    said = failures(file, asked)
+    assert said
+    assert all("the file is damaged" in one and "backup" in one for one in said)
+
+
+def failures(file: Path, asked: Sequence[Callable[[Ledger], object]]) -> list[str]:
+    """What a ledger says when it cannot answer."""
+    said = []
+    with Ledger.open(file) as ledger:
+        for ask in asked:
+            try:
+                ask(ledger)
+            except LedgerError as error:
+                said.append(str(error))
+    return said
+
+
+def test_what_is_taken_back_is_sound_and_what_is_damaged_is_not_taken_back(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+        ledger.edit("1", apogee=290.0)
+        ledger.remove("1")
+        ledger.undo()
+        ledger.undo()
+        assert ledger.flights() == [FIRST]
+        ledger.redo()
+    for table, column in (("flights", "notes"), ("journal", "what")):
+        with closing(sqlite3.connect(file)) as raw, raw:
+            raw.execute(f"UPDATE {table} SET {column} = 'else'")
+        with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="the file is damaged"):
+            ledger.undo()
+
+
 def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
     file, other = tmp_path / "ledger.db", tmp_path / "other.db"
     for one in (file, other):
@@ -156,6 +240,15 @@ def test_a_lost_column_and_an_index_astray_are_damage(tmp_path: Path) -> None:
     other.write_bytes(content[: content.rindex(b"Astra1")] + b"Astra2" + content[content.rindex(b"Astra1") + 6 :])
     with Ledger.open(other) as ledger, pytest.raises(LedgerError, match=r"damaged.*missing from index"):
         ledger.flight("1")
+
+
+def test_a_schema_that_is_no_text_any_more_is_damage(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([FIRST])
+    file.write_bytes(file.read_bytes().replace(b"rail_length", b"rail_leng\xffh"))
+    with Ledger.open(file) as ledger, pytest.raises(LedgerError, match="the file is damaged"):
+        ledger.flights()
 
 
 def test_a_prediction_that_says_nothing_is_damage(tmp_path: Path) -> None:
@@ -230,9 +323,9 @@ def test_a_server_that_does_not_answer_is_named_without_its_password() -> None:
 
 
 def test_a_password_stays_out_of_messages() -> None:
-    url = opening.location("postgresql://me:secret@host/db")
+    url = whereabouts.location("postgresql://me:secret@host/db")
     assert url.drivername == "postgresql+psycopg"
-    assert "secret" not in opening.name_of(url)
+    assert "secret" not in whereabouts.name_of(url)
 
 
 def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -242,7 +335,7 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
     monkeypatch.delenv("FIELDKIT_LEDGER")
     monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
     monkeypatch.setattr("sys.platform", "linux")
-    assert str(opening.location(None).database).endswith("ledger.db")
+    assert str(whereabouts.location(None).database).endswith("ledger.db")
 
 
 def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:

@@ -49,6 +49,7 @@ def test_only_this_computer_is_loopback() -> None:
     assert [is_loopback(host) for host in ("127.0.0.1", "::1", "localhost")] == [True] * 3
     assert [is_loopback(host) for host in ("0.0.0.0", "192.168.1.2", "::", "field.local")] == [False] * 4
     assert address("192.168.1.2") == "192.168.1.2"
+    assert address("::1") == "[::1]"
 
 
 async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
@@ -67,6 +68,29 @@ async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:
             assert cookies == {"fieldkit": "a token"} or not cookies  # a jar keeps none for bare addresses
             evil = {"Origin": "http://elsewhere.example"}
             assert (await flyer.get(base, params={"token": "a token"}, headers=evil)).status == 403
+    finally:
+        await runner.cleanup()
+
+
+async def test_a_name_that_was_made_to_lead_here_gets_nothing(unused_tcp_port: int) -> None:
+    runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "", None))
+    base, here = f"http://127.0.0.1:{unused_tcp_port}/", f"127.0.0.1:{unused_tcp_port}"
+    try:
+        async with ClientSession() as anyone:
+            for host in (
+                "evil.example",
+                f"evil.example:{unused_tcp_port}",
+                f"127.0.0.1.evil.example:{unused_tcp_port}",
+            ):
+                for path in ("", "ws", "static/"):
+                    assert (await anyone.get(base + path, headers={"Host": host})).status == 403
+                with pytest.raises(WSServerHandshakeError):
+                    await anyone.ws_connect(base + "ws", headers={"Host": host}, origin=f"http://{host}")
+            for host in (here, f"localhost:{unused_tcp_port}", f"[::1]:{unused_tcp_port}"):
+                headers = {"Host": host, "Origin": f"http://{host}"}
+                assert (await anyone.get(base, headers=headers)).status == 200
+            for origin in (f"http://localhost:{unused_tcp_port + 1}", "http://localhost:none", "null"):
+                assert (await anyone.get(base, headers={"Origin": origin})).status == 403
     finally:
         await runner.cleanup()
 

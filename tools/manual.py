@@ -61,6 +61,9 @@ Commands that answer take `--json`; `fieldkit COMMAND --help` says the same as t
 `docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or compute for long are in
 `docs/examples-long.sh`. {WRITTEN_BY}
 
+The exit status is 0 where all is done, 2 for wrong usage and 1 for anything else, with a line on standard error that
+says what was found and what would be right. An `import` that rejects a row takes the others in and ends with 1.
+
 | command | does |
 |---|---|
 {chr(10).join(heads)}

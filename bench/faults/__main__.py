@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import mkdtemp
 
-from bench.faults import damage, discs, kills, servers, writers
+from bench.faults import damage, discs, kills, servers, statements, writers
 from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
@@ -62,6 +62,7 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
             for name in servers.COMMANDS:
                 part = partial(servers.crashes, ours, name, trials, SEED, of_the_server=of_the_server)
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
+        yield "postgres_statements", partial(statements.process_killed, ours.url, range(1, 2 + 2 * trials))
 
 
 def tried(part: Callable[[], Outcome], file: Path) -> Outcome:

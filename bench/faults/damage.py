@@ -78,8 +78,11 @@ def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content
             known = any(one in said for one in SAID) and "fieldkit backups restore" in said
             came.append("said so, backup offered")
             faults += [] if known else [f"{what}: {arguments[0]} said {said.strip()!r}"]
+        elif out == answer:
+            came.append("answers are right")
         else:
-            came.append("answers are right" if out == answer else "another answer, unnoticed")
+            came.append("another answer")
+            faults.append(f"{what}: {arguments[0]} gave another answer and said nothing")
     if file.read_bytes() != content:
         faults.append(f"{what}: the damaged file was written to")
     if any(one != "answers are right" for one in came):
@@ -87,7 +90,7 @@ def _try(outcome: Outcome, template: Path, file: Path, right: list[str], content
     outcome.saw(min(came, key=WORST.index, default="raised"), "; ".join(faults[:1]))
 
 
-WORST = ("another answer, unnoticed", "said so, backup offered", "answers are right")
+WORST = ("another answer", "said so, backup offered", "answers are right")
 
 
 def _restored(file: Path, right: list[str]) -> list[str]:

@@ -27,7 +27,11 @@ from fieldkit.errors import LedgerError
 COMMANDS = {
     "add": ADD,
     "import": ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"),
+    "edit": ("edit", "k1", "apogee=200m"),
+    "tag": ("tag", "k1", "mine"),
+    "remove": ("remove", "k1", "k2"),
     "undo": ("undo",),
+    "redo": ("redo",),
     "migrate": ("history",),
 }
 TRACEBACK = 99
@@ -78,7 +82,7 @@ def server(folder: Path) -> Iterator[Server]:
     with socket.socket() as free:
         free.bind(("127.0.0.1", 0))
         ours = Server(folder, free.getsockname()[1])
-    ours.call("initdb", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8")
+    ours.call("initdb", "--no-sync", "-D", "data", "-U", "postgres", "-A", "trust", "-E", "UTF8")
     ours.start()
     try:
         yield ours
@@ -86,7 +90,23 @@ def server(folder: Path) -> Iterator[Server]:
         ours.kill()
 
 
-def _emptied(url: str) -> None:
+def recovered(url: str, patience: float = 60.0) -> None:
+    """Wait until a server whose processes were killed answers again."""
+    import psycopg
+
+    end = time.monotonic() + patience
+    while True:
+        try:
+            psycopg.connect(url).close()
+            return
+        except psycopg.OperationalError:
+            if time.monotonic() > end:
+                raise
+            time.sleep(0.02)
+
+
+def emptied(url: str) -> None:
+    """Take away whatever is on a server."""
     import psycopg
 
     with psycopg.connect(url, autocommit=True) as connection:
@@ -96,10 +116,12 @@ def _emptied(url: str) -> None:
 
 def _prepared(name: str, url: str) -> None:
     """The ledger that a command finds: two imports, or one at the first schema."""
-    _emptied(url)
+    emptied(url)
     assert fieldkit(url, "import", str(TABLE))[0] == 0
-    if name == "undo":
+    if name in ("undo", "redo"):
         assert fieldkit(url, *COMMANDS["import"])[0] == 0
+    if name == "redo":
+        assert fieldkit(url, "undo")[0] == 0
     if name == "migrate":
         _back_to_the_first_step(url)
 
@@ -112,6 +134,9 @@ def _back_to_the_first_step(url: str) -> None:
         for index in ("flights_by_id", "flights_edited", "tags_by_tag", "predictions_by_flight"):
             connection.execute(f"DROP INDEX {index}")
         connection.execute("DROP TABLE configurations")
+        for table in ("flights", "versions", "active_versions", "predictions", "journal", "drafts"):
+            connection.execute(f"ALTER TABLE {table} DROP COLUMN checksum")
+        connection.execute("ALTER TABLE journal DROP COLUMN images_checksum")
         connection.execute("UPDATE alembic_version SET version_num = 'm001_flights'")
 
 

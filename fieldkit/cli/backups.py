@@ -64,13 +64,13 @@ def restore(
 def _kept(context: typer.Context) -> "tuple[Path, list[Backup]]":
     """The ledger's file and its copies. Raises LedgerError for one that is not a file."""
     from fieldkit.errors import LedgerError
-    from fieldkit.ledger import opening
+    from fieldkit.ledger import whereabouts
     from fieldkit.ledger.backups import backups
 
-    url = opening.location(context.find_root().obj)
-    file = opening.file_of(url)
+    url = whereabouts.location(context.find_root().obj)
+    file = whereabouts.file_of(url)
     if file is None:
-        raise LedgerError(f"{opening.name_of(url)}: is not a file of its own; back it up with what its server has")
+        raise LedgerError(f"{whereabouts.name_of(url)}: is not a file of its own; back it up with what its server has")
     return file, backups(file)
 
 

@@ -49,7 +49,10 @@ def import_(
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """Take logs and flight tables into the ledger; what is there already changes nothing."""
+    """Take logs and flight tables into the ledger; what is there already changes nothing.
+
+    What cannot be taken in is named, the rest goes in, and the exit status is 1.
+    """
     from fieldkit.intake import gather, take_in
     from fieldkit.logs.mapping import read_choice, remember, remembered
 
@@ -68,6 +71,8 @@ def import_(
         print_json(_document(receipt))
     else:
         _say(receipt, "would be imported" if dry_run else "imported", foretold)
+    if receipt.rejected:
+        raise typer.Exit(1)
 
 
 def _complain_of(receipt: "Receipt") -> None:

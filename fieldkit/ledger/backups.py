@@ -28,7 +28,7 @@ EVERY = 50
 ABANDONED = 3600.0
 """A half-made copy this old is nobody's any more. [s]"""
 PATIENCE = 15.0
-"""How long a copy waits for a process that is writing. [s]"""
+"""How long a command or a copy waits for a process that is writing. [s]"""
 
 _NAME = re.compile(r"(\d{6,})_(\d{8}T\d{6}Z)_(\d+)\.db")
 _STAMP = "%Y%m%dT%H%M%SZ"

@@ -5,6 +5,7 @@ from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
+from fieldkit.ledger.checksums import seal, sound_rows
 from fieldkit.ledger.tables import drafts
 
 
@@ -12,12 +13,13 @@ def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
     """Keep a draft under a name, in place of what was there."""
     drop(connection, name)
     connection.execute(insert(drafts).values(name=name, content=dict(content)))
+    seal(connection, drafts, [(name,)])
 
 
 def draft(connection: Connection, name: str) -> dict[str, Any] | None:
     """The draft under a name, or None."""
-    content = connection.scalar(select(drafts.c.content).where(drafts.c.name == name))
-    return None if content is None else dict(content)
+    found = sound_rows(connection, select(drafts).where(drafts.c.name == name))
+    return dict(found[0]["content"]) if found else None
 
 
 def drop(connection: Connection, name: str) -> None:

@@ -1,19 +1,18 @@
 """Flights as the tables hold them: reading them, and what they name."""
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from sqlalchemy import Connection, Select, func, select, tuple_
 
 from fieldkit.flight import Flight
-from fieldkit.ledger.rows import DamagedRow, flight_of
-from fieldkit.ledger.tables import EDITED, flights, tags
+from fieldkit.ledger.checksums import sound_flights
+from fieldkit.ledger.rows import Row, flight_of
+from fieldkit.ledger.tables import EDITED, FEW, flights, tags
 
 Identity = tuple[str, str]
 """A rocket and a flight_id, which together name a flight."""
-FEW = 500
-"""So many are asked for by name; of more, everything is read. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -61,28 +60,13 @@ def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
 
 
 def _all_held(connection: Connection, query: Select[Any]) -> list[Held]:
-    columns = flights.c.keys()
-    rows = [dict(zip(columns, row, strict=True)) for row in connection.execute(query)]
-    labels: dict[int, list[str]] = {row["entry"]: [] for row in rows}
-    for label in connection.execute(_labels(labels)):
-        if label.entry in labels:
-            labels[label.entry].append(label.tag)
-    return [_held(row, labels[row["entry"]]) for row in rows]
+    return [_held(row) for row in sound_flights(connection, query)]
 
 
-def _labels(entries: Collection[int]) -> Select[Any]:
-    """The tags of these flights, and of others where they are many."""
-    query = select(tags).order_by(tags.c.entry, tags.c.position)
-    return query.where(tags.c.entry.in_(entries)) if len(entries) <= FEW else query
-
-
-def _held(row: Mapping[str, Any], labels: Sequence[str]) -> Held:
-    """A row and its tags as a flight. Raises DamagedRow."""
-    try:
-        once = flight_of(row["entered"], row["entered"]["tags"]) if row["entered"] else None
-        return Held(row["entry"], flight_of(row, labels), once, row["log_digest"])
-    except (ValueError, TypeError, LookupError) as error:
-        raise DamagedRow(f"flight {row['flight_id']!r} of {row['rocket']!r}: {error}") from error
+def _held(row: Row) -> Held:
+    entered = row["entered"]
+    once = flight_of(entered, entered["tags"]) if entered else None
+    return Held(row["entry"], flight_of(row, row["tags"]), once, row["log_digest"])
 
 
 def names(connection: Connection, field: str, rocket: str | None) -> list[str]:

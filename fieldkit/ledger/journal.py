@@ -4,7 +4,7 @@ Undo and redo are changes too and stand in the journal themselves; which changes
 reading it from the start. Nothing in it is ever altered.
 """
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import Any
@@ -12,8 +12,10 @@ from typing import Any
 from sqlalchemy import ColumnElement, Connection, Table, and_, delete, func, insert, select, update
 
 from fieldkit.errors import LedgerError
+from fieldkit.ledger import checksums
+from fieldkit.ledger.checksums import APART, CHECKSUM
 from fieldkit.ledger.rows import Row
-from fieldkit.ledger.tables import journal, metadata
+from fieldkit.ledger.tables import flights, journal, metadata, tags
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,10 +66,12 @@ class Pen:
         """Take rows out."""
         gone = self.connection.execute(select(table).where(where)).mappings().all()
         self.connection.execute(delete(table).where(where))
-        self.images += [Image(table.name, dict(row), None) for row in gone]
+        self.images += [Image(table.name, _without_checksum(dict(row)), None) for row in gone]
 
     def sign(self, command: str, what: str) -> None:
-        """Enter the changes made so far in the journal as one command."""
+        """Seal the rows changed so far, and enter the changes in the journal as one command."""
+        for table, keys in _touched(self.images).items():
+            checksums.seal(self.connection, table, keys)
         images = [[image.table, image.before, image.after] for image in self.images]
         _enter(self.connection, command=command, what=what, images=images)
 
@@ -77,7 +81,7 @@ def undo(connection: Connection) -> Change:
     done, _ = _standing(connection)
     if not done:
         raise LedgerError("nothing left to undo")
-    change, images = _change(connection, done[-1])
+    change, images = _whole(connection, done[-1])
     _apply(connection, [image.swapped() for image in reversed(images)])
     _enter(connection, command="undo", what=_named(change), target=change.number)
     return change
@@ -88,7 +92,7 @@ def redo(connection: Connection) -> Change:
     _, undone = _standing(connection)
     if not undone:
         raise LedgerError("nothing left to redo")
-    change, images = _change(connection, undone[-1])
+    change, images = _whole(connection, undone[-1])
     _apply(connection, images)
     _enter(connection, command="redo", what=_named(change), target=change.number)
     return change
@@ -97,16 +101,8 @@ def redo(connection: Connection) -> Change:
 def history(connection: Connection) -> list[Change]:
     """Every change, oldest first."""
     in_force = set(_standing(connection)[0])
-    columns = (journal.c.number, journal.c.at, journal.c.command, journal.c.what, journal.c.target)
     return [
-        Change(
-            number=number,
-            at=datetime.fromisoformat(at),
-            command=command,
-            what=what,
-            undone=target is None and number not in in_force,
-        )
-        for number, at, command, what, target in connection.execute(select(*columns).order_by(journal.c.number))
+        _change(row, undone=row["target"] is None and row["number"] not in in_force) for row in _entries(connection)
     ]
 
 
@@ -119,22 +115,32 @@ def _standing(connection: Connection) -> tuple[list[int], list[int]]:
     """Numbers of the changes in force, and of those a redo would bring back, the next one last."""
     done: list[int] = []
     undone: list[int] = []
-    columns = (journal.c.number, journal.c.command, journal.c.target)
-    for number, command, target in connection.execute(select(*columns).order_by(journal.c.number)):
+    for row in _entries(connection):
+        number, target = row["number"], row["target"]
         if target is None:
             done.append(number)
             undone.clear()
-        elif command == "undo":
+        elif row["command"] == "undo":
             undone.append(done.pop())
         else:
             done.append(undone.pop())
     return done, undone
 
 
-def _change(connection: Connection, number: int) -> tuple[Change, list[Image]]:
-    row = connection.execute(select(journal).where(journal.c.number == number)).one()
-    images = [Image(table, before, after) for table, before, after in row.images]
-    return Change(row.number, datetime.fromisoformat(row.at), row.command, row.what), images
+def _entries(connection: Connection) -> list[Row]:
+    """Every entry without its images, oldest first. Raises DamagedRow."""
+    light = [column for column in journal.c if column is not journal.c.images]
+    return checksums.sound_rows(connection, select(*light).order_by(journal.c.number))
+
+
+def _change(row: Row, *, undone: bool = False) -> Change:
+    return Change(row["number"], datetime.fromisoformat(row["at"]), row["command"], row["what"], undone)
+
+
+def _whole(connection: Connection, number: int) -> tuple[Change, list[Image]]:
+    """A change and what it did. Raises DamagedRow."""
+    (row,) = checksums.sound_rows(connection, select(journal).where(journal.c.number == number))
+    return _change(row), [Image(*image) for image in row["images"]]
 
 
 def _named(change: Change) -> str:
@@ -143,10 +149,37 @@ def _named(change: Change) -> str:
 
 def _enter(connection: Connection, **values: Any) -> None:
     last = connection.scalar(select(func.max(journal.c.number))) or 0
-    connection.execute(insert(journal).values(number=last + 1, at=now(), **values))
+    row = {"number": last + 1, "at": now(), **values}
+    if APART in row:
+        row[f"{APART}_checksum"] = checksums.checksum_of(row[APART])
+    connection.execute(insert(journal).values(row | {CHECKSUM: checksums.checksum(row)}))
 
 
-def _apply(connection: Connection, images: Iterable[Image]) -> None:
+def _touched(images: Iterable[Image]) -> dict[Table, set[tuple[Any, ...]]]:
+    """Primary keys of the rows that bear a checksum of what was changed; tags are in that of their flight."""
+    keys: dict[Table, set[tuple[Any, ...]]] = {}
+    for image in images:
+        table = flights if image.table == tags.name else metadata.tables[image.table]
+        row = image.before if image.after is None else image.after
+        keys.setdefault(table, set()).add(tuple((row or {})[column.name] for column in table.primary_key))
+    return keys
+
+
+def _without_checksum(row: Row) -> Row:
+    return {name: value for name, value in row.items() if name != CHECKSUM}
+
+
+def _apply(connection: Connection, images: Collection[Image]) -> None:
+    """Make changes to rows that are sound, and seal them. Raises DamagedRow."""
+    touched = _touched(images)
+    for table, keys in touched.items():
+        checksums.check(connection, table, keys)
+    _change_rows(connection, images)
+    for table, keys in touched.items():
+        checksums.seal(connection, table, keys)
+
+
+def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
     for image in images:
         table = metadata.tables[image.table]
         if image.before is None:

@@ -7,6 +7,7 @@ from sqlalchemy import Connection, insert, select
 from fieldkit.arrival import OTHER_LOGS, Original
 from fieldkit.errors import LedgerError
 from fieldkit.ledger.finding import Held
+from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import logs
 
 LARGEST_LOG = 1 << 30
@@ -21,8 +22,11 @@ def keep_log(connection: Connection, original: Original) -> None:
 
 
 def log_of(connection: Connection, held: Held) -> bytes | None:
-    """The original bytes of a held flight's log."""
-    return _content(connection, held.log_digest)
+    """The original bytes of a held flight's log, None where it came without. Raises DamagedRow where they are gone."""
+    content = _content(connection, held.log_digest)
+    if held.log_digest and content is None:
+        raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is gone")
+    return content
 
 
 def other_logs_of(connection: Connection, held: Held) -> list[bytes]:

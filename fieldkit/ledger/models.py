@@ -1,19 +1,21 @@
 """Model versions by rocket, the one in use, and the predictions made."""
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, fields
 from datetime import datetime
 from typing import Any
 
-from sqlalchemy import Connection, and_, func, insert, select
+from sqlalchemy import Connection, func, insert, select
 
 from fieldkit.errors import LedgerError
+from fieldkit.ledger.checksums import seal, sound_rows
 from fieldkit.ledger.journal import Pen, now
 from fieldkit.ledger.records import Prediction, Version
-from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import active_versions
 from fieldkit.ledger.tables import predictions as made
 from fieldkit.ledger.tables import versions as kept
+
+FIELDS = tuple(field.name for field in fields(Prediction))
 
 
 def keep_version(pen: Pen, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
@@ -28,11 +30,11 @@ def keep_version(pen: Pen, rocket: str, payload: Mapping[str, Any], *, activate:
 
 def versions(connection: Connection, rocket: str) -> list[Version]:
     """The models of a rocket, oldest first."""
-    used = and_(kept.c.rocket == active_versions.c.rocket, kept.c.number == active_versions.c.number)
-    query = select(kept, active_versions.c.number.label("used")).join_from(kept, active_versions, used, isouter=True)
+    in_use = sound_rows(connection, select(active_versions).where(active_versions.c.rocket == rocket))
+    used = {row["number"] for row in in_use}
     return [
-        Version(row.rocket, row.number, datetime.fromisoformat(row.at), _payload(row), row.used is not None)
-        for row in connection.execute(query.where(kept.c.rocket == rocket).order_by(kept.c.number))
+        Version(rocket, row["number"], datetime.fromisoformat(row["at"]), row["payload"], row["number"] in used)
+        for row in sound_rows(connection, select(kept).where(kept.c.rocket == rocket).order_by(kept.c.number))
     ]
 
 
@@ -64,6 +66,7 @@ def keep_prediction(
     last = connection.scalar(select(func.max(made.c.number))) or 0
     new = Prediction(last + 1, datetime.fromisoformat(now()), rocket, flight_id, digest, dict(payload))
     connection.execute(insert(made).values(asdict(new) | {"at": new.at.isoformat()}))
+    seal(connection, made, [(new.number,)])
     return new
 
 
@@ -79,13 +82,6 @@ def predictions(
     if digest is not None:
         query = query.where(made.c.digest == digest)
     return [
-        Prediction(row.number, datetime.fromisoformat(row.at), row.rocket, row.flight_id, row.digest, _payload(row))
-        for row in connection.execute(query)
+        Prediction(**{name: row[name] for name in FIELDS} | {"at": datetime.fromisoformat(row["at"])})
+        for row in sound_rows(connection, query)
     ]
-
-
-def _payload(row: Any) -> dict[str, Any]:
-    """What a row says. Raises DamagedRow where that is nothing."""
-    if not isinstance(row.payload, dict):
-        raise DamagedRow(f"number {row.number} of {row.rocket!r} says nothing")
-    return row.payload

@@ -6,9 +6,9 @@ from difflib import get_close_matches
 from sqlalchemy import Connection, or_, select, tuple_
 
 from fieldkit.errors import LedgerError
-from fieldkit.ledger.finding import FEW, Held, Identity, find
+from fieldkit.ledger.finding import Held, Identity, find
 from fieldkit.ledger.rows import DamagedRow
-from fieldkit.ledger.tables import flights
+from fieldkit.ledger.tables import FEW, flights
 
 
 def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:

@@ -1,83 +1,36 @@
-"""Finding, opening and upgrading a ledger, on SQLite or PostgreSQL.
+"""Opening and upgrading a ledger, on SQLite or PostgreSQL.
 
 SQLite keeps its rollback journal and `synchronous=EXTRA`: a finished command survives a power cut, and the
 ledger stays one file that can be copied at any time, which a write-ahead log beside it would not allow.
 Alembic is imported only when a ledger is new or older than this program.
 """
 
-import os
 import re
 import sqlite3
-import zlib
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
-from json import JSONDecodeError
 from pathlib import Path
 
 from sqlalchemy import Connection, Engine, create_engine, event, func, inspect, select, text
-from sqlalchemy.engine import URL, make_url
-from sqlalchemy.exc import ArgumentError, DBAPIError, NoSuchModuleError
+from sqlalchemy.engine import URL
+from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import backups
+from fieldkit.ledger.backups import PATIENCE
 from fieldkit.ledger.rows import DamagedRow
-from fieldkit.ledger.tables import journal, metadata
-from fieldkit.places import data_folder
+from fieldkit.ledger.tables import journal
+from fieldkit.ledger.trouble import explained
+from fieldkit.ledger.whereabouts import file_of, name_of
 
-PATIENCE = 15.0
-"""How long a command waits for another one that is writing. [s]"""
 SMALLEST = 512
 """No SQLite database that holds anything is smaller, and it takes a smaller file for an empty one. [byte]"""
 MIGRATIONS = Path(__file__).parent / "migrations"
 STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
 """Every version of the schema that this program knows, oldest first."""
 
-_DRIVERS = {"sqlite": "sqlite", "postgresql": "postgresql+psycopg", "postgres": "postgresql+psycopg"}
 _LOCK = 0x666B  # any number that nobody else on the server is likely to use
-_SQLITE = {
-    "SQLITE_NOTADB": "this file is not a ledger, expected a file made by fieldkit",
-    "SQLITE_CORRUPT": "the file is damaged",
-    "SQLITE_READONLY": "the ledger is read-only, expected a file and folder that may be written",
-    "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
-    "SQLITE_BUSY": f"another program has kept it locked for {PATIENCE:.0f} s; nothing was changed, try again",
-    "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
-    "SQLITE_CANTOPEN": "cannot open the file, expected one in a folder that exists and may be read",
-    "SQLITE_IOERR": "the disk failed to read or write; nothing was changed",
-    "SQLITE_PERM": "no permission to use the file",
-}
-
-_GARBLED = ("Could not decode to UTF-8", "malformed JSON")
-"""How SQLite says, without a code of its own, that a text is not what was written."""
-
-
-def location(where: str | Path | None) -> URL:
-    """The URL of a ledger named by a path or URL, by FIELDKIT_LEDGER, or the one in the user's data folder.
-
-    Raises LedgerError for a URL that is neither SQLite's nor PostgreSQL's.
-    """
-    where = where or os.environ.get("FIELDKIT_LEDGER") or data_folder() / "ledger.db"
-    if isinstance(where, Path) or "://" not in where:
-        return URL.create("sqlite", database=str(Path(where).expanduser()))
-    try:
-        url = make_url(where)
-    except ArgumentError:
-        raise LedgerError(f"found the ledger {where!r}, expected a path or a URL such as sqlite:///FILE") from None
-    dialect = url.get_backend_name()
-    if dialect not in _DRIVERS:
-        raise LedgerError(f"found a ledger on {dialect}, expected sqlite or postgresql")
-    return url if "+" in url.drivername else url.set(drivername=_DRIVERS[dialect])
-
-
-def name_of(url: URL) -> str:
-    """A ledger's name for messages: its path, or its URL without the password."""
-    return str(url.database) if url.drivername == "sqlite" and url.database else url.render_as_string()
-
-
-def file_of(url: URL) -> Path | None:
-    """The file of a ledger, None for one in memory, on a server, or opened by a URL of SQLite's own."""
-    plain = url.get_backend_name() == "sqlite" and url.database and not url.database.startswith((":", "file:"))
-    return Path(str(url.database)) if plain else None
 
 
 def connect(url: URL) -> Engine:
@@ -116,78 +69,17 @@ def _begin_server(connection: Connection) -> None:
 @contextmanager
 def reading(engine: Engine) -> Iterator[Connection]:
     """A connection that sees one state of the ledger."""
-    with _explained(engine), engine.connect() as connection:
+    with explained(engine), engine.connect() as connection:
         yield connection
 
 
 @contextmanager
 def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
     """A connection whose changes are kept together at the end, or not at all; one writer at a time."""
-    with _explained(engine), engine.execution_options(writes=True).connect() as connection:
+    with explained(engine), engine.execution_options(writes=True).connect() as connection:
         yield connection
         if keep:
             connection.commit()
-
-
-@contextmanager
-def _explained(engine: Engine) -> Iterator[None]:
-    try:
-        yield
-    except DBAPIError as error:
-        if why := _reason(error) or _damage(engine):
-            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
-        raise
-    except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
-        why = f"the file is damaged ({error})"
-        raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
-    except UnicodeEncodeError as error:
-        raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
-    except (TypeError, ValueError, LookupError) as error:  # of a row that reads as no row of ours can
-        if why := _damage(engine):
-            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
-        raise
-
-
-def _reason(error: DBAPIError) -> str | None:
-    """What the flyer can mend, or None where the fault is ours or the file's."""
-    code = getattr(error.orig, "sqlite_errorname", "")
-    for start, why in _SQLITE.items():
-        if code.startswith(start):
-            return why
-    said = " ".join(str(error.orig).split())
-    if said.startswith(_GARBLED):
-        return f"the file is damaged ({said})"
-    state = getattr(error.orig, "sqlstate", None)
-    refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
-    if refused or (not code and (error.connection_invalidated or type(error).__name__ == "OperationalError")):
-        return said
-    return None
-
-
-def _damage(engine: Engine) -> str | None:
-    """What is wrong with a ledger's file, where something failed that goes through on every sound one."""
-    file = file_of(engine.url)
-    fault = (backups.fault(file, thorough=True) or _missing(engine)) if file else ""
-    return f"the file is damaged ({fault})" if fault else None
-
-
-def _missing(engine: Engine) -> str:
-    """A table or a column that a ledger has lost, empty where all are there."""
-    with engine.connect() as connection:
-        there = inspect(connection)
-        for name, table in metadata.tables.items():
-            if not there.has_table(name):
-                return f"without its table {name}"
-            if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
-                return f"without the column {min(lost)} of {name}"
-    return ""
-
-
-def _offered(engine: Engine, why: str) -> str:
-    """How to get a damaged ledger back, empty for another trouble."""
-    file = file_of(engine.url)
-    hurt = why.startswith("the file is damaged") or (why == _SQLITE["SQLITE_NOTADB"] and file and backups.backups(file))
-    return f"; {backups.offer(file)}" if hurt and file else ""
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:
@@ -248,7 +140,9 @@ def _version(connection: Connection) -> str | None:
         if version in STEPS:
             return str(version)
         if version and re.match(r"m\d{3}_", version):
-            raise LedgerError(f"{name}: made by a newer fieldkit ({version}), expected {STEPS[-1]} or older")
+            if version[:4] > STEPS[-1][:4]:
+                raise LedgerError(f"{name}: made by a newer fieldkit ({version}), expected {STEPS[-1]} or older")
+            raise DamagedRow(f"found the version {version}, expected one of {', '.join(STEPS)}")
     elif not tables.get_table_names():
         return None
     raise LedgerError(f"{name}: holds another program's tables, expected a ledger or an empty database")

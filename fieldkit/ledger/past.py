@@ -3,9 +3,10 @@
 from collections.abc import Iterator, Sequence
 from typing import Any
 
-from sqlalchemy import Connection, select
+from sqlalchemy import Connection, Table, select
 
 from fieldkit.flight import Flight
+from fieldkit.ledger.checksums import sound_flights, sound_rows
 from fieldkit.ledger.journal import Image
 from fieldkit.ledger.records import Past
 from fieldkit.ledger.rows import Row, flight_of
@@ -38,14 +39,15 @@ def before(connection: Connection, wanted: Sequence[Flight]) -> list[Past]:
 def _changes(connection: Connection) -> Iterator[tuple[int, list[Image]]]:
     """What each entry of the journal did to the tables, oldest first; an undo did its target backwards."""
     known: dict[int, list[Image]] = {}
-    for row in connection.execute(select(journal).order_by(journal.c.number)):
-        if row.target is None:
-            known[row.number] = [Image(*image) for image in row.images]
-            yield row.number, known[row.number]
-        elif row.command == "undo":
-            yield row.number, [image.swapped() for image in reversed(known[row.target])]
+    for row in sound_rows(connection, select(journal).order_by(journal.c.number)):
+        number, target = row["number"], row["target"]
+        if target is None:
+            known[number] = [Image(*image) for image in row["images"]]
+            yield number, known[number]
+        elif row["command"] == "undo":
+            yield number, [image.swapped() for image in reversed(known[target])]
         else:
-            yield row.number, known[row.target]
+            yield number, known[target]
 
 
 def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
@@ -59,11 +61,12 @@ def _arrivals(changes: Sequence[tuple[int, Sequence[Image]]]) -> dict[int, int]:
 
 
 def _rows(connection: Connection) -> Rows:
-    held = (flights, tags, active_versions)
-    return {
-        table.name: {_key(table.name, row): dict(row) for row in connection.execute(select(table)).mappings()}
-        for table in held
+    held: dict[Table, list[Row]] = {
+        flights: sound_flights(connection, select(flights)),
+        tags: list(map(dict, connection.execute(select(tags)).mappings())),
+        active_versions: sound_rows(connection, select(active_versions)),
     }
+    return {table.name: {_key(table.name, row): row for row in rows} for table, rows in held.items()}
 
 
 def _key(table: str, row: Any) -> tuple[Any, ...]:

@@ -17,8 +17,6 @@ class DamagedRow(ValueError):
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
-NUMBERS = tuple(column.name for column in COLUMNS)
-_TEXT, _NUMBER = frozenset({str}), frozenset({float, int, type(None)})
 
 
 def row_of(flight: Flight) -> Row:
@@ -37,15 +35,8 @@ def row_of(flight: Flight) -> Row:
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
-    """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded.
-
-    Raises DamagedRow for a value of another kind than its column's: SQLite gives back whatever it finds.
-    """
+    """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded."""
     values = {name: row[name] for name in FIELDS if name != "tags" and name in row}
-    extra = values["extra"]
-    texts = (*map(values.get, TEXTS), *tags, *extra, *extra.values()) if type(extra) is dict else (None,)
-    if not (_TEXT.issuperset(map(type, texts)) and _NUMBER.issuperset(map(type, map(values.get, NUMBERS)))):
-        raise DamagedRow("found what is no text or no number, expected what a flight can hold")
     moment = values.pop("date_time")
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)
 

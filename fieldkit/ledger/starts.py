@@ -1,12 +1,15 @@
 """Starting configurations: one for each rocket and configuration, the last that was kept."""
 
-from dataclasses import asdict
+from dataclasses import asdict, fields
 
 from sqlalchemy import Connection, and_, select
 
+from fieldkit.ledger.checksums import sound_rows
 from fieldkit.ledger.journal import Pen
 from fieldkit.ledger.records import Start
 from fieldkit.ledger.tables import configurations
+
+FIELDS = tuple(field.name for field in fields(Start))
 
 
 def keep(pen: Pen, start: Start) -> bool:
@@ -23,4 +26,4 @@ def keep(pen: Pen, start: Start) -> bool:
 def starts(connection: Connection, rocket: str) -> list[Start]:
     """The starting configurations of a rocket, by name."""
     query = select(configurations).where(configurations.c.rocket == rocket).order_by(configurations.c.config)
-    return [Start(**row) for row in connection.execute(query).mappings()]
+    return [Start(**{name: row[name] for name in FIELDS}) for row in sound_rows(connection, query)]

@@ -7,6 +7,7 @@ flights, so none can be left behind or contradict a flight. Numbers are SI, one 
 
 from sqlalchemy import (
     JSON,
+    BigInteger,
     Column,
     Double,
     ForeignKey,
@@ -27,6 +28,14 @@ metadata = MetaData()
 document = JSON(none_as_null=True)
 moment = Text().with_variant(Text(collation="C"), "postgresql")
 """ISO 8601 text that sorts as time on every server."""
+FEW = 500
+"""So many rows are asked for by name; of more, everything is read. [1]"""
+
+
+def _checksum() -> Column[int]:
+    """See `fieldkit.ledger.checksums`."""
+    return Column("checksum", BigInteger)
+
 
 EDITED = text("entered IS NOT NULL")
 
@@ -55,6 +64,7 @@ flights = Table(
     *(Column(column.name, Double) for column in COLUMNS),
     Column("extra", document, nullable=False),
     Column("entered", document),  # the flight as it came in, once it has been edited
+    _checksum(),  # its tags are in it
     UniqueConstraint("rocket", "flight_id"),
     Index("flights_by_id", "flight_id"),
     Index("flights_edited", "entry", sqlite_where=EDITED),  # on PostgreSQL, too: naming it here would wake its dialect
@@ -76,6 +86,7 @@ versions = Table(
     Column("number", Integer, primary_key=True, autoincrement=False),
     Column("at", moment, nullable=False),
     Column("payload", document, nullable=False),
+    _checksum(),
 )
 
 active_versions = Table(
@@ -83,6 +94,7 @@ active_versions = Table(
     metadata,
     Column("rocket", Text, primary_key=True),
     Column("number", Integer, nullable=False),
+    _checksum(),
     ForeignKeyConstraint(["rocket", "number"], ["versions.rocket", "versions.number"]),
 )
 
@@ -95,6 +107,7 @@ predictions = Table(
     Column("flight_id", Text, nullable=False),  # of the planned flight, empty when it has no name yet
     Column("digest", Text, nullable=False),  # of everything the prediction was made from
     Column("payload", document, nullable=False),
+    _checksum(),
     Index("predictions_by_flight", "rocket", "flight_id"),
 )
 
@@ -108,6 +121,7 @@ configurations = Table(
     Column("length", Double),
     Column("cd", Double),
     Column("source", Text, nullable=False),  # the file it came from
+    _checksum(),
 )
 
 journal = Table(
@@ -118,7 +132,9 @@ journal = Table(
     Column("command", Text, nullable=False),
     Column("what", Text, nullable=False),
     Column("target", Integer, ForeignKey("journal.number")),  # the change that an undo or a redo is about
-    Column("images", document),  # rows before and after; empty where `target` has them
+    Column("images", document),  # rows before and after, without checksums; empty where `target` has them
+    Column("images_checksum", BigInteger),
+    _checksum(),
 )
 
 drafts = Table(
@@ -126,4 +142,5 @@ drafts = Table(
     metadata,
     Column("name", Text, primary_key=True),
     Column("content", document, nullable=False),
+    _checksum(),
 )

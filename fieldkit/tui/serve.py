@@ -1,6 +1,7 @@
 """The app in a browser, on this computer or on a phone in the same network, by textual-serve.
 
-Beyond this computer nobody gets in without a token, and a page of another origin never does.
+Beyond this computer nobody gets in without a token, and a page of another origin never does; nor, where there is no
+token, who asks for this computer by a name that is not its own: a page may have its own name lead to this computer.
 """
 
 import hmac
@@ -33,9 +34,9 @@ def is_loopback(host: str) -> bool:
 
 
 def address(host: str) -> str:
-    """The address under which others reach this computer, for a host that listens everywhere."""
+    """The address under which others reach this computer, for a host that listens everywhere, as a link has it."""
     if host not in ("0.0.0.0", "::"):
-        return host
+        return f"[{host}]" if ":" in host else host
     with socket.socket(socket.AF_INET, socket.SOCK_DGRAM) as probe:
         probe.connect(("192.0.2.1", 9))  # sends nothing: it only asks which way a packet would leave
         return str(probe.getsockname()[0])
@@ -65,22 +66,21 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         app.middlewares.append(guarded)
         return app
 
+    def is_ours(self, asked: str) -> bool:
+        """Whether a name and port lead here and nowhere else: those of the link, or this computer as such."""
+        try:
+            split = urlsplit(f"//{asked}")
+            here = is_loopback(split.hostname or "") and (split.port or 80) == self.port
+        except ValueError:  # no port that there is
+            return False
+        return here or asked == urlsplit(self.public_url).netloc
+
     async def on_startup(self, app: web.Application) -> None:
         """Say nothing: the command has said what there is to say."""
 
     async def guard(self, request: web.Request, handler: Handler) -> web.StreamResponse:
-        """Let in who knows the token, or has shown it before; refuse what another page asks for.
-
-        A phone gets letters of its size.
-        """
-        origin = request.headers.get("Origin")
-        if origin is not None and urlsplit(origin).netloc != urlsplit(self.public_url).netloc:
-            raise web.HTTPForbidden(text="asked for by another page")
-        shown = request.query.get("token", "") or request.cookies.get(COOKIE, "")
-        if self.token and not hmac.compare_digest(shown.encode(), self.token.encode()):
-            raise web.HTTPForbidden(
-                text="the token is missing or wrong; open the whole link that fieldkit serve printed"
-            )
+        """Let in who may come in, and give a phone letters of its size."""
+        self._refuse_strangers(request)
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
         response = await handler(request)
@@ -90,3 +90,19 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         if self.token and not response.prepared:
             response.set_cookie(COOKIE, self.token, httponly=True, samesite="Strict")
         return response
+
+    def _refuse_strangers(self, request: web.Request) -> None:
+        """Raises HTTPForbidden for what another page asks for, and for who neither shows the token nor has shown it.
+
+        Without a token, for who does not ask for this computer as such.
+        """
+        origin = request.headers.get("Origin")
+        if origin is not None and not self.is_ours(urlsplit(origin).netloc):
+            raise web.HTTPForbidden(text="asked for by another page")
+        shown = request.query.get("token", "") or request.cookies.get(COOKIE, "")
+        if self.token and not hmac.compare_digest(shown.encode(), self.token.encode()):
+            raise web.HTTPForbidden(
+                text="the token is missing or wrong; open the whole link that fieldkit serve printed"
+            )
+        if not self.token and not self.is_ours(request.host):
+            raise web.HTTPForbidden(text=f"asked for under another name; open {self.link}")

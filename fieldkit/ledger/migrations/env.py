@@ -1,4 +1,4 @@
-"""Run by Alembic when a ledger is upgraded, inside the transaction that `opening.upgrade` began."""
+"""Run by Alembic when a ledger is upgraded, inside the transaction that `opening.bring_up_to_date` began."""
 
 from alembic import context
 

@@ -1,0 +1,115 @@
+"""PostgreSQL's process behind a change killed -9 between two of the change's statements, for every change there is.
+
+The server then ends all its processes and recovers, as after a crash. Before the commit nothing may have happened.
+"""
+
+import os
+import signal
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+
+from sqlalchemy import Connection, event
+
+from bench.faults.ledgers import Outcome, state
+from bench.faults.servers import emptied, recovered
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, Renewal, Start
+
+FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
+Change = Callable[[Ledger], object]
+CHANGES: dict[str, Change] = {
+    "add": lambda ledger: ledger.add([SECOND], log=b"another log"),
+    "edit": lambda ledger: ledger.edit("1", apogee=110.0),
+    "edit all": lambda ledger: ledger.edit_all(["1"], "config", config="B"),
+    "tag": lambda ledger: ledger.tag("1", "mine", "weak_launch"),
+    "untag": lambda ledger: ledger.untag("1", "off_axis"),
+    "renew": lambda ledger: ledger.renew([Renewal("1", FIRST.with_changes(duration=40.0), None)]),
+    "remove": lambda ledger: ledger.remove("1"),
+    "undo": lambda ledger: ledger.undo(),
+    "redo": lambda ledger: ledger.redo(),
+    "a model": lambda ledger: ledger.keep_version("Astra", {"effect": "wear"}),
+    "another model": lambda ledger: ledger.activate("Astra", None),
+    "a prediction": lambda ledger: ledger.keep_prediction({"p50": 2.0}, digest="d2", rocket="Astra"),
+    "a start": lambda ledger: ledger.keep_start(Start("Comet", "A", 0.3)),
+    "a draft": lambda ledger: ledger.keep_draft("add", {"apogee": "924ft"}),
+}
+
+
+def process_killed(url: str, counts: Iterable[int]) -> Outcome:
+    """Kill the process behind each change after so many statements of it, until there are no more."""
+    outcome = Outcome("PostgreSQL", "every change, the server's process killed between its statements")
+    emptied(url)
+    with Ledger.open(url) as ledger:
+        _furnish(ledger)
+        for name, change in CHANGES.items():
+            before = state(url)
+            for count in counts:
+                with _killed_after(ledger, count) as killed:
+                    said = _failure(ledger, change)
+                if not killed:
+                    outcome.faults += [f"{name}: refused: {said}"] if said else []
+                    break
+                recovered(url)
+                outcome.saw(*_judged(state(url) == before, said, f"{name}, after {count} statements"))
+    return outcome
+
+
+def _judged(as_before: bool, said: str, what: str) -> tuple[str, str]:
+    """Which state the ledger is in, and what is wrong with it."""
+    if not said:
+        return "done", f"{what}: went through without its server"
+    return ("before", "") if as_before else ("half", f"{what}: not as before")
+
+
+def _failure(ledger: Ledger, change: Change) -> str:
+    """What a ledger says when it cannot be changed, empty where it was."""
+    try:
+        change(ledger)
+    except LedgerError as error:
+        return str(error)
+    return ""
+
+
+def _furnish(ledger: Ledger) -> None:
+    """Something of each kind, so that each change has what it needs; the last one is undone."""
+    ledger.add([FIRST], log=b"a log")
+    ledger.keep_version("Astra", {"effect": "wind"})
+    ledger.keep_prediction({"p50": 1.0}, digest="d1", rocket="Astra")
+    ledger.keep_start(Start("Astra", "A", 0.3))
+    ledger.keep_draft("add", {"apogee": "923ft"})
+    ledger.tag("1", "off_axis")
+    ledger.edit("1", notes="high")
+    ledger.undo()
+
+
+@contextmanager
+def _killed_after(ledger: Ledger, count: int) -> Iterator[list[int]]:
+    """Kill the server's process behind a change after so many statements; the number of the one that was killed."""
+    killed, left = [], count
+
+    def kill(connection: Connection) -> None:
+        nonlocal left
+        left -= 1
+        if not left:
+            behind = connection.connection.driver_connection
+            killed.append(behind.info.backend_pid)  # type: ignore[union-attr]  # it is connected
+            os.kill(killed[0], signal.SIGKILL)
+
+    with _writing(ledger, "after_cursor_execute", kill):
+        yield killed
+
+
+@contextmanager
+def _writing(ledger: Ledger, what: str, heard: Callable[[Connection], object]) -> Iterator[None]:
+    """Call a function at an event of the ledger's connections that change something."""
+
+    def hear(connection: Connection, *_: object) -> None:
+        if connection.get_execution_options().get("writes"):
+            heard(connection)
+
+    event.listen(ledger._engine, what, hear)
+    try:
+        yield
+    finally:
+        event.remove(ledger._engine, what, hear)

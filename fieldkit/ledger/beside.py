@@ -1,0 +1,79 @@
+"""What a ledger keeps beside flights: models, predictions, starting configurations, drafts."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from fieldkit.ledger import drafts, models, opening, starts
+from fieldkit.ledger.opened import OpenLedger
+from fieldkit.ledger.records import Prediction, Start, Version
+
+
+class BesideFlights(OpenLedger):
+    """Keeping what was found, foretold, drawn and half typed."""
+
+    def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
+        """Keep a model of a rocket, under the next number, and predict with it from now on."""
+        with self._changing() as pen:
+            version = models.keep_version(pen, rocket, payload, activate=activate)
+            pen.sign("model", f"version {version.number} of {rocket}" + (", in use" if activate else ""))
+        return version
+
+    def versions(self, rocket: str) -> list[Version]:
+        """The models kept for a rocket, oldest first."""
+        with self._reading() as connection:
+            return models.versions(connection, rocket)
+
+    def active_version(self, rocket: str) -> Version | None:
+        """The model that predictions for a rocket use; None for the one every rocket starts with."""
+        return next((version for version in self.versions(rocket) if version.active), None)
+
+    def activate(self, rocket: str, number: int | None) -> None:
+        """Predict with another kept model of a rocket, or with None of them.
+
+        Raises LedgerError for a number that is not among its versions.
+        """
+        with self._changing() as pen:
+            if models.activate(pen, rocket, number):
+                pen.sign("model", f"{rocket} uses " + (f"version {number}" if number else "the first model"))
+
+    def keep_prediction(
+        self, payload: Mapping[str, Any], *, digest: str, rocket: str = "", flight_id: str = ""
+    ) -> Prediction:
+        """Keep a prediction, once for the same digest, flight and payload.
+
+        It is a record of what was said and no change of the flyer's, so `undo` passes it by.
+        """
+        with opening.writing(self._engine) as connection:
+            return models.keep_prediction(connection, payload, digest, rocket, flight_id)
+
+    def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[Prediction]:
+        """The predictions made, oldest first; of one rocket, or for one flight."""
+        with self._reading() as connection:
+            return models.predictions(connection, rocket, flight_id)
+
+    def keep_start(self, start: Start) -> bool:
+        """Keep a starting configuration in place of an older one; False where it is there already."""
+        with self._changing() as pen:
+            if kept := starts.keep(pen, start):
+                pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")
+        return kept
+
+    def starts(self, rocket: str) -> list[Start]:
+        """The starting configurations of a rocket, by name."""
+        with self._reading() as connection:
+            return starts.starts(connection, rocket)
+
+    def keep_draft(self, name: str, content: Mapping[str, Any]) -> None:
+        """Keep what was typed so far under a name, in place of what was there."""
+        with opening.writing(self._engine) as connection:
+            drafts.keep(connection, name, content)
+
+    def draft(self, name: str) -> dict[str, Any] | None:
+        """What was typed so far, or None."""
+        with self._reading() as connection:
+            return drafts.draft(connection, name)
+
+    def drop_draft(self, name: str) -> None:
+        """Forget a draft, if there is one."""
+        with opening.writing(self._engine) as connection:
+            drafts.drop(connection, name)

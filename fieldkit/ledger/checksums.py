@@ -1,0 +1,103 @@
+"""A checksum in every row that says something of a flyer's: SQLite keeps none, and a bit that flips goes unseen.
+
+It is of all that a row says, and of a flight its tags too. Columns that are empty do not count, so that those a
+newer schema adds leave it as it is. A row is sealed in the transaction that changes it, and checked on its way out.
+"""
+
+import json
+from collections.abc import Collection, Iterator, Mapping
+from typing import Any
+from zlib import crc32
+
+from sqlalchemy import ColumnElement, Connection, Select, Table, bindparam, select, tuple_, update
+
+from fieldkit.ledger.rows import DamagedRow, Row
+from fieldkit.ledger.tables import FEW, flights, tags
+
+CHECKSUM = "checksum"
+"""Name of the column."""
+APART = "images"
+"""A column that may be long, is often not read, and counts by a checksum of its own, in `images_checksum`."""
+
+
+def checksum(row: Mapping[str, Any]) -> int:
+    """Of what a row says. [1]"""
+    return checksum_of({name: row[name] for name in row if row[name] is not None and name not in (CHECKSUM, APART)})
+
+
+def checksum_of(document: Any) -> int:
+    """CRC-32 of something as JSON. [1]"""
+    return crc32(json.dumps(document, sort_keys=True).encode())
+
+
+def checked(row: Row) -> Row:
+    """The row itself. Raises DamagedRow where it does not say what was written."""
+    try:
+        sound = row[CHECKSUM] == checksum(row)
+        if sound and row.get(APART) is not None:
+            sound = row[f"{APART}_checksum"] == checksum_of(row[APART])
+    except TypeError:  # a text whose type has become that of bytes
+        sound = False
+    if not sound:
+        name = " of ".join(str(row[key]) for key in ("flight_id", "number", "config", "rocket") if row.get(key))
+        raise DamagedRow(f"the row of {name} is not as it was written")
+    return row
+
+
+def seal(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> None:
+    """Give the rows at these primary keys, of those that are there, the checksum of what they say now."""
+    found = _rows_at(connection, table, keys)
+    sums = [{f"at_{one.name}": row[one.name] for one in table.primary_key} | {"sum": checksum(row)} for row in found]
+    if sums:
+        at = [column == bindparam(f"at_{column.name}") for column in table.primary_key]
+        connection.execute(update(table).where(*at).values({CHECKSUM: bindparam("sum")}), sums)
+
+
+def check(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> None:
+    """Raises DamagedRow where one of the rows at these primary keys does not say what was written."""
+    for row in _rows_at(connection, table, keys):
+        checked(row)
+
+
+def sound_rows(connection: Connection, query: Select[Any]) -> list[Row]:
+    """The rows of one table that a query finds. Raises DamagedRow."""
+    return [checked(row) for row in _rows(connection, query)]
+
+
+def sound_flights(connection: Connection, query: Select[Any]) -> list[Row]:
+    """The rows of flights that a query finds, each with its `tags` in order. Raises DamagedRow."""
+    return [checked(row) for row in _with_tags(connection, query)]
+
+
+def _rows_at(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> Iterator[Row]:
+    read = _with_tags if table is flights else _rows
+    some = list(keys)
+    for start in range(0, len(some), FEW):
+        yield from read(connection, select(table).where(_among(table, some[start : start + FEW])))
+
+
+def _among(table: Table, keys: Collection[tuple[Any, ...]]) -> ColumnElement[bool]:
+    columns = list(table.primary_key)
+    return tuple_(*columns).in_(keys) if len(columns) > 1 else columns[0].in_([key for (key,) in keys])
+
+
+def _rows(connection: Connection, query: Select[Any]) -> list[Row]:
+    columns = query.selected_columns.keys()
+    return [dict(zip(columns, row, strict=True)) for row in connection.execute(query)]
+
+
+def _with_tags(connection: Connection, query: Select[Any]) -> list[Row]:
+    found = _rows(connection, query)
+    labels: dict[int, list[str]] = {row["entry"]: [] for row in found}
+    for label in connection.execute(_labels(labels)):
+        if label.entry in labels:
+            labels[label.entry].append(label.tag)
+    for row in found:
+        row["tags"] = labels[row["entry"]]
+    return found
+
+
+def _labels(entries: Collection[int]) -> Select[Any]:
+    """The tags of these flights, and of others where they are many."""
+    query = select(tags).order_by(tags.c.entry, tags.c.position)
+    return query.where(tags.c.entry.in_(entries)) if len(entries) <= FEW else query

@@ -1,0 +1,66 @@
+"""A ledger that is open: reading one state of it, and changing it as a whole or not at all."""
+
+from collections.abc import Iterator
+from contextlib import AbstractContextManager, contextmanager
+from pathlib import Path
+from types import TracebackType
+from typing import TypeVar
+
+from sqlalchemy import Connection, Engine
+
+from fieldkit.ledger import opening, whereabouts
+from fieldkit.ledger.journal import Pen
+
+Kind = TypeVar("Kind", bound="OpenLedger")
+
+
+class OpenLedger:
+    """What each part of a ledger stands on; use it in a `with`."""
+
+    def __init__(self, engine: Engine, name: str) -> None:
+        self._engine = engine
+        self.name = name
+        self.trouble = ""
+        """Why no backup could be made before a change, empty where one could; the change was made all the same."""
+
+    @classmethod
+    def open(cls: type[Kind], where: str | Path | None = None) -> Kind:
+        """The ledger at a path or URL, made or upgraded where needed.
+
+        None stands for FIELDKIT_LEDGER, or the file in the user's data folder.
+        """
+        url = whereabouts.location(where)
+        engine = opening.connect(url)
+        try:
+            opening.bring_up_to_date(engine)
+        except BaseException:
+            engine.dispose()
+            raise
+        return cls(engine, whereabouts.name_of(url))
+
+    def __enter__(self: Kind) -> Kind:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        self.close()
+
+    def close(self) -> None:
+        """Let go of the file or the server."""
+        self._engine.dispose()
+
+    def _reading(self) -> AbstractContextManager[Connection]:
+        return opening.reading(self._engine)
+
+    @contextmanager
+    def _writing(self, *, keep: bool = True) -> Iterator[Connection]:
+        if keep:
+            self.trouble = opening.keep_backup(self._engine) or self.trouble
+        with opening.writing(self._engine, keep=keep) as connection:
+            yield connection
+
+    @contextmanager
+    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+        with self._writing(keep=keep) as connection:
+            yield Pen(connection)

@@ -1,0 +1,72 @@
+"""Flights as they come out of a ledger: listed, named, with their logs, and as they once were."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import finding, logs, naming, past
+from fieldkit.ledger.opened import OpenLedger
+from fieldkit.ledger.records import Past
+
+
+class FlightsOut(OpenLedger):
+    """Asking a ledger for flights."""
+
+    def flights(
+        self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
+    ) -> list[Flight]:
+        """Flights by date and then by entry, those without a date last; of one rocket, named by id, with a tag."""
+        with self._reading() as connection:
+            entries = None if ids is None else [held.entry for held in naming.resolve_all(connection, ids)]
+            return [held.flight for held in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
+
+    def flight(self, id: str) -> Flight:
+        """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.
+
+        Raises LedgerError that suggests near ones, or lists those that it may mean.
+        """
+        with self._reading() as connection:
+            return naming.resolve(connection, id).flight
+
+    def entered(self, id: str) -> Flight | None:
+        """A flight as it came in, None where it was not edited since."""
+        with self._reading() as connection:
+            return naming.resolve(connection, id).entered
+
+    def ids(self, flights: Sequence[Flight]) -> list[str]:
+        """The id that names each of these flights of the ledger."""
+        identities = [(flight.rocket, flight.flight_id) for flight in flights]
+        with self._reading() as connection:
+            names = naming.ids(connection, identities)
+        return [names[identity] for identity in identities]
+
+    def log(self, id: str) -> bytes | None:
+        """The original bytes of a flight's log, or None where there is none."""
+        with self._reading() as connection:
+            return logs.log_of(connection, naming.resolve(connection, id))
+
+    def other_logs(self, id: str) -> list[bytes]:
+        """The original bytes of the other files that a flight's logger wrote of it."""
+        with self._reading() as connection:
+            return logs.other_logs_of(connection, naming.resolve(connection, id))
+
+    def names(self, field: str, rocket: str | None = None) -> list[str]:
+        """Every `rocket`, `config`, `motor` or `site` that flights name, the last used first."""
+        with self._reading() as connection:
+            return finding.names(connection, field, rocket)
+
+    def latest(self, rocket: str | None = None, config: str | None = None) -> Flight | None:
+        """The flight entered last, whose set-up the next one is likely to share."""
+        with self._reading() as connection:
+            return finding.latest(connection, rocket, config)
+
+    def next_flight_id(self, rocket: str) -> str:
+        """The next free number, as a flight_id, for a rocket."""
+        with self._reading() as connection:
+            return finding.next_flight_id(connection, rocket)
+
+    def before(self, flights: Sequence[Flight]) -> list[Past]:
+        """How the rocket of each of these flights stood just before the flight came in."""
+        if not flights:
+            return []
+        with self._reading() as connection:
+            return past.before(connection, flights)

@@ -1,0 +1,96 @@
+"""What went wrong with a ledger, in a line a flyer can act on, and the backup offered where its file is damaged."""
+
+import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from json import JSONDecodeError
+
+from sqlalchemy import Engine, inspect
+from sqlalchemy.exc import DBAPIError
+
+from fieldkit.errors import LedgerError
+from fieldkit.ledger import backups
+from fieldkit.ledger.backups import PATIENCE
+from fieldkit.ledger.rows import DamagedRow
+from fieldkit.ledger.tables import metadata
+from fieldkit.ledger.whereabouts import file_of, name_of
+
+_SQLITE = {
+    "SQLITE_NOTADB": "this file is not a ledger, expected a file made by fieldkit",
+    "SQLITE_CORRUPT": "the file is damaged",
+    "SQLITE_READONLY": "the ledger is read-only, expected a file and folder that may be written",
+    "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
+    "SQLITE_BUSY": f"another program has kept it locked for {PATIENCE:.0f} s; nothing was changed, try again",
+    "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
+    "SQLITE_CANTOPEN": "cannot open the file, expected one in a folder that exists and may be read",
+    "SQLITE_IOERR": "the disk failed to read or write; nothing was changed",
+    "SQLITE_PERM": "no permission to use the file",
+}
+
+_GARBLED = ("Could not decode to UTF-8", "malformed JSON")
+"""How SQLite says, without a code of its own, that a text is not what was written."""
+
+
+@contextmanager
+def explained(engine: Engine) -> Iterator[None]:
+    """Raises LedgerError for whatever the flyer can mend; a fault of the program passes as it is."""
+    try:
+        yield
+    except DBAPIError as error:
+        if why := _reason(error) or _damage(engine):
+            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
+        raise
+    except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
+        why = f"the file is damaged ({error})"
+        raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
+    except UnicodeEncodeError as error:
+        raise LedgerError(f"found {error.object!r}, expected text in Unicode") from error
+    except (TypeError, ValueError, LookupError) as error:  # of a row that reads as no row of ours can
+        if why := _damage(engine):
+            raise LedgerError(f"{name_of(engine.url)}: {why}{_offered(engine, why)}") from error
+        raise
+
+
+def _reason(error: DBAPIError) -> str | None:
+    """What the flyer can mend, or None where the fault is ours or the file's."""
+    code = getattr(error.orig, "sqlite_errorname", "")
+    for start, why in _SQLITE.items():
+        if code.startswith(start):
+            return why
+    said = " ".join(str(error.orig).split())
+    if said.startswith(_GARBLED):
+        return f"the file is damaged ({said})"
+    state = getattr(error.orig, "sqlstate", None)
+    refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege
+    if refused or (not code and (error.connection_invalidated or type(error).__name__ == "OperationalError")):
+        return said
+    return None
+
+
+def _damage(engine: Engine) -> str | None:
+    """What is wrong with a ledger's file, where something failed that goes through on every sound one."""
+    file = file_of(engine.url)
+    fault = (backups.fault(file, thorough=True) or _missing(engine)) if file else ""
+    return f"the file is damaged ({fault})" if fault else None
+
+
+def _missing(engine: Engine) -> str:
+    """A table or a column that a ledger has lost, or why not even that can be told; empty where all are there."""
+    try:
+        with engine.connect() as connection:
+            there = inspect(connection)
+            for name, table in metadata.tables.items():
+                if not there.has_table(name):
+                    return f"without its table {name}"
+                if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
+                    return f"without the column {min(lost)} of {name}"
+    except DBAPIError as error:  # of names that are no text any more
+        return " ".join(str(error.orig).split())
+    return ""
+
+
+def _offered(engine: Engine, why: str) -> str:
+    """How to get a damaged ledger back, empty for another trouble."""
+    file = file_of(engine.url)
+    hurt = why.startswith("the file is damaged") or (why == _SQLITE["SQLITE_NOTADB"] and file and backups.backups(file))
+    return f"; {backups.offer(file)}" if hurt and file else ""
