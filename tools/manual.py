@@ -62,7 +62,8 @@ Commands that answer take `--json`; `fieldkit COMMAND --help` says the same as t
 `docs/examples-long.sh`. {WRITTEN_BY}
 
 The exit status is 0 where all is done, 2 for wrong usage and 1 for anything else, with a line on standard error that
-says what was found and what would be right. An `import` that rejects a row takes the others in and ends with 1.
+says what was found and what would be right. An `import` that
+rejects a row names it, takes the others in, and has done what it is for: 0.
 
 | command | does |
 |---|---|

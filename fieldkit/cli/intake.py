@@ -51,7 +51,7 @@ def import_(
 ) -> None:
     """Take logs and flight tables into the ledger; what is there already changes nothing.
 
-    What cannot be taken in is named, the rest goes in, and the exit status is 1.
+    What cannot be taken in is named, and the rest goes in.
     """
     from fieldkit.intake import gather, take_in
     from fieldkit.logs.mapping import read_choice, remember, remembered
@@ -71,8 +71,6 @@ def import_(
         print_json(_document(receipt))
     else:
         _say(receipt, "would be imported" if dry_run else "imported", foretold)
-    if receipt.rejected:
-        raise typer.Exit(1)
 
 
 def _complain_of(receipt: "Receipt") -> None:
