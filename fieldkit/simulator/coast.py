@@ -120,7 +120,7 @@ def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
     mass = setup.dry_mass + burns.casing_mass[motor]
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)
-    count = _count(4 + upward / SPEED_STEP)
+    count = _count(4 + upward / (SPEED_STEP * setup.stride))
     share = upward / count
 
     def look(y: Array, at: Array) -> tuple[Array, Array]:
