@@ -1,5 +1,6 @@
 """How the loop chooses: what one flight says alone decides nothing, and what is given is taken."""
 
+from dataclasses import replace
 from datetime import datetime
 from typing import Any
 
@@ -79,7 +80,7 @@ def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
         flight.with_changes(**{name: float(read[name][row]) for name in OBSERVED})
         for row, flight in enumerate(model.flights)
     ]
-    return Model(tuple(flights), model.found, model.area, model.terms)
+    return replace(model, flights=tuple(flights))
 
 
 def test_hot_and_cold_days_are_air_and_move_the_altimeter_with_it() -> None:

@@ -78,9 +78,7 @@ def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict) -> 
         truth = np.array([flight.apogee for flight in later])
         places = [trial.candidate.place for trial in diagnosis.accepted]
         for accepted, errors in (([], before), (places, after)):
-            forecast = [
-                np.median(one.apogee) for one in predict(flown, plans, accepted, declared=bool(accepted), draws=300)
-            ]
+            forecast = [np.median(one.apogee) for one in predict(flown, plans, accepted, declared=bool(accepted))]
             errors.append(np.abs(np.array(forecast) - truth).mean())
     assert np.mean(after) < 0.85 * np.mean(before)
 

@@ -264,7 +264,7 @@ def toy(rng: np.random.Generator, *, doubtful: bool = False) -> tuple[Model, Dat
     near = Tangent(
         rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
     )
-    return Model((), (), np.zeros(0), terms, doubtful), data, near
+    return Model((), (), np.zeros(0), terms, (), doubtful), data, near
 
 
 def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:

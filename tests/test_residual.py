@@ -40,7 +40,7 @@ def null_residuals() -> Float[Array, "set flight readout"]:
     rng = np.random.default_rng(4)
     scatter, reading, _ = (values[SCALE] for values in scale_grid())
     terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
-    model, tangent = Model((), (), np.zeros(FLIGHTS), terms), near()
+    model, tangent = Model((), (), np.zeros(FLIGHTS), terms, tuple(range(FLIGHTS))), near()
     sd = np.full(tangent.values.shape, 0.3)
     seen = np.ones(sd.shape, bool)
     found = []

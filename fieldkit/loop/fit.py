@@ -25,6 +25,8 @@ NEAR = 0.2
 """The same for a forecast, in those of the posterior: what is left then is hundredths of its interval. [1]"""
 HOPELESS = 8.0
 """Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
+SAME = 1e-4
+"""Of a term, from which on two points are told apart. [1]"""
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is begun. [s]"""
 ROBUST_ROUNDS = 2
@@ -85,6 +87,7 @@ def fit_lanes(
     walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
     results: list[Fit | None] = [None] * len(lanes)
     moving = list(range(len(lanes)))
+    joined: dict[int, int] = {}
     for turn in range(rounds):
         near = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], lean)
         for number, (i, tangent) in enumerate(zip(moving, near, strict=True)):
@@ -99,9 +102,20 @@ def fit_lanes(
             and _above(results[i], worth)
             and walks[i].goes_on(results[i])
         ]
+        joined |= _joined(lanes, walks, moving)
+        moving = [i for i in moving if i not in joined]
         if not moving:
             break
+    for lane, other in reversed(joined.items()):
+        results[lane] = results[other]
     return [result for result in results if result is not None]
+
+
+def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
+    """Lanes that are where an earlier one of the same terms is, each with that one: from there both go alike."""
+    first: dict[tuple[object, ...], int] = {}
+    places = {i: (lanes[i].terms, lanes[i].kind, *np.round(walks[i].at / SAME).tolist()) for i in moving}
+    return {i: first[place] for i, place in places.items() if first.setdefault(place, i) != i}
 
 
 def _best(lanes: Sequence[Lane], results: Sequence[Fit | None]) -> dict[str, float]:
