@@ -5,35 +5,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from fieldkit.flight import Flight
 from fieldkit.loop.data import OBSERVED, compared, observe
 from fieldkit.loop.fit import fit_robustly
 from fieldkit.loop.model import Model, shown
 from fieldkit.loop.posterior import Fit, scale_grid, term_sds
 from fieldkit.loop.predict import forecast_model
-from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array
+from tests.seasons import season
 
 DRAWS = 2000
-MOTORS = ("F24", "F39", "E35")
-
-
-def season(rng: np.random.Generator, kept: tuple[str, ...]) -> list[tuple[Flight, Found]]:
-    """Twelve flights of a draggy rocket on three motors, of which some readouts were kept."""
-    plans = [
-        Flight(str(i), "Test", "A", motor, dry_mass=0.322, diameter=0.066, delay=10.0, rail_length=1.2)
-        for i, motor in enumerate(MOTORS * 4)
-    ]
-    found = [catalogue().resolve(plan.motor) for plan in plans]
-    model = forecast_model(plans, found)
-    truth = np.array([[term.mean + 0.7 * term.sd * (term.bends == "drag") for term in model.terms]])
-    scatter = {"drag": 0.03 * rng.normal(size=(1, 12)), "thrust": 0.025 * rng.normal(size=(1, 12))}
-    readings = shown(model, truth, scatter)
-    noisy = {name: readings[name][0] * np.exp(0.01 * rng.normal(size=12)) for name in kept}
-    rows = [
-        plan.with_changes(**{name: float(values[i]) for name, values in noisy.items()}) for i, plan in enumerate(plans)
-    ]
-    return list(zip(rows, found, strict=True))
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,32 @@
+"""Seasons of one rocket as the simulator flies them, for tests and benchmarks."""
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.loop.model import shown
+from fieldkit.loop.predict import forecast_model
+from fieldkit.motors import Found, catalogue
+
+MOTORS = ("F24", "F39", "E35")
+
+
+def season(
+    rng: np.random.Generator, kept: tuple[str, ...], count: int = 12, wind: float | None = None
+) -> list[tuple[Flight, Found]]:
+    """Flights of a draggy rocket on three motors, of which some readouts were kept."""
+    plans = [
+        Flight(
+            str(i), "Test", "A", MOTORS[i % 3], dry_mass=0.322, diameter=0.066, delay=10.0, rail_length=1.2, wind=wind
+        )
+        for i in range(count)
+    ]
+    found = [catalogue().resolve(plan.motor) for plan in plans]
+    model = forecast_model(plans, found)
+    truth = np.array([[term.mean + 0.7 * term.sd * (term.bends == "drag") for term in model.terms]])
+    scatter = {"drag": 0.03 * rng.normal(size=(1, count)), "thrust": 0.025 * rng.normal(size=(1, count))}
+    readings = shown(model, truth, scatter)
+    noisy = {name: readings[name][0] * np.exp(0.01 * rng.normal(size=count)) for name in kept}
+    rows = [
+        plan.with_changes(**{name: float(values[i]) for name, values in noisy.items()}) for i, plan in enumerate(plans)
+    ]
+    return list(zip(rows, found, strict=True))
