@@ -1,11 +1,14 @@
 """Bad input: never a traceback, never a hang, never a number in a wrong unit without a word."""
 
+import cProfile
 import random
 import subprocess
 import sys
 import time
+import tracemalloc
 from collections import Counter
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import suppress
 from multiprocessing import get_context
 from pathlib import Path
 
@@ -257,6 +260,44 @@ def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
     with capsys.disabled():
         sys.stdout.write(f"\n{name}: {ran.stdout.strip()}\n")
     assert float(ran.stdout.split()[0]) < LARGEST
+
+
+TORN = 8_000, 16_000, 24_000
+"""Lengths of torn logs. [bytes]"""
+
+
+def read_in_vain(name: str, log: bytes) -> None:
+    with suppress(FieldkitError):
+        parsers()[name].read(log)
+
+
+def calls(name: str, log: bytes) -> int:
+    """How many calls reading a log takes: the same number on any machine, however busy it is. [1]"""
+    profile = cProfile.Profile()
+    profile.runcall(read_in_vain, name, log)
+    return sum(entry.callcount for entry in profile.getstats())
+
+
+def peak(name: str, log: bytes) -> int:
+    """How much memory reading a log takes at the most. [bytes]"""
+    tracemalloc.start()
+    try:
+        read_in_vain(name, log)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("name", parsers())
+def test_work_and_memory_grow_no_faster_than_a_log(name: str, tmp_path: Path) -> None:
+    logs = []
+    for size in TORN:
+        write_torn(tmp_path / "torn.log", biggest(name)[: TORN[0]], size)
+        logs.append((tmp_path / "torn.log").read_bytes()[:size])
+        read_in_vain(name, logs[-1])  # what is looked at once only is looked at now
+    small, medium, large = (calls(name, log) for log in logs)
+    assert large - medium < 1.35 * (medium - small) + 1_000
+    assert peak(name, logs[-1]) < 64 * len(logs[-1])
 
 
 IMPORT = """

@@ -23,6 +23,10 @@ MOST = 4 << 20
 """A table with a row for every flight, or what is read in one piece, is no longer than this. [bytes]"""
 
 
+MOST_WIDE = 32 << 20
+"""A log in UTF-16 that has to be narrowed in one piece is no longer than this. [bytes]"""
+
+
 def decode_whole(log: bytes) -> str:
     """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are no text."""
     if len(log) > MOST:
@@ -101,8 +105,15 @@ def lines_of(text: str) -> list[str]:
 
 
 def narrow(log: bytes) -> bytes:
-    """A log with one byte a character, for a parser that looks at bytes: a terminal may have saved it as UTF-16."""
-    return log if encodings(log[:2])[0] == "utf-8" else decode(log).encode()
+    """A log with one byte a character, for a parser that looks at bytes: a terminal may have saved it as UTF-16.
+
+    Raises DamagedLog for a long one in UTF-16, or for bytes that are no text.
+    """
+    if encodings(log[:2])[0] == "utf-8":
+        return log
+    if len(log) > MOST_WIDE:
+        raise DamagedLog(f"found {len(log) >> 20} MB of UTF-16, expected at most {MOST_WIDE >> 20}; save it as UTF-8")
+    return decode(log).encode()
 
 
 def _texts(log: bytes) -> Iterator[str]:
