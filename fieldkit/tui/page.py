@@ -76,7 +76,7 @@ class PageScreen(Screen[None]):
         Binding("f1", "help", "Help", show=False),
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
-        Binding("escape", "back", "Back", show=False),
+        Binding("escape", "back", "Back", show=False, priority=True),
     ]
     DEFAULT_CSS = """
     PageScreen { layout: vertical; background: $background; color: $foreground; }

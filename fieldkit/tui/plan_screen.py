@@ -66,7 +66,7 @@ class PlanScreen(PageScreen):
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "back", "Back"),
+        Binding("escape", "back", "Back", priority=True),
         Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
         Binding("p", "day", "Day", tooltip="What is announced, the cut, flights declared, field and ceiling"),

@@ -56,7 +56,7 @@ class AddScreen(PageScreen):
         Binding("ctrl+n", "anew", "Start anew", key_display="^N"),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
-        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again"),
+        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
     ]
     DEFAULT_CSS = """
     AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
