@@ -87,7 +87,7 @@ class FieldkitApp(App[None]):
         if self._stays:
             gc.collect(1)
             gc.freeze()
-            self.run_worker(self._make_ready, exclusive=True, group="ready")
+            self.run_worker(self._make_ready, exclusive=True, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _make_ready(self) -> None:
         """Open every page out of sight, so that the first key that asks for one is answered as fast as the next."""

@@ -166,7 +166,7 @@ class PageScreen(Screen[None]):
                     return
                 answer(found)
 
-        self.run_worker(work, exclusive=not in_turn, group=group)
+        self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
         """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
