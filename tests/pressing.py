@@ -114,9 +114,9 @@ def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @asynccontextmanager
-async def opened(file: Path, size: tuple[int, int] = (80, 24)) -> AsyncIterator[Pilot[None]]:
-    """The app on a ledger, its settings kept beside it, once it is calm."""
-    app = FieldkitApp(file, file.with_name("settings.json"))
+async def opened(file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = False) -> AsyncIterator[Pilot[None]]:
+    """The app on a ledger, its settings kept beside it, once it is calm; as flyers have it where it `stays`."""
+    app = FieldkitApp(file, file.with_name("settings.json"), stays=stays)
     with unchecked(), patch("textual.app.wait_for_idle", _no_wait), patch("textual.pilot.wait_for_idle", _no_wait):
         async with app.run_test(size=size) as pilot:
             await calm(pilot)

@@ -1,5 +1,6 @@
 """What comes next, importing, the loop, the set-up and capturing, by keys alone; and what goes wrong on the way."""
 
+import gc
 from pathlib import Path
 from typing import cast
 from unittest.mock import patch
@@ -382,6 +383,18 @@ async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file:
         assert [line.value for line in lines] == ["923ft", "140mph", "2"]
         assert pilot.app.focused is lines[-1]
         assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
+
+
+async def test_pages_are_made_ready_out_of_sight_and_are_as_they_would_be(file: Path) -> None:
+    async with opened(file, stays=True) as pilot:
+        made = {stack[0] for stack in pilot.app._screen_stacks.values()}
+        assert {page.screen for page in pages().values()} <= {type(screen) for screen in made}
+        await press(pilot, "2")
+        assert pilot.app.screen in made
+        assert pilot.app.focused.id == "in-apogee"
+        await hurry(pilot, "escape", "6", "4", "slash", *typed("f39"))
+        assert "AeroTech F39T" in words(pilot)
+    gc.unfreeze()
 
 
 async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:

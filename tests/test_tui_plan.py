@@ -4,6 +4,7 @@ from pathlib import Path
 from unittest.mock import patch
 
 import pytest
+from textual.pilot import Pilot
 
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
@@ -22,34 +23,39 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "ledger.db"
 
 
+def said(pilot: Pilot[None]) -> str:
+    """The answer in hand and what stands beside it."""
+    return f"{told(pilot, '#answer')} {told(pilot, '#beside')}"
+
+
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
-        assert "Astra B on AeroTech F39T: coasts" in told(pilot, "#answer")
-        assert "field size: unknown" in told(pilot, "#answer")
+        assert "Astra B on AeroTech F39T: coasts" in said(pilot)
+        assert "field size: unknown" in said(pilot)
         await press(pilot, "right")
-        assert "No target yet" in told(pilot, "#answer")
+        assert "No target yet" in said(pilot)
         await press(pilot, "right")
         assert "season 2027" in words(pilot)
-        assert "calibrated on 1 flight" in told(pilot, "#answer")
-        assert "contest mass: ok" in told(pilot, "#answer")
+        assert "calibrated on 1 flight" in said(pilot)
+        assert "contest mass: ok" in said(pilot)
         await press(pilot, "comma")
         assert "season 2026" in words(pilot)
         await press(pilot, "escape", "g", *typed("800ft"), "enter", "d", "right")
-        assert "target 244 m (800 ft)" in told(pilot, "#answer")
-        assert "the range safety officer decides" in told(pilot, "#answer")
+        assert "target 244 m (800 ft)" in said(pilot)
+        assert "the range safety officer decides" in said(pilot)
 
 
 async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "m")
-        assert "No target yet" in told(pilot, "#answer")
+        assert "No target yet" in said(pilot)
         await press(pilot, "m", "m")
-        assert "a flight, with duration" in told(pilot, "#answer")
-        assert "contest mass: ok" in told(pilot, "#answer")
+        assert "a flight, with duration" in said(pilot)
+        assert "contest mass: ok" in said(pilot)
         await press(pilot, "left_square_bracket")
-        assert "parachute 95% of the area flown" in told(pilot, "#answer")
-        assert "points by this rule: " in told(pilot, "#answer")
+        assert "parachute 95% of the area flown" in said(pilot)
+        assert "points by this rule: " in said(pilot)
 
 
 async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_are_used(file: Path) -> None:
@@ -59,7 +65,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "expected seconds" in words(pilot)
         await press(pilot, "ctrl+u", *typed("30-50"), "enter", *typed("60"), "enter", *typed("1,9,12"), "enter")
         await press(pilot, *typed("700mm"), "enter", *typed("400m"), "enter", *typed("300"), "ctrl+s")
-        seen = told(pilot, "#answer")
+        seen = said(pilot)
         assert "target 640 ft" in seen
         assert "window 30 to 50 s" in seen
         assert "sum to 60 or less" in seen
@@ -68,7 +74,7 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "field size: unknown: wind not given" in seen  # what it asks for beside
         assert "ceiling: ok" in seen
         await press(pilot, "p", "ctrl+u", "ctrl+s")
-        assert "target 800 ft" in told(pilot, "#answer")  # the season's own again
+        assert "target 800 ft" in said(pilot)  # the season's own again
     with Ledger.open(file) as ledger:
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
@@ -90,13 +96,13 @@ async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monk
     monkeypatch.setattr("fieldkit.loop.kept._lapsed", lambda _: False)
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
-        assert "flown: F39 B" in told(pilot, "#answer")
+        assert "flown: F39 B" in said(pilot)
         await press(pilot, "escape", "enter", "_", "d", "left")
-        assert "open: AeroTech F39T" in told(pilot, "#answer")
+        assert "open: AeroTech F39T" in said(pilot)
         with Ledger.open(file) as ledger:
             ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
         await press(pilot, "escape", "escape", "d", "left")  # the first reads the notice
-        assert "stale now: flight 13 came in since" in told(pilot, "#answer")
+        assert "stale now: flight 13 came in since" in said(pilot)
 
 
 @pytest.mark.parametrize("keys", [(), ("enter", "_")], ids=["day", "flight"])

@@ -12,6 +12,8 @@ if TYPE_CHECKING:
 
 SHOWN = 12
 """How many motors have their checks told, where not all are asked for."""
+NEAREST, MOST = 2, 99
+"""How many delays of a motor are told beside it: as many as fit a line of 80 letters, and all of them."""
 
 
 def print_guide(
@@ -41,14 +43,15 @@ def print_guide(
     if json:
         _print_json(plan, wanted, target, choices, weak)
         return
-    _print(plan, wanted, choices)
+    _print(plan, wanted, choices, every=every)
     _print_checks(choices, len(choices) if every else SHOWN, every=every)
     if weak:
         say_wrapped(
             f"left out, for they push with less than {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  "
         )
     say()
-    say_wrapped(f"eject: after apogee, with each delay on sale; a check that is not told is well. {DECIDES}")
+    delays = "each delay on sale" if every else "the delays on sale nearest to it, --all tells each"
+    say_wrapped(f"eject: after apogee, with {delays}; a check that is not told is well. {DECIDES}")
 
 
 def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
@@ -91,14 +94,14 @@ def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "li
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
 
-def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]") -> None:
+def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]", *, every: bool) -> None:
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
     say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
     print_conditions(said.plan, plan.rocket.starts)
     say()
-    _table(choices)
+    _table(choices, MOST if every else NEAREST)
 
 
 def _print_checks(choices: "list[Choice]", shown: int, *, every: bool) -> None:
@@ -125,7 +128,13 @@ def _name(choice: "Choice", choices: "list[Choice]") -> str:
     return motor.designation if alone else f"{motor.designation} {motor.maker}"
 
 
-def _table(choices: "list[Choice]") -> None:
+def _ejections(choice: "Choice", most: int) -> str:
+    """When the delays that fire nearest to apogee would fire, the shortest first: `5:-0.2 6:+0.8`."""
+    nearest = sorted(choice.ejections, key=lambda one: abs(one[1]))[:most]
+    return " ".join(f"{delay:g}:{after:+.1f}" for delay, after in sorted(nearest)) or "no delay"
+
+
+def _table(choices: "list[Choice]", most: int) -> None:
     from fieldkit.plan.quantiles import three
 
     headers = ("motor", "shown", "90 %", "true", "rail", "T/W", "avg", "top", "✗", "eject")
@@ -145,7 +154,7 @@ def _table(choices: "list[Choice]") -> None:
                 f"{choice.average_thrust:.1f}",
                 f"{three(said.top_speed)[1]:.0f}",
                 str(failed or ""),
-                " ".join(f"{delay:g}:{after:+.1f}" for delay, after in choice.ejections) or "no delay",
+                _ejections(choice, most),
             )
         )
     print_table(headers, rows, numbers=headers[1:9])

@@ -1,6 +1,7 @@
 """The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
 
 import asyncio
+import gc
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -25,12 +26,18 @@ from fieldkit.tui.themes import THEMES
 WAIT, MOST_WAITS = 0.005, 6000
 """How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
 
+PAUSE = 0.05
+"""Between two pages that are opened out of sight, for keys. [s]"""
+
 LOOKS = {"units", "theme", "target"}
 """Settings that change how things are shown and nothing that is worked out."""
 
 
 class FieldkitApp(App[None]):
-    """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown."""
+    """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown.
+
+    One that `stays` has its process to itself, and makes ready in it what keys would else have to wait for.
+    """
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
@@ -46,10 +53,14 @@ class FieldkitApp(App[None]):
         Binding("q", "quit", "Quit"),
     ]
 
-    def __init__(self, where: str | Path | None = None, settings_file: Path | None = None) -> None:
+    def __init__(
+        self, where: str | Path | None = None, settings_file: Path | None = None, *, stays: bool = False
+    ) -> None:
         super().__init__()
+        self._stays = stays
         self.desk = Desk(where, settings_file)
         self.notices: list[Notice] = []
+        self._opened: dict[str, PageScreen] = {}
         self.revision = self.look = 0
         self.animation_level = "none"
         for theme in THEMES.values():
@@ -58,15 +69,32 @@ class FieldkitApp(App[None]):
 
     def on_mount(self) -> None:
         """The first page."""
-        for name, page in pages().items():
-            self.add_mode(name, partial(self._new, page.screen))
+        for name in pages():
+            self.add_mode(name, partial(self._page, name))
         self.switch_mode(next(iter(pages())))
 
-    def _new(self, screen: type[PageScreen]) -> PageScreen:
-        """A page. It is styled when it is mounted; without the count, Textual reads every style sheet anew, twice."""
-        page = screen()
-        page._css_update_count = self._css_update_count
-        return page
+    def _page(self, name: str) -> PageScreen:
+        """A page, made ready before or new. It is styled when it is mounted; without the count, Textual reads every
+        style sheet anew, twice."""
+        if name not in self._opened:
+            self._opened[name] = pages()[name].screen()
+            self._opened[name]._css_update_count = self._css_update_count
+        return self._opened[name]
+
+    def settled(self) -> None:
+        """The flights have been read. In the midst of a key the collector would look through them all, which takes a
+        tenth of a second where they are thousands; here it is told that they stay."""
+        if self._stays:
+            gc.collect(1)
+            gc.freeze()
+            self.run_worker(self._make_ready, exclusive=True, group="ready")  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _make_ready(self) -> None:
+        """Open every page out of sight, so that the first key that asks for one is answered as fast as the next."""
+        for name in pages():
+            if name not in self._opened:
+                await asyncio.sleep(PAUSE)
+                await self._init_mode(name)
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
@@ -214,4 +242,4 @@ class FieldkitApp(App[None]):
 
 def run(where: str | None) -> None:
     """Open the app on a ledger and stay until the flyer leaves."""
-    FieldkitApp(where).run()
+    FieldkitApp(where, stays=True).run()

@@ -28,6 +28,19 @@ SCORED = 6
 
 
 @dataclass(frozen=True, slots=True)
+class Answer:
+    """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line."""
+
+    words: tuple[str, ...]
+    beside: tuple[str, ...] = ()
+
+    @property
+    def text(self) -> str:
+        """All of it, to be copied."""
+        return "\n".join([*self.words, *([""] if self.beside else []), *self.beside])
+
+
+@dataclass(frozen=True, slots=True)
 class Decision:
     """A plan on a motor, and what its answers are worked out from."""
 
@@ -37,7 +50,7 @@ class Decision:
     limits: "dict[str, Limit]"
     motor: "Motor"
 
-    def delay(self) -> Iterator[str]:
+    def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
         from fieldkit.motors import Found
         from fieldkit.places import data_folder
@@ -48,10 +61,9 @@ class Decision:
         tool = drill_of(self.motor, data_folder() / "drills.toml")
         takes_off = tool.takes_off if tool else ()
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off)
-        yield from delays_in_words(judged, fast, tool)
-        yield from self._below(judged.forecast)
+        return Answer(tuple(delays_in_words(judged, fast, tool)), self._beside(judged.forecast))
 
-    def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Iterator[str]:
+    def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Answer:
         """The dry mass that best meets a target [m], or brings the fewest points of a season on its day."""
         from fieldkit.motors import Found
         from fieldkit.plan.ballast import Goal, ballast
@@ -61,15 +73,14 @@ class Decision:
         rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
         wanted = rule.target if rule else target
         if wanted is None:
-            yield "No target yet: g on the page Next sets one."
-            return
+            return Answer(("No target yet: g on the page Next sets one.",))
         goal = Goal(wanted, WITHIN, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
-        yield from ballast_in_words(best, goal)
-        yield from self._below(said, allowed(rule, said.plan, said.found, day.length) if rule else ())
+        more = allowed(rule, said.plan, said.found, day.length) if rule else ()
+        return Answer(tuple(ballast_in_words(best, goal)), self._beside(said, more))
 
-    def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Iterator[str]:
+    def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Answer:
         """The points to expect of a plan by a season's rule on a share of the parachute's area [1], the chance to
         qualify, and the points of the flights flown."""
         from fieldkit.motors import Found
@@ -79,24 +90,22 @@ class Decision:
         rule = day.rule(rule_of(year))
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
-        yield from outlook_in_words(ahead, rule, area, day.cut)
-        yield from self._scored(ledger, rule, day)
-        yield from self._below(said, allowed(rule, said.plan, said.found, day.length))
+        words = (*outlook_in_words(ahead, rule, area, day.cut), *self._scored(ledger, rule, day))
+        return Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
 
-    def kept(self, ledger: "Ledger", motors: "Catalogue") -> Iterator[str]:
+    def kept(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
         from fieldkit.loop.kept import STANDING, in_words, kept, standing
 
         found = kept(ledger, motors, self.plan.rocket)
         if not found:
-            yield "No forecast of this rocket is kept yet: Enter on the page Next keeps one."
-            return
-        yield standing(found)
+            return Answer(("No forecast of this rocket is kept yet: Enter on the page Next keeps one.",))
+        words = [standing(found)]
         for one in reversed([one for one in found if one.state in STANDING]):
             said = one.made.payload
-            yield ""
-            yield f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()
-            yield from (f"  {line}" for line in in_words(one))
+            words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
+            words += [f"  {line}" for line in in_words(one)]
+        return Answer(tuple(words))
 
     def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
         from fieldkit.plan.contest import declared_score, score
@@ -105,11 +114,11 @@ class Decision:
             scored = score(rule, ledger.flights(self.plan.rocket))
         except NoFlights:
             return
-        points = (
-            f"{one.flight_id} {own:.0f}{'' if one.duration is not None else ' (height alone)'}"
-            for one, own in scored[-SCORED:]
-        )
-        yield f"  flown     points by this rule: {', '.join(points)}"
+        last = scored[-SCORED:]
+        alone = [one.flight_id for one, _ in last if one.duration is None]
+        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id} {own:.0f}' for one, own in last)}"
+        if alone:
+            yield f"            for the height alone, no duration: {', '.join(alone)}"
         if not day.declared:
             return
         try:
@@ -118,15 +127,14 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _below(self, said: "Prediction", more: "Iterable[Line]" = ()) -> Iterator[str]:
+    def _beside(self, said: "Prediction", more: "Iterable[Line]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
         from fieldkit.plan.descent import fall_of
         from fieldkit.plan.safety import safety_lines, told
         from fieldkit.plan.words import conditions_in_words
 
-        yield from conditions_in_words(said.plan, self.rocket.starts)
-        yield ""
-        yield from told([*safety_lines(said, self.site, fall_of(self.rocket.history), self.limits), *more])
+        lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+        return (*conditions_in_words(said.plan, self.rocket.starts), "", *told([*lines, *more]))
 
 
 def rule_of(year: int) -> "Season":

@@ -22,8 +22,9 @@ ENGINE = (
     "fieldkit.loop.desk",
     "fieldkit.inference.field",
     "fieldkit.plan.guide",
+    "fieldkit.tui.plots",
 )
-"""What pages work with, imported by the first worker."""
+"""What pages work and draw with, imported by the first worker."""
 
 
 class Desk:

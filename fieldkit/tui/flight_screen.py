@@ -45,7 +45,7 @@ class FlightScreen(PageScreen):
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "back", "Back"),
+        Binding("escape", "back", "Back", priority=True),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),

@@ -76,7 +76,7 @@ class PageScreen(Screen[None]):
         Binding("f1", "help", "Help", show=False),
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
-        Binding("escape", "back", "Back", show=False),
+        Binding("escape", "back", "Back", show=False, priority=True),
     ]
     DEFAULT_CSS = """
     PageScreen { layout: vertical; background: $background; color: $foreground; }
@@ -128,6 +128,8 @@ class PageScreen(Screen[None]):
 
     def on_screen_resume(self) -> None:
         """Show what is waiting to be read, and what has changed while another page was in front."""
+        if not self.is_current:
+            return  # made ready out of sight
         self.query_one(NoticeBar).tell(self.field_app.notices)
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
 
@@ -164,7 +166,7 @@ class PageScreen(Screen[None]):
                     return
                 answer(found)
 
-        self.run_worker(work(), exclusive=not in_turn, group=group)
+        self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
         """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""

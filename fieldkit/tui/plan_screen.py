@@ -1,6 +1,6 @@
 """Decide: once the motor is chosen, its delay, the ballast, the points of a contest, and the forecasts kept."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar
@@ -14,7 +14,7 @@ from textual.widgets import Static
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui import contest_form
-from fieldkit.tui.decisions import AIMS, Decision
+from fieldkit.tui.decisions import AIMS, Answer, Decision
 from fieldkit.tui.fields import Form
 from fieldkit.tui.page import Help, PageScreen
 
@@ -66,7 +66,7 @@ class PlanScreen(PageScreen):
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("escape", "back", "Back"),
+        Binding("escape", "back", "Back", priority=True),
         Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
         Binding("p", "day", "Day", tooltip="What is announced, the cut, flights declared, field and ceiling"),
@@ -80,19 +80,24 @@ class PlanScreen(PageScreen):
     PlanScreen #kinds { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
         link-background: $panel; }
     PlanScreen VerticalScroll { padding: 0 1; }
-    PlanScreen #answer { height: auto; }
+    PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
+    PlanScreen #beside { margin-top: 1; }
+    PlanScreen.-wide VerticalScroll { layout: horizontal; }
+    PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """
 
     def __init__(self, decision: Decision) -> None:
         super().__init__()
         self._decision = decision
-        self._view, self._aim, self._season, self._share, self._text = 0, 0, 2027, SHARES.index(1.0), ""
+        self._view, self._aim, self._season, self._share = 0, 0, 2027, SHARES.index(1.0)
+        self._said = Answer(())
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the one in hand."""
         yield Static("", id="kinds")
         with VerticalScroll():
             yield Static("", id="answer")
+            yield Static("", id="beside")
 
     def on_mount(self) -> None:
         """Keys scroll the answer."""
@@ -104,27 +109,25 @@ class PlanScreen(PageScreen):
             f"[@click=screen.view({at})] {'▸' if at == self._view else ' '}{name} [/]" for at, name in enumerate(VIEWS)
         )
         self.query_one("#kinds", Static).update("".join(names))
-        self._say("working it out ...")
+        self._say(Answer(("working it out ...",)))
         self.ask(partial(self._answer, self._view, self.desk.settings), self._say, "plan")
 
-    def _say(self, text: str) -> None:
-        self._text = text
-        self.query_one("#answer", Static).update(Content(text))
+    def _say(self, answer: Answer) -> None:
+        self._said = answer
+        for place, lines in (("#answer", answer.words), ("#beside", answer.beside)):
+            self.query_one(place, Static).update(Content("\n".join(map(printable, lines))))
 
-    def _answer(self, view: int, settings: Settings) -> str:
-        return "\n".join(printable(line) for line in self._lines(view, settings))
-
-    def _lines(self, view: int, settings: Settings) -> Iterator[str]:
+    def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.plan.day import day_of
 
         decision, ledger = self._decision, self.desk.ledger
+        day = day_of(ledger, self._season)
         if view == 0:
             return decision.delay()
         if view == 1:
-            day = day_of(ledger, self._season)
             return decision.ballast(settings.target, AIMS[self._aim], self._season, day)
         if view == 2:
-            return decision.contest(ledger, self._season, SHARES[self._share], day_of(ledger, self._season))
+            return decision.contest(ledger, self._season, SHARES[self._share], day)
         return decision.kept(ledger, self.desk.motors)
 
     def action_view(self, view: int) -> None:
@@ -191,4 +194,4 @@ class PlanScreen(PageScreen):
 
     def copied(self) -> str:
         """The answer as text."""
-        return self._text
+        return "\n".join(map(printable, self._said.text.splitlines()))

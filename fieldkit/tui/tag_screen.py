@@ -57,7 +57,7 @@ class TagScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("space", "toggle_tag", "On/off", show=False),
-        Binding("escape", "back", "Done"),
+        Binding("escape", "back", "Done", priority=True),
     ]
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }

@@ -6,15 +6,13 @@ from typing import ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Container, Horizontal, Vertical, VerticalScroll
-from textual.content import Content
+from textual.containers import Container, Vertical, VerticalScroll
 from textual.widget import Widget
-from textual.widgets import Button, Digits, Input, Static
+from textual.widgets import Button, Input
 
-from fieldkit.entry import QUESTIONS, Question, oddities
+from fieldkit.entry import QUESTIONS, Question
 from fieldkit.flight import Flight
-from fieldkit.measures import spelled, unit_of
-from fieldkit.safe_text import printable
+from fieldkit.measures import unit_of
 from fieldkit.tui.add_form import (
     BY_NAME,
     MORE,
@@ -26,9 +24,8 @@ from fieldkit.tui.add_form import (
     Saved,
     answered,
     beside,
-    summary,
-    together,
 )
+from fieldkit.tui.add_hand import Hand
 from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
@@ -56,22 +53,19 @@ class AddScreen(PageScreen):
         Binding("ctrl+n", "anew", "Start anew", key_display="^N"),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
-        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again"),
+        Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
     ]
     DEFAULT_CSS = """
     AddScreen #setup { layout: grid; grid-size: 4; grid-gutter: 0 1; height: auto; padding: 0 1; background: $panel; }
     AddScreen.-narrow #setup { grid-size: 2; }
-    AddScreen #hand { height: 5; border: round $border; padding: 0 1; margin: 0 0; }
-    AddScreen #big { width: 30; height: 3; color: $accent; }
     AddScreen.-narrow #big { width: 26; }
-    AddScreen #says { width: 1fr; height: 3; }
     AddScreen #fields { padding: 0 1; height: 1fr; }
     AddScreen Button { min-width: 24; background: $panel; color: $foreground; text-style: bold; }
     AddScreen Button:focus { background: $block-cursor-background; color: $block-cursor-foreground; text-style: bold; }
     AddScreen.-tall #save { margin: 1 0; }
     AddScreen #readouts, AddScreen #more { height: auto; width: 1fr; }
     AddScreen.-wide #fields { layout: horizontal; }
-    AddScreen.-tall #hand { margin: 1 0; }
+    AddScreen.-tall Hand { margin: 1 0; }
     AddScreen.-tall Field { height: 3; }
     AddScreen.-tall Field > Label, AddScreen.-tall Field > .note { margin-top: 1; }
     AddScreen.-tall Field > Input { height: 3; border: round $border-blurred; padding: 0 1; }
@@ -94,9 +88,7 @@ class AddScreen(PageScreen):
         with Container(id="setup"):
             for name in SETUP:
                 yield Field(BY_NAME[name], short=True)
-        with Horizontal(id="hand"):
-            yield Digits("", id="big")
-            yield Static("", id="says")
+        yield Hand()
         with VerticalScroll(id="fields", can_focus=False):
             with Vertical(id="readouts"):
                 for name in READ:
@@ -179,34 +171,11 @@ class AddScreen(PageScreen):
         field = self.focused.parent if self.focused is not None else None
         for one in self.query(Field):
             one.set_class(one is field, "-hand")
-        flight = self._said.flight
+        hand, system = self.query_one(Hand), self.desk.settings.units
         if isinstance(field, Field):
-            self._enlarge(field)
-            first = self._meaning(field)
+            hand.show(field, self._said, self.unit(field.question), system)
         else:
-            self.query_one("#hand").border_title = "Enter saves it"
-            first = summary(flight)
-        lines = [first, *together(flight, self.desk.settings.units)]
-        self.query_one("#says", Static).update(Content("\n".join(map(printable, lines))), layout=False)
-
-    def _enlarge(self, field: Field) -> None:
-        """The number in hand in large digits, its unit in the frame."""
-        from fieldkit.form import typed_unit
-
-        question, text = field.question, field.line.value.strip()
-        known = question.column is not None and self._said.flight.number(question.name) is not None
-        unit = f" ({spelled(self.unit(question))})" if question.column else ""
-        frame = self.query_one("#hand")
-        frame.border_title = Content(f"{question.title}{unit}")
-        frame.border_subtitle = spelled(typed_unit(text)) if known else ""
-        self.query_one("#big", Digits).update(text[: len(text) - len(typed_unit(text))] if known else "")
-
-    def _meaning(self, field: Field) -> str:
-        """Why the answer in hand cannot be read, what is odd about it, else what the question means."""
-        question = field.question
-        trouble = self._said.wrong.get(question.name)
-        odd = oddities(self._said.flight, question.name)
-        return f"✗ {trouble}" if trouble and field.answer else f"! {odd[0]}" if odd else question.help
+            hand.rest(self._said, system)
 
     def _keep(self) -> None:
         """Keep the draft; what is typed while it is being written is written after."""

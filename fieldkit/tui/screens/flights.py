@@ -111,6 +111,7 @@ class FlightsScreen(PageScreen):
         self.query_one(Table).empty = "no flights yet; a adds one, 3 imports a file"
         self._refill()
         self._infer()
+        self.field_app.settled()
 
     def _infer(self) -> None:
         """Work out drag and thrust where they are not known yet: some flights at a time, those on top first."""
@@ -118,6 +119,8 @@ class FlightsScreen(PageScreen):
         if waiting:
             self._asked |= {row.id for row in waiting}
             self.ask(partial(self._inferred, waiting), self._have_drag, "drag")
+        else:
+            self.field_app.settled()
 
     def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
         from fieldkit.inference.flights import infer

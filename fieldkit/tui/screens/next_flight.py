@@ -255,7 +255,8 @@ class NextScreen(PageScreen):
 
         plan, motor = self._plan, self.query_one(Table).current
         if plan is not None and motor is not None:
-            full = plan.full.with_changes(motor=label(motor))
+            one = self._known.get(motor)
+            full = plan.full.with_changes(motor=label(motor), delay=one.delay if one else None)
             self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor)))
 
     def action_plan(self) -> None:
