@@ -72,7 +72,6 @@ def test_a_triangle_of_thrust_burns_above_five_per_cent_of_its_peak() -> None:
     assert motor.total_impulse == pytest.approx(40)
     assert motor.burning == pytest.approx((0.05, 1.95))
     assert motor.moments == pytest.approx((1, 1 / 6))
-    assert motor.specific_impulse == pytest.approx(2000)
 
 
 @pytest.mark.parametrize(

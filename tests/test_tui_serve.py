@@ -27,7 +27,7 @@ from aiohttp import (
     web,
 )
 
-from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, is_loopback
+from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, in_a_shell, is_loopback
 from tests.pressing import ROOT, season
 
 PATIENCE = 300.0
@@ -50,6 +50,14 @@ def test_only_this_computer_is_loopback() -> None:
     assert [is_loopback(host) for host in ("0.0.0.0", "192.168.1.2", "::", "field.local")] == [False] * 4
     assert address("192.168.1.2") == "192.168.1.2"
     assert address("::1") == "[::1]"
+
+
+def test_the_app_is_started_as_the_systems_shell_wants_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    command = ["C:\\Program Files\\python.exe", "-m", "fieldkit.cli.main"]
+    monkeypatch.setattr(sys, "platform", "win32")
+    assert in_a_shell(command) == '"C:\\Program Files\\python.exe" -m fieldkit.cli.main'
+    monkeypatch.setattr(sys, "platform", "linux")
+    assert in_a_shell(["/opt/my python", "-m"]) == "'/opt/my python' -m"
 
 
 async def test_nobody_gets_in_without_the_token(unused_tcp_port: int) -> None:

@@ -4,6 +4,7 @@ import ast
 import csv
 import io
 import json
+import os
 import sys
 import unicodedata
 from collections.abc import Iterator
@@ -15,10 +16,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from sqlalchemy import create_engine, text
 
+from fieldkit import files
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog, LedgerError
 from fieldkit.export import csv_table
 from fieldkit.flight import Flight
+from fieldkit.intake import read_file
 from fieldkit.ledger import Ledger
 from fieldkit.motors import own
 from fieldkit.safe_text import as_cell, from_cell
@@ -101,7 +104,17 @@ def test_no_exported_text_is_a_formula_and_numbers_stay_numbers(start: str) -> N
         assert cell == "-0.4" or not cell.startswith(("=", "+", "-", "@", "\t", "＝"))
 
 
-@pytest.mark.parametrize("where", ["../secret.csv", "/etc/passwd", "link.csv", "folder/../../secret.csv"])
+OUTSIDE = [
+    "../secret.csv",
+    "/etc/passwd",
+    "link.csv",
+    "folder/../../secret.csv",
+    r"C:\secret.csv",
+    r"\\host\share\log.csv",
+]
+
+
+@pytest.mark.parametrize("where", OUTSIDE)
 def test_a_log_outside_the_folder_of_its_table_is_not_read(
     where: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -114,6 +127,23 @@ def test_a_log_outside_the_folder_of_its_table_is_not_read(
     assert "expected a path inside the folder of the table" in capsys.readouterr().err
     with Ledger.open() as ledger:
         assert ledger.flights() == []
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")
+def test_a_log_that_is_a_pipe_is_not_waited_for(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    os.mkfifo(tmp_path / "pipe.csv")
+    (tmp_path / "t.csv").write_text("flight_id,rocket,apogee_m,log\n1,Astra,100,pipe.csv\n")
+    assert main(["import", str(tmp_path / "t.csv")]) == 0
+    assert "cannot be read (not a plain file), taken without it" in capsys.readouterr().err
+
+
+def test_a_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(files, "LARGEST", 1 << 20)
+    (tmp_path / "long.csv").write_bytes(bytes((1 << 20) + 1))
+    for endless in (tmp_path / "long.csv", Path("/dev/zero")):
+        if endless.exists():
+            with pytest.raises(DamagedLog, match=r"cannot be read \(more than 1 MiB\)"):
+                read_file(endless)
 
 
 BOMBS = {

@@ -121,7 +121,7 @@ def main() -> None:
     truth = simulate(rng, motors_apart()[1] if options.held_out else motors_apart()[0], options.flights)
     whole = measure(rng, truth)
     settings = {"held_out": options.held_out, "seed": options.seed, "draws": options.draws, "asked": options.flights}
-    before = json.loads(options.out.read_text()) if options.out.exists() else {}
+    before = json.loads(options.out.read_text(encoding="utf-8")) if options.out.exists() else {}
     if any(before.get(key) != value for key, value in settings.items()):
         before = {}
     found: dict = settings | {"integrals": before.get("integrals", {})}
@@ -140,7 +140,7 @@ def main() -> None:
         rows = {key: np.array(values) for key, values in found["integrals"][name].items()}
         found[name] = summary(rows | by_ensemble(density, truth))
         print(name, found[name], flush=True)
-        options.out.write_text(json.dumps(found) + "\n")
+        options.out.write_text(json.dumps(found) + "\n", encoding="utf-8")
     print(f"{time.process_time() - began:.0f} s of one core")
 
 

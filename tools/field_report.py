@@ -44,7 +44,7 @@ def score_journal(ledger: str) -> None:
     }
     said["within"] = {f"{level:g}": float((error < level).mean()) for level in (0.05, 0.1, 0.2, 0.5)}
     said["guard"] = _guarded(ledger)
-    (MEASURED / "journal.json").write_text(json.dumps(said, indent=2) + "\n")
+    (MEASURED / "journal.json").write_text(json.dumps(said, indent=2) + "\n", encoding="utf-8")
 
 
 def _guarded(ledger: str) -> dict:
@@ -74,7 +74,7 @@ def table(headers: list[str], rows: list[list[str]]) -> Iterator[str]:
 def measured(name: str) -> dict | None:
     """What was measured under a name, if it was."""
     path = MEASURED / f"{name}.json"
-    return json.loads(path.read_text()) if path.exists() else None
+    return json.loads(path.read_text(encoding="utf-8")) if path.exists() else None
 
 
 def percent(share: float, digits: int = 1) -> str:
@@ -276,7 +276,7 @@ def bench() -> Iterator[str]:
         "--seed 77`, `python -m bench.forward SETS --limit 9`:",
     )
     yield "```"
-    yield path.read_text().rstrip()
+    yield path.read_text(encoding="utf-8").rstrip()
     yield "```"
 
 

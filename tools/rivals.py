@@ -128,7 +128,7 @@ def main() -> None:
     ensemble = load_folder(options.shipped or trained_folder("field"))
     found: dict = {"flights": len(truth), "judged": len(fresh), "seed": options.seed, "rivals": {}}
     if options.out.exists():
-        before = json.loads(options.out.read_text())
+        before = json.loads(options.out.read_text(encoding="utf-8"))
         if all(before[key] == found[key] for key in ("flights", "judged", "seed")):
             found = before
     found["shipped"] = {
@@ -148,7 +148,7 @@ def main() -> None:
             about["made_with"] = {one: version(one) for one in ("torch", name) if one != "mixture"}
             found["rivals"][name] = about | {"log_density": _judge(log_density, fresh, judged)}
             print(name, found["rivals"][name], flush=True)
-    options.out.write_text(json.dumps(found, indent=2) + "\n")
+    options.out.write_text(json.dumps(found, indent=2) + "\n", encoding="utf-8")
 
 
 def _judge(log_density: LogDensity, fresh, judged: dict) -> dict[str, float]:

@@ -29,8 +29,6 @@ from fieldkit.shapes import Array, Flags, Float
 if TYPE_CHECKING:
     from fieldkit.inference.ensemble import Ensemble
 
-LEVELS = (0.025, 0.05, 0.1, 0.25, 0.5, 0.75, 0.9, 0.95, 0.975)
-"""Of the quantiles that are given. [1]"""
 HARDLY = 0.8
 """Standard deviation after the flight over that before, above which it taught hardly anything. [1]"""
 INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
@@ -53,7 +51,7 @@ _WORDS = {
 class FieldPosterior:
     """Drag and thrust of flights, one entry a flight; drag area in m^2, Cd and alpha in 1.
 
-    Quantiles stand at `LEVELS`. Without a diameter Cd spreads over every body that the motor and the mass
+    Without a diameter Cd spreads over every body that the motor and the mass
     allow; the drag area does not. `fits` is false where a readout did not fit and was left out: such a
     flight should not teach a model before its flyer has looked at it. `density` is over the logarithm of
     the drag area, and alpha.
@@ -63,10 +61,8 @@ class FieldPosterior:
     drag_area_sd: Float[Array, "flight"]
     cd: Float[Array, "flight"]
     cd_sd: Float[Array, "flight"]
-    cd_quantiles: Float[Array, "flight level"]
     alpha: Float[Array, "flight"]
     alpha_sd: Float[Array, "flight"]
-    alpha_quantiles: Float[Array, "flight level"]
     fits: Flags
     warnings: tuple[tuple[str, ...], ...]
     model: str
@@ -113,20 +109,17 @@ def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
     drag_area, drag_area_sd = area.moments_of(np.exp(area.values))
     reference = disc(observed.given("diameter"))
     cd, cd_sd = drag_area / reference, drag_area_sd / reference
-    cd_quantiles = np.exp(area.quantiles(np.array(LEVELS))) / reference[:, None]
     bare = np.isnan(reference)
     if bare.any():
-        cd[bare], cd_sd[bare], cd_quantiles[bare] = _any_diameter(observed.rows(bare), area.rows(bare))
+        cd[bare], cd_sd[bare] = _any_diameter(observed.rows(bare), area.rows(bare))
     alpha_mean, alpha_sd = alpha.moments()
     return FieldPosterior(
         drag_area,
         drag_area_sd,
         cd,
         cd_sd,
-        cd_quantiles,
         alpha_mean,
         alpha_sd,
-        alpha.quantiles(np.array(LEVELS)),
         which < 0,
         _warnings(ensemble, observed, misfits, area.moments()[1], alpha_sd),
         ensemble.name,
@@ -148,8 +141,8 @@ def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array
     )  # type: ignore[return-value]
 
 
-def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array, Array]:
-    """Means, standard deviations and quantiles of Cd where only the drag area is known.
+def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
+    """Means and standard deviations of Cd where only the drag area is known.
 
     Cd and diameter are uniform in their logarithms beforehand, so given a drag area the logarithm of Cd is
     uniform where both are possible.
@@ -160,7 +153,7 @@ def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array, Array
     low = np.maximum(np.log(CD_RANGE[0]), drag_area - np.log(disc(wide))[:, None])
     high = np.minimum(np.log(CD_RANGE[1]), drag_area - np.log(disc(slim))[:, None])
     cd = np.exp(low + (number * GOLDEN % 1.0) * (high - low))
-    return cd.mean(axis=1), cd.std(axis=1), np.quantile(cd, LEVELS, axis=1).T
+    return cd.mean(axis=1), cd.std(axis=1)
 
 
 def _prior_sd(observed: Observed) -> tuple[Array, float]:

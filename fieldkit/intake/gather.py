@@ -3,8 +3,9 @@
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from pathlib import Path, PurePosixPath, PureWindowsPath
 
+from fieldkit import files
 from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
@@ -91,7 +92,7 @@ def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, obje
 def read_file(path: Path) -> bytes:
     """The bytes of a log or a table. Raises DamagedLog that says why they cannot be read."""
     try:
-        return path.read_bytes()
+        return files.read(path)
     except OSError as error:
         found = f"cannot be read ({error.strerror}), expected a log or a flight table"
         raise DamagedLog(found, source=_name(path)) from error
@@ -105,11 +106,12 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     flight = arrival.flight
     if not flight.log:
         return arrival, []
-    path = (folder / flight.log).resolve()
-    if not path.is_relative_to(folder.resolve()):
+    elsewhere = any(kind(flight.log).anchor for kind in (PurePosixPath, PureWindowsPath))  # also a share on a network
+    path = folder if elsewhere else (folder / flight.log).resolve()
+    if elsewhere or not path.is_relative_to(folder.resolve()):
         raise BadValue(f"found the log {flight.log!r}, expected a path inside the folder of the table")
     try:
-        content = path.read_bytes()
+        content = files.read(path, plain=True)
     except OSError as error:
         return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
     try:

@@ -6,12 +6,10 @@ from sqlalchemy import Connection, insert, select
 
 from fieldkit.arrival import OTHER_LOGS, Original
 from fieldkit.errors import LedgerError
+from fieldkit.files import LARGEST
 from fieldkit.ledger.finding import Held
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import logs
-
-LARGEST_LOG = 1 << 30
-"""No log that is unpacked is larger. [byte]"""
 
 
 def keep_log(connection: Connection, original: Original) -> None:
@@ -42,8 +40,8 @@ def _content(connection: Connection, digest: str | None) -> bytes | None:
 
 def _unpacked(packed: bytes, size: int) -> bytes:
     """The bytes of a log, never more than its row says. Raises LedgerError for another size, zlib.error."""
-    if not 0 <= size <= LARGEST_LOG:
-        raise LedgerError(f"found a log of {size} bytes, expected at most {LARGEST_LOG}")
+    if not 0 <= size <= LARGEST:
+        raise LedgerError(f"found a log of {size} bytes, expected at most {LARGEST}")
     unpacking = zlib.decompressobj()
     content = unpacking.decompress(packed, size + 1)
     if len(content) != size:

@@ -5,11 +5,11 @@ the header lacks follows in brackets, `altitude=Alt [ft]`; a table without heade
 Choices are kept by the headers of the table they were made for, in a JSON file among the user's data.
 """
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.files import replace
 from fieldkit.logs.headings import QUANTITIES
 from fieldkit.places import data_folder
 from fieldkit.reading import Choice
@@ -69,20 +69,9 @@ def remember(choice: Choice) -> None:
     Raises FieldkitError where it cannot be written.
     """
     import json
-    from tempfile import NamedTemporaryFile
 
     if not choice.headers:
         return
     kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MOST]
     document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}
-    file = mapping_file()
-    try:
-        with NamedTemporaryFile(
-            "w", encoding="utf-8", dir=file.parent, prefix=file.name, suffix=".new", delete=False
-        ) as new:
-            json.dump(document, new, indent=1)
-            new.flush()
-            os.fsync(new.fileno())
-        os.replace(new.name, file)
-    except OSError as error:
-        raise FieldkitError(f"{file}: cannot be written ({error.strerror})") from error
+    replace(mapping_file(), json.dumps(document, indent=1).encode())

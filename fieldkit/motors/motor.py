@@ -92,11 +92,6 @@ class Motor:
         return self.propellant_mass + self.casing_mass
 
     @property
-    def specific_impulse(self) -> float:
-        """Total impulse per mass of propellant: the mean speed of the exhaust. [m/s]"""
-        return self.total_impulse / self.propellant_mass
-
-    @property
     def moments(self) -> tuple[float, float]:
         """Mean [s] and variance [s^2] of time, weighted by the thrust: how late and how spread it is."""
         mean = _integral(self.time, self.thrust, self.time) / self.total_impulse

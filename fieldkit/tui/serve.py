@@ -8,8 +8,9 @@ import hmac
 import ipaddress
 import socket
 import sys
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from shlex import join
+from subprocess import list2cmdline
 from urllib.parse import urlsplit
 
 from aiohttp import web
@@ -33,6 +34,11 @@ def is_loopback(host: str) -> bool:
         return host == "localhost"
 
 
+def in_a_shell(command: Sequence[str]) -> str:
+    """A command as the system's own shell takes it."""
+    return list2cmdline(command) if sys.platform == "win32" else join(command)
+
+
 def address(host: str) -> str:
     """The address under which others reach this computer, for a host that listens everywhere, as a link has it."""
     if host not in ("0.0.0.0", "::"):
@@ -47,8 +53,13 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
 
     def __init__(self, host: str, port: int, token: str, ledger: str | None) -> None:
         chosen = ["--ledger", ledger] if ledger else []
-        command = join([sys.executable, "-m", "fieldkit.cli.main", *chosen, "tui"])
-        super().__init__(command, host, port, "fieldkit", f"http://{address(host)}:{port}")
+        super().__init__(
+            in_a_shell([sys.executable, "-m", "fieldkit.cli.main", *chosen, "tui"]),
+            host,
+            port,
+            "fieldkit",
+            f"http://{address(host)}:{port}",
+        )
         self.token = token
 
     @property
