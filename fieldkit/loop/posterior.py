@@ -13,6 +13,7 @@ import numpy as np
 
 from fieldkit.loop.data import OBSERVED, Data
 from fieldkit.loop.model import Model
+from fieldkit.loop.small_matrices import inverses
 from fieldkit.loop.tangent import Tangent
 from fieldkit.shapes import Array, Flags, Float
 
@@ -152,7 +153,7 @@ def _told(model: Model, data: Data, near: Tangent) -> Told:
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     noise = _noise(model, data, near, usable)
-    return Told(slope, miss, noise, np.asarray(np.linalg.inv(noise), float), np.linalg.slogdet(noise)[1])
+    return Told(slope, miss, noise, *inverses(noise))
 
 
 def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Array, "scale flight readout readout"]:
