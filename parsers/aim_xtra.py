@@ -46,37 +46,37 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, _fits, "groups of columns that begin with time, Pressure AGL among them")
-    starts = [place for place, name in enumerate(head.names) if name == "time"]
-    groups = [
-        (a, [p for p in range(a + 1, b) if head.names[p] in {*CHANNELS, *FLAGS}])
-        for a, b in pairwise([*starts, len(head.names)])
-    ]
-    groups = [(clock, places) for clock, places in groups if places]
+    groups = _groups(head.names)
     wanted = []
     for clock, places in groups:
         wanted.append(Channel(str(clock), clock, header="time"))
         wanted += [Channel(str(place), place, _unit(head.names[place]), header=head.names[place]) for place in places]
-    separator = head.separator
-    table = read_columns(log, wanted, after=head.row, separator=separator, widths={len(head.names)})
+    table = read_columns(log, wanted, after=head.row, separator=head.separator, widths={len(head.names)})
     series: list[Series] = []
     events: dict[str, float] = {}
     notes: list[Found] = []
     for clock, places in groups:
-        columns = in_order(table.values[str(clock)], *(table.values[str(place)] for place in places))
-        named = {head.names[place]: column for place, column in zip(places, columns[1:], strict=True)}
+        time, *columns = in_order(table.values[str(clock)], *(table.values[str(place)] for place in places))
+        named = {head.names[place]: column for place, column in zip(places, columns, strict=True)}
         if (np.diff(_known(table, clock)) < 0).any():
             notes.append(Note(f"has rows of {', '.join(named)} out of order, put in order"))
-        events |= marks(columns[0], {event: named[name] for name, event in FLAGS.items() if name in named})
-        channels = {
-            CHANNELS[name][0]: column
-            for name, column in named.items()
-            if name in CHANNELS and not np.isnan(column).all()
-        }
-        if channels:
-            series.append(Series(time=columns[0], **channels))
+        events |= marks(time, {event: named[name] for name, event in FLAGS.items() if name in named})
+        known = {CHANNELS[name][0]: column for name, column in named.items() if name in CHANNELS}
+        channels = {name: column for name, column in known.items() if not np.isnan(column).all()}
+        series += [Series(time=time, **channels)] if channels else []
     if not series:
         raise DamagedLog("found a header and no samples, expected at least one")
     return [Reading(series=tuple(series), events=events, device="AIM XTRA"), *notes, *table.found]
+
+
+def _groups(names: Sequence[str]) -> list[tuple[int, list[int]]]:
+    """The clock of each group of columns and the columns of it that are known, where there are any."""
+    starts = [place for place, name in enumerate(names) if name == "time"]
+    groups = [
+        (clock, [place for place in range(clock + 1, end) if names[place] in {*CHANNELS, *FLAGS}])
+        for clock, end in pairwise([*starts, len(names)])
+    ]
+    return [(clock, places) for clock, places in groups if places]
 
 
 def _unit(name: str) -> Unit:

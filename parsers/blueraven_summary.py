@@ -5,7 +5,7 @@ the serial number is spelt `Searial`. The maximum by inertial navigation is kept
 """
 
 import re
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from datetime import datetime, timedelta
 
 from fieldkit.errors import BadValue, DamagedLog
@@ -45,15 +45,12 @@ def recognises(head: bytes) -> bool:
 def read(log: bytes) -> list[Found]:
     stated: dict[str, object] = {}
     events: dict[str, float] = {}
-    extra: dict[str, str] = {}
+    said: dict[str, str] = {}
     found: list[Found] = []
-    for row, line in enumerate(lines_of(decode(log[:HEAD])), start=1):
-        match = _LINE.fullmatch(line.replace('"', ""))
-        spelled, value = match.groups() if match else ("", "")
-        key = " ".join(spelled.lower().split())
-        if not key or key in extra:
+    for row, spelled, key, value in _lines(log):
+        if key in said:
             continue
-        extra[key] = value
+        said[key] = value
         try:
             if key in STATED:
                 name, quantity, unit = STATED[key]
@@ -65,24 +62,33 @@ def read(log: bytes) -> list[Found]:
             found.append(DamagedLog(str(error), row=row, column=printable(spelled)))
     if "apogee" not in stated and not events:
         raise DamagedLog("found no figure of a flight, expected such as Max Altitude,1234.5 feet")
-    lift_off, landing = _moment(extra, "launch time"), _moment(extra, "landing time")
+    return [_reading(stated, events, said), *found]
+
+
+def _lines(log: bytes) -> Iterator[tuple[int, str, str, str]]:
+    """The row of each line, its key as it is spelt and in plain words, and its value."""
+    for row, line in enumerate(lines_of(decode(log[:HEAD])), start=1):
+        if match := _LINE.fullmatch(line.replace('"', "")):
+            yield row, match[1], " ".join(match[1].lower().split()), match[2]
+
+
+def _reading(stated: dict[str, object], events: dict[str, float], said: Mapping[str, str]) -> Reading:
+    """The flight, with the times of day that its lines give."""
+    lift_off, landing = _moment(said, "launch time"), _moment(said, "landing time")
     if lift_off:
         stated["date_time"] = lift_off
     if lift_off and landing:
         events["landing"] = (landing - lift_off) % timedelta(days=1) / timedelta(seconds=1)
-    serial = extra.get("searial number") or extra.get("serial number") or ""
-    return [
-        Reading(
-            stated,
-            {printable(k): printable(v) for k, v in extra.items() if k not in STATED},
-            events=events,
-            device="Blue Raven",
-            firmware=extra.get("firmware", ""),
-            serial=serial.split()[0] if serial else "",
-            part="summary",
-        ),
-        *found,
-    ]
+    serial = said.get("searial number") or said.get("serial number") or ""
+    return Reading(
+        stated,
+        {printable(k): printable(v) for k, v in said.items() if k not in STATED},
+        events=events,
+        device="Blue Raven",
+        firmware=said.get("firmware", ""),
+        serial=serial.split()[0] if serial else "",
+        part="summary",
+    )
 
 
 def _number(value: str, quantity: str, unit: str) -> float:

@@ -93,7 +93,7 @@ def _parts(log: bytes) -> Iterator[_Part]:
                 yield replace(part, stop=min(part.stop, begin))
             part, labels = _Part(head, labels, place, len(log)), {}
         elif (label := _LABEL.match(text)) and len(labels) < MOST_LABELS:
-            labels[printable(label[1])] = printable(label[2])
+            labels[printable(label[1])] = printable(label[2].rstrip(",;\t "))
             part = replace(part, stop=min(part.stop, begin)) if part else None
     if part:
         yield replace(part, summary=part.summary or labels)
