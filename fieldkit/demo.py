@@ -1,6 +1,6 @@
 """The whole loop on the twelve reference flights: from readouts to the next apogee and back."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 from fieldkit.errors import LedgerError
@@ -15,9 +15,7 @@ from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.paper.report import Report, report
 from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Catalogue
-
-Tell = Callable[[str, float], None]
-"""Told what is being done and the share that is done."""
+from fieldkit.progress import Tell
 
 ENSEMBLES: tuple[Model, ...] = ("field", "paper")
 

@@ -90,19 +90,41 @@ def server(folder: Path) -> Iterator[Server]:
         ours.kill()
 
 
-def recovered(url: str, patience: float = 60.0) -> None:
-    """Wait until a server whose processes were killed answers again."""
+@contextmanager
+def witnessed(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
+    """A server's process may be killed inside; call what is given to wait until it has recovered from that.
+
+    A connection from before tells when the server has seen it, and ends that too: until then it takes new ones as if
+    nothing had been.
+    """
     import psycopg
 
+    witness = psycopg.connect(url, autocommit=True)
+
+    def recovered() -> None:
+        _await(lambda: not _answers(lambda: witness.execute("SELECT 1")), patience)
+        _await(lambda: _answers(lambda: psycopg.connect(url).close()), patience)
+
+    try:
+        yield recovered
+    finally:
+        witness.close()
+
+
+def _answers(ask: Callable[[], object]) -> bool:
+    import psycopg
+
+    try:
+        ask()
+    except psycopg.OperationalError:
+        return False
+    return True
+
+
+def _await(so: Callable[[], bool], patience: float) -> None:
     end = time.monotonic() + patience
-    while True:
-        try:
-            psycopg.connect(url).close()
-            return
-        except psycopg.OperationalError:
-            if time.monotonic() > end:
-                raise
-            time.sleep(0.02)
+    while not so() and time.monotonic() < end:
+        time.sleep(0.02)
 
 
 def emptied(url: str) -> None:

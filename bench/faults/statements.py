@@ -11,7 +11,7 @@ from contextlib import contextmanager
 from sqlalchemy import Connection, event
 
 from bench.faults.ledgers import Outcome, state
-from bench.faults.servers import emptied, recovered
+from bench.faults.servers import emptied, witnessed
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, Renewal, Start
@@ -45,12 +45,13 @@ def process_killed(url: str, counts: Iterable[int]) -> Outcome:
         for name, change in CHANGES.items():
             before = state(url)
             for count in counts:
-                with _killed_after(ledger, count) as killed:
-                    said = _failure(ledger, change)
-                if not killed:
-                    outcome.faults += [f"{name}: refused: {said}"] if said else []
-                    break
-                recovered(url)
+                with witnessed(url) as recovered:
+                    with _killed_after(ledger, count) as killed:
+                        said = _failure(ledger, change)
+                    if not killed:
+                        outcome.faults += [f"{name}: refused: {said}"] if said else []
+                        break
+                    recovered()
                 outcome.saw(*_judged(state(url) == before, said, f"{name}, after {count} statements"))
     return outcome
 

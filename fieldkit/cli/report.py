@@ -21,11 +21,12 @@ def report(
     out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .html, .pdf, .png or .md.", show_default=False)],
 ) -> None:
     """Write a flight card, or a day's or a rocket's report with what the loop finds, for the log book."""
+    from fieldkit.progress import part
     from fieldkit.report.book import book
     from fieldkit.report.write import check_report, write_report
 
     check_report(out)
     with open_ledger(context) as ledger, progress("report") as tell:
-        made = book(ledger, known_motors(), what, tell)
-        files = write_report(made, out)
+        made = book(ledger, known_motors(), what, part(tell, 0.0, 0.6))
+        files = write_report(made, out, part(tell, 0.6, 0.4))
     say(f"{made.title}: {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")

@@ -1,6 +1,7 @@
 """`fieldkit simulate`: one forward flight."""
 
 from enum import StrEnum
+from math import isnan
 from typing import Annotated
 
 import typer
@@ -22,9 +23,20 @@ class Physics(StrEnum):
     field = "field"
 
 
+def _number(value: float) -> float:
+    """As it is: what is no number passes every bound."""
+    if isnan(value):
+        raise typer.BadParameter("found nan, expected a number")
+    return value
+
+
 def simulate(
-    cd: Annotated[float, typer.Option(min=0.001, max=50.0, help="Drag coefficient.", show_default=False)],
-    alpha: Annotated[float, typer.Option(min=0.01, max=10.0, help="Thrust over declared thrust.")] = 1.0,
+    cd: Annotated[
+        float, typer.Option(min=0.001, max=50.0, callback=_number, help="Drag coefficient.", show_default=False)
+    ],
+    alpha: Annotated[
+        float, typer.Option(min=0.01, max=10.0, callback=_number, help="Thrust over declared thrust.")
+    ] = 1.0,
     physics: Annotated[Physics, typer.Option(help="The field's, or the reference paper's.")] = Physics.field,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,

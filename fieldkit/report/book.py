@@ -1,7 +1,7 @@
 """What a report is of: one flight, every flight of a rocket, or those of a day, with the loop's findings."""
 
 import re
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from datetime import date
 
@@ -13,9 +13,8 @@ from fieldkit.ledger import Ledger
 from fieldkit.loop.closing import close_loop
 from fieldkit.loop.findings import Findings, findings
 from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell, part
 from fieldkit.report.card import Card, cards, totals
-
-Tell = Callable[[str, float], None]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -75,8 +74,7 @@ def book(ledger: Ledger, motors: Catalogue, what: str, tell: Tell) -> Book:
             raise
         flights = ledger.flights(what)
         return _of_several(ledger, motors, what, _span(flights), flights, [what], tell)
-    tell(what, 0.2)
-    (card,) = cards(ledger, motors, [flight])
+    (card,) = cards(ledger, motors, [flight], tell)
     return Book(f"Flight {card.id}", " ".join((flight.rocket, flight.config)).strip(), (card,))
 
 
@@ -89,19 +87,15 @@ def _of_several(
     rockets: Sequence[str],
     tell: Tell,
 ) -> Book:
-    tell("flights", 0.1)
-    made = cards(ledger, motors, flights)
+    made = cards(ledger, motors, flights, part(tell, 0.0, 0.4))
     loops = []
     for place, rocket in enumerate(rockets):
-
-        def told(text: str, share: float, place: int = place) -> None:
-            tell(text, 0.4 + 0.6 * (place + share) / len(rockets))
-
+        own = part(part(tell, 0.4, 0.6), place / len(rockets), 1 / len(rockets))
         try:
-            diagnosis = close_loop(ledger, motors, rocket, accept=False, progress=told)
+            diagnosis = close_loop(ledger, motors, rocket, accept=False, progress=part(own, 0.0, 0.5))
         except NoFlights:
             continue  # too few flights to close it
-        loops.append(findings(rocket, diagnosis))
+        loops.append(findings(rocket, diagnosis, part(own, 0.5, 0.5)))
     return Book(title, subtitle, tuple(made), tuple(loops), summary=True)
 
 

@@ -12,6 +12,7 @@ from fieldkit.loop.desk import forecast_from_others
 from fieldkit.loop.kept import by_flight, kept
 from fieldkit.measures import measure
 from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell
 from fieldkit.replay import recording_of
 from fieldkit.shapes import Array, Flags, Float
 
@@ -64,11 +65,12 @@ class Card:
         return self.flight.apogee - self.foretold.interval[1]
 
 
-def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight]) -> list[Card]:
+def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: Tell) -> list[Card]:
     """A card for each of these flights of the ledger."""
     said = {rocket: by_flight(kept(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []
-    for id, flight in zip(ledger.ids(flights), flights, strict=True):
+    for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
+        tell(f"flight {id}", number / len(flights))
         one = said[flight.rocket].get((flight.rocket, flight.flight_id))
         if one is not None:
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)

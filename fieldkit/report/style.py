@@ -3,7 +3,7 @@
 Colours are of Okabe and Ito, told apart by all eyes and in grey; names from files are never taken for markup.
 """
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from io import BytesIO
 from typing import TYPE_CHECKING, Any
@@ -64,7 +64,7 @@ def drawn(figure: "Figure", kind: str, dpi: int = 150) -> bytes:
     return out.getvalue()
 
 
-def bound(pages: Sequence["Figure"]) -> bytes:
+def bound(pages: Iterable["Figure"]) -> bytes:
     """Figures as the pages of one PDF."""
     from matplotlib.backends.backend_pdf import PdfPages
 

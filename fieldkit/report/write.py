@@ -4,10 +4,11 @@ import re
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from fieldkit.errors import BadValue
 from fieldkit.files import write
+from fieldkit.progress import Tell, untold
 from fieldkit.report.book import Book, table
 from fieldkit.report.card import Card
 from fieldkit.report.html import embedded, rendered
@@ -22,6 +23,7 @@ NUMBERS = (3, 4, 5, 6, 7)
 """Columns of the table of flights that are numbers."""
 WIDE = 7.2
 """Of pictures on a page. [inch]"""
+T = TypeVar("T")
 
 
 def check_report(path: Path) -> None:
@@ -30,32 +32,39 @@ def check_report(path: Path) -> None:
         raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_report(book: Book, path: Path) -> list[Path]:
+def write_report(book: Book, path: Path, tell: Tell = untold) -> list[Path]:
     """Write a report as the kind that its file's name says; the files written. Raises FieldkitError."""
     check_report(path)
-    files = dict(_files(book, path))
+    files = dict(_files(book, path, tell))
     for file, content in files.items():
         write(file, content)
     return list(files)
 
 
-def _files(book: Book, path: Path) -> Iterator[tuple[Path, bytes]]:
+def _files(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
     kind = path.suffix.lower()
     if kind == ".md":
-        yield from _markdown(book, path)
+        yield from _markdown(book, path, tell)
     elif kind in (".html", ".htm"):
-        yield path, rendered("book.html", content(book)).encode()
+        yield path, rendered("book.html", content(book, tell)).encode()
     else:
         with styled():
             sheets = list(pages(book))
             if kind == ".pdf":
-                yield path, bound(sheets)
-            for number, sheet in enumerate(sheets if kind == ".png" else [], start=1):
+                yield path, bound(_told(sheets, tell))
+            for number, sheet in enumerate(_told(sheets, tell) if kind == ".png" else [], start=1):
                 name = path if len(sheets) == 1 else path.with_stem(f"{path.stem}-{number}")
                 yield name, drawn(sheet, "png")
 
 
-def content(book: Book) -> dict[str, Any]:
+def _told(pages: Sequence[T], tell: Tell) -> Iterator[T]:
+    """Pages one after the other, each told of before it is drawn."""
+    for number, page in enumerate(pages):
+        tell(f"page {number + 1} of {len(pages)}", number / len(pages))
+        yield page
+
+
+def content(book: Book, tell: Tell = untold) -> dict[str, Any]:
     """Everything that the page shows, as text and pictures."""
     headers, rows = table(book)
     return {
@@ -72,7 +81,7 @@ def content(book: Book) -> dict[str, Any]:
             {"rocket": one.rocket, "pictures": [embedded(svg(name, one)) for name in ON_THE_LOOPS_PAGE]}
             for one in book.loops
         ],
-        "cards": [_card(card) for card in book.cards],
+        "cards": [_card(card) for card in _told(book.cards, tell)],
         "foot": FOOT_LINE,
     }
 
@@ -94,7 +103,7 @@ def _overview(book: Book, kind: str) -> bytes:
     return picture(partial(foretold_flown, cards=book.cards), (WIDE, 1.0 + 0.26 * len(book.cards)), kind)
 
 
-def _markdown(book: Book, path: Path) -> Iterator[tuple[Path, bytes]]:
+def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
     """The report as Markdown, its pictures as PNG files that bear its name."""
     lines: list[str] = []
 
@@ -110,7 +119,7 @@ def _markdown(book: Book, path: Path) -> Iterator[tuple[Path, bytes]]:
         yield beside("flights", _overview(book, "png"), "Foretold and flown")
         lines += [*_grid(headers, rows), ""]
         lines += [piece for one in book.findings for piece in (escaped(one), "")]
-    for number, card in enumerate(book.cards, start=1):
+    for number, card in enumerate(_told(book.cards, tell), start=1):
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {escaped(title)}", "", escaped(subtitle), ""]
         lines += [", ".join(f"{escaped(value)} ({what})" for value, what in headline(card)) + ".", ""]

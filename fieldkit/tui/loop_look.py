@@ -1,17 +1,16 @@
 """What the page Loop asks: the models of a rocket, and what its flights say is missing from them."""
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
+from fieldkit.progress import Tell, part
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
     from fieldkit.loop.findings import Findings
     from fieldkit.tui.desk import Desk
 
-Tell = Callable[[str, float], None]
 """Is told what is being tried, and the share done."""
 
 
@@ -49,9 +48,6 @@ def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
     from fieldkit.loop.findings import findings
     from fieldkit.loop.force.logs import kept_logs
 
-    def part(start: float, share: float) -> Tell:
-        return lambda text, done: tell(text, start + share * done)
-
-    diagnosis = close_loop(desk.ledger, desk.motors, rocket, accept=False, progress=part(0.0, 0.6))
-    logs = kept_logs(desk.ledger, diagnosis, part(0.6, 0.1))
-    return findings(rocket, diagnosis, part(0.7, 0.3), logs)
+    diagnosis = close_loop(desk.ledger, desk.motors, rocket, accept=False, progress=part(tell, 0.0, 0.6))
+    logs = kept_logs(desk.ledger, diagnosis, part(tell, 0.6, 0.1))
+    return findings(rocket, diagnosis, part(tell, 0.7, 0.3), logs)

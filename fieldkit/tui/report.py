@@ -3,6 +3,7 @@
 from functools import partial
 from pathlib import Path
 
+from fieldkit.progress import untold
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import PageScreen
 
@@ -26,7 +27,7 @@ def _write(page: PageScreen, what: str, name: str | None) -> None:
         from fieldkit.report.write import check_report, write_report
 
         check_report(path)
-        return write_report(book(page.desk.ledger, page.desk.motors, what, lambda _text, _share: None), path)
+        return write_report(book(page.desk.ledger, page.desk.motors, what, untold), path)
 
     page.tell("writing the report ...")
     page.ask(work, lambda files: page.tell(f"report written: {path if path in files else files[0]}"), "report")
