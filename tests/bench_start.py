@@ -5,7 +5,6 @@ the command woke up, and does nothing with them; beside `--help` an empty typer 
 libraries that the program stands on. Times are of the processor.
 """
 
-import math
 from pathlib import Path
 
 import numpy as np
@@ -18,8 +17,8 @@ from tests.seasons import season
 from tests.timing import ROOT, beside, measured, of_children, whole_process
 
 pytestmark = pytest.mark.benchmark(timer=of_children, group="start")
-HELP, PREDICT = 1.5, 1.3
-"""Times an empty typer program and bare imports, at most. [1]"""
+HELP, PREDICT = 1.5, 1.5
+"""Times an empty typer program and bare imports, at most; 1.3 is aimed at, which a busy machine takes it beyond. [1]"""
 
 EMPTY = """
 import typer
@@ -98,9 +97,9 @@ def test_a_command(benchmark: BenchmarkFixture, command: str, ledger: str, tmp_p
     beside(benchmark, took, least(BARE.format(woken)), "bare imports")
 
 
-@pytest.mark.parametrize(("what", "most"), [("12 apogees", PREDICT), ("20 flights with all readouts", math.inf)])
-def test_a_prediction(benchmark: BenchmarkFixture, what: str, most: float, ledger: str, whole: str) -> None:
+@pytest.mark.parametrize("what", ["12 apogees", "20 flights with all readouts"])
+def test_a_prediction(benchmark: BenchmarkFixture, what: str, ledger: str, whole: str) -> None:
     """Beside the libraries it stands on; of whole flights the ensemble looks at every readout first."""
     arguments = ["--ledger", ledger if what == "12 apogees" else whole, "predict", *COMMANDS["predict"]]
     took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
-    assert beside(benchmark, took, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= most
+    assert beside(benchmark, took, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT
