@@ -17,6 +17,7 @@ from fieldkit.tui.dialogs import HelpScreen
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
+from tests.test_openrocket import SIMULATION, design
 
 CHECK_SHAPES = False
 
@@ -66,6 +67,28 @@ async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: P
         assert words(pilot).count("no parser recognises this log") == 2
         await press(pilot, "escape", "f", *typed("nonsense"), "enter")
         assert "no parser is called 'nonsense'" in told(pilot, "#said")
+
+
+async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Path) -> None:
+    (file.parent / "field" / "a.ork").write_text(design(rest=SIMULATION.format(status="uptodate")))
+    (file.parent / "field" / "b.ork").write_text("<openrocket>")
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down")
+        assert "OpenRocket design" in words(pilot)
+        assert "starts Skylark" in words(pilot)
+        assert "66 mm across" in words(pilot)
+        await press(pilot, "s", *typed("rocket=Lark; config=A"), "enter", "_", "enter")
+        assert "kept; the page Next starts from it" in words(pilot)
+        await press(pilot, "enter")
+        assert "it is kept already" in words(pilot)
+        await press(pilot, "down", "enter")
+        assert "✗ error" in words(pilot)
+    with Ledger.open(file) as ledger:
+        (start,) = ledger.starts("Lark")
+        assert start.config == "A"
+        assert start.source == "a.ork"
+        ledger.undo()
+        assert not ledger.starts("Lark")
 
 
 async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path) -> None:

@@ -46,6 +46,16 @@ async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
         assert "the range safety officer decides" in said(pilot)
 
 
+async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_decide(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
+        assert "flights of Astra, each forecast from the ones before it" in said(pilot)
+        assert "certified motor, no flights:" in said(pilot)
+        assert "in the 90 % interval" in said(pilot)
+        assert "scalar correction" in said(pilot)
+        assert "90% interval: " in said(pilot)
+
+
 async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "m")
@@ -95,13 +105,13 @@ async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file
 async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fieldkit.loop.kept._lapsed", lambda _: False)
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left")
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "left")
         assert "flown: F39 B" in said(pilot)
-        await press(pilot, "escape", "enter", "_", "d", "left")
+        await press(pilot, "escape", "enter", "_", "d", "left", "left")
         assert "open: AeroTech F39T" in said(pilot)
         with Ledger.open(file) as ledger:
             ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
-        await press(pilot, "escape", "escape", "d", "left")  # the first reads the notice
+        await press(pilot, "escape", "escape", "d", "left", "left")  # the first reads the notice
         assert "stale now: flight 13 came in since" in said(pilot)
 
 

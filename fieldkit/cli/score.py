@@ -1,6 +1,5 @@
 """`fieldkit score`: how good the forecasts are, on flights that came after what they rest on."""
 
-from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -11,7 +10,6 @@ from fieldkit.cli.screen import complain, print_json, print_table, progress, say
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.loop.proper import Calibration
     from fieldkit.loop.rivals import Report
 
 app = typer.Typer()
@@ -77,6 +75,7 @@ def score(
 
 def _print(found: "Report") -> None:
     """Errors by each way, the difference to each rival, the verdict on the bar, and calibration."""
+    from fieldkit.loop.fared import against_the_bar, histogram
     from fieldkit.loop.forward import tally
     from fieldkit.loop.rivals import RIVALS
 
@@ -107,43 +106,8 @@ def _print(found: "Report") -> None:
         for one in found.against
     ]
     print_table(heads, rivals, numbers=heads[1:3])
-    for line in _bar(found):
+    for line in against_the_bar(found):
         say_wrapped(line, "  ")
     say()
     for line in histogram(found.calibration):
         say_wrapped(line)
-
-
-def _bar(found: "Report") -> "Iterator[str]":
-    """Whether the scalar correction is beaten, and the rockets where it is not."""
-    from fieldkit.loop.rivals import BAR
-
-    for one in found.against:
-        if one.rival == BAR:
-            words = {
-                "better": "The scalar correction is beaten",
-                "worse": "The scalar correction is BETTER than fieldkit",
-                "unclear": "Whether the scalar correction is beaten, these flights cannot tell",
-            }
-            yield f"{words[one.verdict]}: mean error {one.error:.1%} against {one.theirs:.1%} on {one.flights} flights."
-    for rocket, one in found.behind:
-        yield (
-            f"Not beaten on {rocket or 'no rocket'}: {one.error:.1%} against {one.theirs:.1%} on {one.flights} flights"
-            f"{', which may be chance' if one.verdict != 'worse' else ''}."
-        )
-
-
-def histogram(found: "Calibration") -> "Iterator[str]":
-    """PITs as bars that should be as long as each other, and the share of flights in each interval."""
-    low, high = found.expected
-    count = sum(found.counts)
-    yield f"where flights lay in their forecasts (even is right; chance leaves {low:.0f} to {high:.0f} in each)"
-    longest = max(*found.counts, 1)
-    for place, number in enumerate(found.counts):
-        bar = "█" * round(30 * number / longest)
-        note = "" if low <= number <= high else "  too few" if number < low else "  too many"
-        yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
-    for one in found.intervals:
-        least, most = one.expected
-        verdict = "as it should" if one.honest else "too narrow" if one.held < one.level else "too wide"
-        yield f"  {one.level:.0%} interval: {one.held:.0%} of {count}, by chance {least:.0%} to {most:.0%}: {verdict}"

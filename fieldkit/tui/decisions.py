@@ -1,4 +1,4 @@
-"""What is decided for a plan on one motor, in words: delay, ballast, contest points, and the forecasts kept."""
+"""What is decided for a plan on one motor, in words: delay, ballast, points, and forecasts kept and how they fared."""
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
@@ -106,6 +106,22 @@ class Decision:
             words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one)]
         return Answer(tuple(words))
+
+    def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
+        """How good forecasts of this rocket are: of each flight from those before it."""
+        from fieldkit.loop.desk import flown
+        from fieldkit.loop.fared import against_the_bar, errors, histogram
+        from fieldkit.loop.forward import corrected_by_earlier, forward
+        from fieldkit.loop.rivals import judged_report
+
+        rocket = self.plan.rocket
+        rows = corrected_by_earlier(forward(rocket, flown(ledger, motors, rocket)))
+        if not rows:
+            return Answer(("Two clean flights with an apogee are needed: each is forecast from those before it.",))
+        found = judged_report(rows)
+        words = [f"{len(rows)} flights of {rocket}, each forecast from the ones before it"]
+        said = [*errors(found), *against_the_bar(found), *histogram(found.calibration)]
+        return Answer((*words, *(f"  {line}" for line in said)))
 
     def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
         from fieldkit.plan.contest import declared_score, score

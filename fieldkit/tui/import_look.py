@@ -10,9 +10,11 @@ from textual.content import Content
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.bars import shortened
+from fieldkit.tui.design_look import SUFFIX, design_at
 
 if TYPE_CHECKING:
     from fieldkit.intake import Receipt
+    from fieldkit.ledger import Start
     from fieldkit.reading import Choice
     from fieldkit.tui.desk import Desk
 
@@ -25,12 +27,17 @@ UP = Path("..")
 
 @dataclass(frozen=True, slots=True)
 class Look:
-    """What a file would bring: the format it was recognised as, and the receipt of a dry run; or why it would not."""
+    """What a file would bring: the format it was recognised as, and the receipt of a dry run; or why it would not.
+
+    Of a design it is what a rocket would `start` with, in `words`.
+    """
 
     path: Path
     format: str
     receipt: "Receipt | None"
     trouble: str = ""
+    start: "Start | None" = None
+    words: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -76,6 +83,9 @@ def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
     from fieldkit.parsing import parsers, recognise
 
     try:
+        if path.suffix.lower() == SUFFIX:
+            start, words = design_at(path, reading.given, desk.settings.units)
+            return Look(path, "OpenRocket design", None, start=start, words=words)
         receipt = _bring_in(desk, path, reading, dry_run=True)
     except FieldkitError as error:
         return Look(path, "", None, str(error))
@@ -117,6 +127,10 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     """What a file was recognised as, how many flights it would bring, and notes; or why it cannot be read."""
     parts: Parts = [(printable(look.path.name), "b $primary")]
     receipt = look.receipt
+    if look.start is not None:
+        parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
+        parts += [f"\n{printable(shortened(line))}" for line in look.words]
+        return Content.assemble(*parts, ("\nEnter keeps it until the rocket has flown", "b"))
     if receipt is None:
         parts += [("\n✗ ", "b $error"), printable(shortened(look.trouble)), "\n\nf names the parser to read it with"]
         return Content.assemble(*parts)

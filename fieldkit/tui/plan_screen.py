@@ -21,13 +21,13 @@ from fieldkit.tui.page import Help, PageScreen
 if TYPE_CHECKING:
     from fieldkit.plan.day import Day
 
-VIEWS = ("Delay", "Ballast", "Contest", "Kept")
+VIEWS = ("Delay", "Ballast", "Contest", "Kept", "Score")
 SHARES = (0.5, 0.6, 0.7, 0.8, 0.85, 0.9, 0.95, 1.0, 1.05, 1.1, 1.2, 1.35, 1.5, 1.75, 2.0)
 """Of the parachute's area that may be chosen. [1]"""
 
 
 class PlanScreen(PageScreen):
-    """Four answers side by side in one place; left and right, or their names, go from one to the next."""
+    """Five answers side by side in one place; left and right, or their names, go from one to the next."""
 
     NAME = "next_flight"
     TITLE = "Decide"
@@ -35,8 +35,8 @@ class PlanScreen(PageScreen):
         "What is left to decide once the motor is chosen, from what this rocket's flights taught, in the weather of "
         "the plan. Delay: when each delay on sale, or drilled with its maker's tool, would fire, and how fast the "
         "rocket then is. Ballast: the grams that best meet the target (g on the page Next). Contest: the points to "
-        "expect by a season's rule. Kept: the forecasts that were kept. Forecasts are advice: the range safety officer "
-        "decides.",
+        "expect by a season's rule. Kept: the forecasts that were kept. Score: how good they are. Forecasts are "
+        "advice: the range safety officer decides.",
         (
             ("delay", "Best is the one least likely to fire too fast for the parachute."),
             (
@@ -55,6 +55,10 @@ class PlanScreen(PageScreen):
                 "length of the rocket; and of the site the field's size and the ceiling, which safety lines ask for.",
             ),
             ("kept", "Stale: mass, motor, weather, design or model have changed since the forecast was made."),
+            (
+                "score",
+                "Each flight forecast from those before it, beside simpler ways; where flights lay in their forecasts.",
+            ),
         ),
         (
             "fieldkit delay --motor F24",
@@ -63,6 +67,7 @@ class PlanScreen(PageScreen):
             "fieldkit contest --season 2027 --declared 4,5,6",
             "fieldkit sites FIELD --size 400m --ceiling 3000ft",
             "fieldkit predictions",
+            "fieldkit score",
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -128,7 +133,9 @@ class PlanScreen(PageScreen):
             return decision.ballast(settings.target, AIMS[self._aim], self._season, day)
         if view == 2:
             return decision.contest(ledger, self._season, SHARES[self._share], day)
-        return decision.kept(ledger, self.desk.motors)
+        if view == 3:
+            return decision.kept(ledger, self.desk.motors)
+        return decision.fared(ledger, self.desk.motors)
 
     def action_view(self, view: int) -> None:
         """Another answer."""

@@ -51,10 +51,15 @@ class ImportScreen(PageScreen):
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
             ("columns", "What each column of a table is: altitude=Alt (ft); time=T. Remembered for such tables."),
             ("set", "Columns the file leaves open, such as rocket=Astra; several apart by a semicolon."),
+            (
+                "design",
+                "An OpenRocket file brings no flight: its mass, diameter and Cd are where a rocket starts from.",
+            ),
         ),
         (
             "fieldkit import FILE --dry-run",
             "fieldkit import FILE --format NAME --set rocket=Astra --map 'altitude=Alt (ft)'",
+            "fieldkit ork FILE.ork --rocket Lark --config A",
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -147,6 +152,8 @@ class ImportScreen(PageScreen):
             self.action_up()
         elif path is not None and path.is_dir():
             self.go(path)
+        elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
+            self.change(lambda: self.desk.ledger.keep_start(start), self._kept)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
             self.change(partial(store, self.desk, path, self._reading), self._stored)
         elif self._look is not None:
@@ -158,6 +165,10 @@ class ImportScreen(PageScreen):
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
         undo = "; u takes them back" if receipt.ids else ""
         self.tell(f"{len(receipt.ids)} imported, {counts}{undo}")
+        self.field_app.changed()
+
+    def _kept(self, new: bool) -> None:
+        self.tell("kept; the page Next starts from it, and u takes it back" if new else "it is kept already")
         self.field_app.changed()
 
     def action_up(self) -> None:
