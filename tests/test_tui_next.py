@@ -442,9 +442,12 @@ async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
         await pilot.click("TopBar", offset=(26, 0))
         await calm(pilot)
         assert "file" in shown(pilot)
-        bar = pilot.app.screen.query_one(KeyBar).region
-        lines = shown(pilot).splitlines()[bar.y : bar.y + bar.height]
-        row = next(row for row, line in enumerate(lines) if "Help" in line)
-        await pilot.click(KeyBar, offset=(lines[row].index("Help"), row))
-        await calm(pilot)
+        for _ in range(3):  # on a busy machine a click may fall into a repaint
+            bar = pilot.app.screen.query_one(KeyBar).region
+            lines = shown(pilot).splitlines()[bar.y : bar.y + bar.height]
+            row = next(row for row, line in enumerate(lines) if "Help" in line)
+            await pilot.click(KeyBar, offset=(lines[row].index("Help"), row))
+            await calm(pilot)
+            if "Help: Import" in shown(pilot):
+                break
         assert "Help: Import" in shown(pilot)
