@@ -7,13 +7,13 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.cli import score as command
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.loop import desk
 from fieldkit.loop.desk import predict_plans
+from fieldkit.loop.fared import against_the_bar
 from fieldkit.loop.forward import Forecast, beside_rivals, corrected_by_earlier, unflown
 from fieldkit.loop.kept import kept
 from fieldkit.loop.proper import calibration, crps, pit
@@ -99,7 +99,7 @@ def test_where_the_scalar_correction_is_better_it_is_said() -> None:
     report = judged_report(rows)
     assert against(season(30, bias=0.15), "scaled").verdict == "worse"
     assert [rocket for rocket, _ in report.behind] == ["Astra"]
-    assert any("Not beaten on Astra" in line and "chance" not in line for line in command._bar(report))
+    assert any("Not beaten on Astra" in line and "chance" not in line for line in against_the_bar(report))
     few = judged_report(season(3, bias=0.15))
     assert {one.verdict for one in few.against} == {"unclear"}
 
