@@ -48,6 +48,11 @@ def test_any_bad_log_brings_lines_and_no_traceback(number: int) -> None:
     assert done
 
 
+def test_a_table_parted_by_quotation_marks_is_read_or_refused() -> None:
+    log = next(s for s in SAMPLES if s.name == "openrocket__semicolons_and_german_names.csv").read_bytes()
+    must_hold(log.replace(b";", b'"'), "openrocket")
+
+
 @pytest.mark.slow
 def test_fifty_thousand_bad_logs_bring_lines_and_no_traceback(capsys: pytest.CaptureFixture[str]) -> None:
     begun, tried, faults = time.monotonic(), Counter[str](), dict[str, str]()

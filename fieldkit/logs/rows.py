@@ -141,7 +141,7 @@ class Rows:
             delimiter=self.separator,
             usecols=places,
             comments=None,
-            quotechar='"',
+            quotechar=None if self.separator == '"' else '"',
             ndmin=2,
             dtype=np.dtype(dtype),
             converters=converters,
