@@ -2,10 +2,11 @@
 
 import json
 import sys
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
+from fieldkit.progress import Tell, untold
 from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
@@ -104,13 +105,13 @@ def in_both_units(name: str, value: float | None) -> str:
 
 
 @contextmanager
-def progress(title: str) -> Iterator[Callable[[str, float], None]]:
+def progress(title: str) -> Iterator[Tell]:
     """A bar on stderr, where that is a terminal, told of what is being done and the share done.
 
     It is drawn when it is told something and at no other time.
     """
     if not sys.stderr.isatty():
-        yield lambda text, share: None
+        yield untold
         return
     from rich.console import Console
     from rich.markup import escape

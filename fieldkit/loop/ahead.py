@@ -6,7 +6,7 @@ about which readouts are taken as linear is that of the whole history; what all 
 not tried: places, and second effects beside a first one that is none of the likeliest; nor is a third effect.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -19,6 +19,7 @@ from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.posterior import Fit, Growing
 from fieldkit.loop.score import Forecasts, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect
+from fieldkit.progress import Tell
 from fieldkit.shapes import Array, Flags
 
 FEWEST = 4
@@ -40,7 +41,7 @@ class Ahead:
     chosen: tuple[str, ...]
 
 
-def ahead(diagnosis: Diagnosis, tell: Callable[[str, float], None] | None = None) -> Ahead:
+def ahead(diagnosis: Diagnosis, tell: Tell | None = None) -> Ahead:
     """Forecasts of a diagnosed history forward in time."""
     teach = diagnosis.data.seen[:, 0]
     count = len(teach)

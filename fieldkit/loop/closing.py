@@ -12,10 +12,11 @@ from fieldkit.errors import NoFlights
 from fieldkit.ledger import Ledger
 from fieldkit.loop.data import observe
 from fieldkit.loop.desk import accepted_places, accepted_widening, flown
-from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, Progress, diagnose
+from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.predict import rocket_model
 from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell
 
 
 def close_loop(
@@ -24,7 +25,7 @@ def close_loop(
     rocket: str,
     *,
     accept: bool = True,
-    progress: Progress | None = None,
+    progress: Tell | None = None,
     given: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.

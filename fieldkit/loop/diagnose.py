@@ -3,7 +3,7 @@
 The errors reported are of flights left out, with the whole choice made anew without them.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -18,6 +18,7 @@ from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.loop.posterior import Fit
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_all
+from fieldkit.progress import Tell, untold
 from fieldkit.simulator.effect import Effect
 
 SEARCH_SLACK = 0.35
@@ -26,8 +27,6 @@ TURNS = 2
 """Times everything is tried, where trying it shows that the plain model had not found its best fit."""
 APART = 2.0
 """Difference of log evidence up to which effects are named together. [nat]"""
-Progress = Callable[[str, float], None]
-"""Told what is being tried and the share done."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,13 +95,13 @@ class _Verdict:
     pattern: tuple[Place, ...] = ()
 
 
-def diagnose(model: Model, data: Data, progress: Progress | None = None, given: Sequence[str] = ()) -> Diagnosis:
+def diagnose(model: Model, data: Data, progress: Tell | None = None, given: Sequence[str] = ()) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach.
 
     `given` are effects to take whatever the evidence for them, each where it is most at home. Raises UnknownEffect
     for one that is none, or that these flights cannot show.
     """
-    tell = progress or (lambda text, share: None)
+    tell = progress or untold
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
     _check(given, families)
@@ -144,7 +143,7 @@ Families = Mapping[str, Sequence[Candidate]]
 """Candidates by the effect that a verdict would speak of, patterns under no name."""
 
 
-def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Progress) -> tuple[Second, ...]:
+def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Tell) -> tuple[Second, ...]:
     """Second effects beside the likeliest ones."""
     found: list[Second] = []
     for number, first in enumerate(firsts := likely_firsts(ranking)):
@@ -156,7 +155,7 @@ def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Pr
     return tuple(found)
 
 
-def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: Progress) -> tuple[Ranked, ...]:
+def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: Tell) -> tuple[Ranked, ...]:
     """The options, and what is tried beside the best two effects, the best three, as long as those may be chosen."""
     for count in range(2, MOST_EFFECTS):
         best = choose([item for item in options if len(item.effects) == count])
@@ -175,7 +174,7 @@ def _others(first: Ranked, families: Families) -> Families:
     return {name: family for name, family in families.items() if name and name not in first.effects}
 
 
-def _beside(first: Ranked, data: Data, families: Families, tell: Progress) -> Second:
+def _beside(first: Ranked, data: Data, families: Families, tell: Tell) -> Second:
     """Every family tried beside an effect in the place in which that is most at home."""
     fitted = first.best.fit
     worth = fitted.log_evidence + SECOND
@@ -188,7 +187,7 @@ def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Seq
     first, *others = given
     chosen = next(item for item in ranking if item.effect == first)
     for name in others:
-        (chosen,) = _beside(chosen, data, {name: families[name]}, lambda text, share: None).ranking
+        (chosen,) = _beside(chosen, data, {name: families[name]}, untold).ranking
     return chosen
 
 
@@ -205,7 +204,7 @@ def _search(
     data: Data,
     plain: Fit,
     families: Families,
-    tell: Progress,
+    tell: Tell,
     turns: int = TURNS,
     worth: float = -np.inf,
 ) -> tuple[Trial, list[Trial]]:

@@ -1,6 +1,6 @@
 """All that is reported of a closed loop, computed once: the terminal, the JSON and the page show the same figures."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fieldkit.loop.ahead import Ahead, ahead
@@ -12,6 +12,7 @@ from fieldkit.loop.marks import Mark, marks
 from fieldkit.loop.residual import Pattern, Spread, patterns, readout_patterns, spreads
 from fieldkit.loop.telling import Advice, Explanation, telling
 from fieldkit.loop.trial import Trial
+from fieldkit.progress import Tell
 from fieldkit.recording import Recorded
 
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
@@ -61,7 +62,7 @@ class Findings:
 def findings(
     rocket: str,
     diagnosis: Diagnosis,
-    tell: Callable[[str, float], None] | None = None,
+    tell: Tell | None = None,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.loop.force.logs.kept_logs` has them."""

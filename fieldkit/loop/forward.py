@@ -1,6 +1,6 @@
 """How good forecasts are, forward in time: each flight of a rocket forecast from those it had flown before."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from datetime import datetime
 
@@ -12,6 +12,7 @@ from fieldkit.loop.conformal import stretch, stretched, surprise
 from fieldkit.loop.predict import predict
 from fieldkit.loop.prediction import apart
 from fieldkit.motors import Found
+from fieldkit.progress import Tell
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400
@@ -62,7 +63,7 @@ def forward(
     rocket: str,
     flown: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
-    tell: Callable[[str, float], None] | None = None,
+    tell: Tell | None = None,
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, each from the flights before it; the first has none."""
     rows: list[Forecast] = []

@@ -4,7 +4,7 @@ A flight is forecast from those before it alone, by the plain model and by the o
 before it, makes of them. The loop is run anew at every flight, with nothing carried back from later ones.
 """
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from textwrap import fill
 
@@ -18,6 +18,7 @@ from fieldkit.loop.judged import LEVELS, resampled
 from fieldkit.loop.leftover import leftover
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.motors import Found
+from fieldkit.progress import Tell
 from fieldkit.shapes import Array, Float
 
 FEWEST = 4
@@ -43,9 +44,7 @@ class History:
     said: tuple[str, ...]
 
 
-def histories(
-    rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Callable[[str, float], None] | None = None
-) -> list[History]:
+def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell | None = None) -> list[History]:
     """Every rocket with flights enough, most flights first."""
     known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= FEWEST}
     found = []
@@ -63,7 +62,7 @@ def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
     return [row for row, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
 
 
-def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: Callable[[str, float], None]) -> History:
+def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: Tell) -> History:
     clean = _clean(flown)
     rows = []
     for place, row in enumerate(clean[FEWEST:], start=FEWEST):

@@ -2,7 +2,8 @@
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
-from fieldkit.loop.diagnose import Diagnosis, Progress
+from fieldkit.loop.diagnose import Diagnosis
+from fieldkit.progress import Tell
 from fieldkit.recording import Recorded
 from fieldkit.replay import recording_of
 
@@ -11,7 +12,7 @@ MOST = 6
 OLDER = f"older than the {MOST} latest logs, which alone are read"
 
 
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Progress | None = None) -> dict[str, Recorded | str]:
+def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Tell | None = None) -> dict[str, Recorded | str]:
     """What the logs of the flights behind a diagnosis show, by flight id; in place of one there may be why not.
 
     The latest are read, the others are `OLDER`.
