@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger.sites import Site
     from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Catalogue, Found
+    from fieldkit.plan.contest import Season
     from fieldkit.plan.desk import Rocket
     from fieldkit.plan.limits import Limit
     from fieldkit.plan.safety import Line
@@ -107,6 +108,14 @@ def length(text: str | None, default: str = "m") -> float | None:
     from fieldkit.units import parse
 
     return None if text is None else parse(text, "length", default)
+
+
+def season_rule(year: int) -> "Season":
+    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    from fieldkit.places import data_folder
+    from fieldkit.plan.contest import season
+
+    return season(year, data_folder() / "seasons")
 
 
 def own_limits() -> "dict[str, Limit]":

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldkit.errors import BadValue, NoFlights
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found
@@ -127,10 +127,8 @@ def _scaled(value: float | None, by: float) -> float | None:
 
 
 def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:
-    """Flights with an apogee and their points, in the order given. Raises NoFlights where none has one."""
+    """Flights with an apogee and their points, in the order given."""
     known = [(flight, flight.apogee) for flight in flights if flight.apogee is not None]
-    if not known:
-        raise NoFlights("found no flight with an apogee, expected at least one to score")
     return [
         (flight, float(rule.points(np.array(height), np.array(np.nan if flight.duration is None else flight.duration))))
         for flight, height in known

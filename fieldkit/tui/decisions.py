@@ -4,7 +4,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from fieldkit.errors import BadValue, NoFlights
+from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 
 if TYPE_CHECKING:
@@ -126,9 +126,8 @@ class Decision:
     def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
         from fieldkit.plan.contest import declared_score, score
 
-        try:
-            scored = score(rule, ledger.flights(self.plan.rocket))
-        except NoFlights:
+        scored = score(rule, ledger.flights(self.plan.rocket))
+        if not scored:
             return
         last = scored[-SCORED:]
         alone = [one.flight_id for one, _ in last if one.duration is None]
