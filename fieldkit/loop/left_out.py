@@ -6,6 +6,7 @@ import numpy as np
 
 from fieldkit.loop.data import OBSERVED, Data, reading_sd
 from fieldkit.loop.posterior import Fit, apogee_scale, scale_grid
+from fieldkit.loop.small_matrices import inverses
 from fieldkit.loop.spread import Spread, apogee_spread
 from fieldkit.shapes import Array, Float
 
@@ -32,8 +33,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     """Predictions of every flight from all the others, exactly as far as the readouts are linear.
 
     With a flight's slopes A, its noise N and the covariance P of the terms, G = A P A' is what all flights, itself
-    included, leave open of its readouts. From r, the miss of the mean, follow without another solution in the terms:
-    the error of the others' forecast, e = (1 - G / N)^-1 r, its inverse covariance (1 - G / N)' / N, and the mean and
+    included, leave open of its readouts. From r, the miss of the mean, and M = 1 / (N - G) follow without another
+    solution in the terms: the error of the others' forecast, e = N M r, its covariance N M N, and the mean and
     covariance of anything else that the others say (Woodbury's identity).
     """
     near, told, covariance = result.tangent, result.told, result.covariance
@@ -41,21 +42,18 @@ def leave_one_out(result: Fit) -> LeftOut:
     offset = result.mean - prior_mean
     flat = told.slope.reshape(told.miss.size, len(prior_mean))
     spread = (flat @ covariance).reshape(len(covariance), *told.slope.shape)
-    still_open = spread @ np.swapaxes(told.slope, 1, 2)
-    kept = np.eye(told.miss.shape[1]) - still_open @ told.sharpness
-    undone = np.asarray(np.linalg.inv(kept), float)
+    sharper, log_det = inverses(told.noise - spread @ np.swapaxes(told.slope, 1, 2))
     missed = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
-    error = _applied(undone, missed)
-    distance = (error * _applied(told.sharpness, missed)).sum(axis=-1)
-    own = -0.5 * (distance + told.log_det - np.linalg.slogdet(kept)[1])
-    residual = error / np.sqrt((undone * told.noise).sum(axis=-1))
+    weighed = _applied(sharper, missed)
+    distance = (missed * weighed).sum(axis=-1)
+    own = -0.5 * (distance + 2 * told.log_det - log_det)
+    residual = _applied(told.noise, weighed) / np.sqrt(((told.noise @ sharper) * told.noise).sum(axis=-1))
     log_weight = result.log_weight[:, None] - own
 
     apogee = near.slope[:, 0]
     ties = (spread @ apogee[:, :, None])[..., 0]
-    pull = _applied(told.sharpness, ties)
-    mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - (pull * error).sum(axis=-1)
-    known = ((apogee @ covariance) * apogee).sum(axis=-1) + (pull * _applied(undone, ties)).sum(axis=-1)
+    mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - (ties * weighed).sum(axis=-1)
+    known = ((apogee @ covariance) * apogee).sum(axis=-1) + (ties * _applied(sharper, ties)).sum(axis=-1)
     scattered = _own_variance(result)
     lies = _apogee_spread(result.data, mean, known, scattered, log_weight)
     variance = known + lies.mean_square_without * scattered
