@@ -8,14 +8,14 @@ from fieldkit.flight import Flight
 from fieldkit.inference.flights import Inferred, Model, infer
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
-from fieldkit.loop.closing import close_loop
+from fieldkit.loop.closing import look
 from fieldkit.loop.desk import predict_plans, which_rocket
-from fieldkit.loop.findings import Findings, findings
+from fieldkit.loop.findings import Findings
 from fieldkit.loop.paper.reference import TABLE
 from fieldkit.loop.paper.report import Report, report
 from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, part
 
 ENSEMBLES: tuple[Model, ...] = ("field", "paper")
 
@@ -51,11 +51,9 @@ def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
     rocket = which_rocket(ledger, None)
     tell("predicting", 0.15)
     predictions = predict_plans(ledger, motors, plans(flights))
-    diagnosis = close_loop(
-        ledger, motors, rocket, progress=lambda effect, share: tell(f"trying {effect}", 0.2 + 0.5 * share)
-    )
+    found = look(ledger, motors, rocket, part(tell, 0.2, 0.5), accept=True)
     tell("flying the published thrust", 0.7)
-    return Demo(rocket, flights, inferred, by_paper, predictions, findings(rocket, diagnosis), report())
+    return Demo(rocket, flights, inferred, by_paper, predictions, found, report())
 
 
 def plans(flights: Sequence[Flight]) -> list[Flight]:

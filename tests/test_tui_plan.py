@@ -121,7 +121,7 @@ async def test_a_report_is_written_where_the_flyer_says(
 ) -> None:
     monkeypatch.chdir(file.parent)
     monkeypatch.setattr("fieldkit.report.write.picture", lambda *_: b"a picture")
-    with patch("fieldkit.report.book.close_loop", side_effect=NoFlights("too few")):
+    with patch("fieldkit.report.book.look", side_effect=NoFlights("too few")):
         async with opened(file) as pilot:
             await press(pilot, "1", *keys, "w", "ctrl+u", *typed("card.doc"), "enter", "_")
             assert "expected a name that ends in .html" in words(pilot)

@@ -33,11 +33,9 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
-    from fieldkit.loop.closing import close_loop
+    from fieldkit.loop import closing
     from fieldkit.loop.desk import which_rocket
     from fieldkit.loop.documents import loop_document
-    from fieldkit.loop.findings import findings
-    from fieldkit.loop.force.logs import kept_logs
     from fieldkit.loop.words import report
 
     if page is not None:
@@ -48,16 +46,7 @@ def loop(
         name = which_rocket(ledger, rocket)
         given = effect.split("+") if effect else []
         with progress("looking for an effect") as tell:
-            diagnosis = close_loop(
-                ledger,
-                known_motors(),
-                name,
-                accept=not look,
-                progress=lambda text, share: tell(text, 0.6 * share),
-                given=given,
-            )
-            logs = kept_logs(ledger, diagnosis, lambda text, share: tell(text, 0.6 + 0.1 * share))
-            found = findings(name, diagnosis, lambda text, share: tell(text, 0.7 + 0.3 * share), logs)
+            found = closing.look(ledger, known_motors(), name, tell, accept=not look, given=given)
     if page is not None:
         write_page(found, page)
         complain(f"report written to {page}")

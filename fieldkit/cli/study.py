@@ -36,12 +36,13 @@ def rockets(
     from fieldkit.loop.desk import flown
     from fieldkit.loop.forward import forward
     from fieldkit.loop.histories import histories, page
+    from fieldkit.progress import part
 
     with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
         motors = known_motors()
         known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
-        found = histories(known, lambda text, share: tell(text, 0.7 * share))
-        forecasts = [row for name, own in known.items() for row in forward(name, own, tell=tell)]
+        found = histories(known, part(tell, 0.0, 0.7))
+        forecasts = [row for name, own in known.items() for row in forward(name, own, tell=part(tell, 0.7, 0.3))]
     _hand_out(page(found, forecasts, unnamed=unnamed), out)
 
 

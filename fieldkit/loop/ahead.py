@@ -19,7 +19,7 @@ from fieldkit.loop.left_out import leave_one_out
 from fieldkit.loop.posterior import Fit, Growing
 from fieldkit.loop.score import Forecasts, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, untold
 from fieldkit.shapes import Array, Flags
 
 FEWEST = 4
@@ -41,7 +41,7 @@ class Ahead:
     chosen: tuple[str, ...]
 
 
-def ahead(diagnosis: Diagnosis, tell: Tell | None = None) -> Ahead:
+def ahead(diagnosis: Diagnosis, tell: Tell = untold) -> Ahead:
     """Forecasts of a diagnosed history forward in time."""
     teach = diagnosis.data.seen[:, 0]
     count = len(teach)
@@ -50,8 +50,7 @@ def ahead(diagnosis: Diagnosis, tell: Tell | None = None) -> Ahead:
     past = _Past(diagnosis)
     rows = []
     for flight in range(count):
-        if tell:
-            tell("forward in time", flight / count)
+        tell("forward in time", flight / count)
         rows.append(past.said_of(flight) if judged[flight] else (_nothing(), _nothing(), ""))
     before, after, chosen = zip(*rows, strict=True) if rows else ((), (), ())
     return Ahead(_joined(before), _joined(after), judged, chosen)

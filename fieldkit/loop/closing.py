@@ -13,10 +13,12 @@ from fieldkit.ledger import Ledger
 from fieldkit.loop.data import observe
 from fieldkit.loop.desk import accepted_places, accepted_widening, flown
 from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.loop.findings import Findings, findings
+from fieldkit.loop.force.logs import kept_logs
 from fieldkit.loop.leftover import Leftover, leftover
 from fieldkit.loop.predict import rocket_model
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, part, untold
 
 
 def close_loop(
@@ -25,7 +27,7 @@ def close_loop(
     rocket: str,
     *,
     accept: bool = True,
-    progress: Tell | None = None,
+    tell: Tell = untold,
     given: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
@@ -42,10 +44,28 @@ def close_loop(
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
-    diagnosis = diagnose(model, observe(flights, teach), progress, given)
+    diagnosis = diagnose(model, observe(flights, teach), tell, given)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
+
+
+def look(
+    ledger: Ledger,
+    motors: Catalogue,
+    rocket: str,
+    tell: Tell = untold,
+    *,
+    accept: bool = False,
+    given: Sequence[str] = (),
+) -> Findings:
+    """Close the loop of a rocket and find everything that is reported of it, by the logs kept with its flights too.
+
+    Raises as `close_loop`; nothing is changed unless `accept`.
+    """
+    diagnosis = close_loop(ledger, motors, rocket, accept=accept, tell=part(tell, 0.0, 0.6), given=given)
+    logs = kept_logs(ledger, diagnosis, part(tell, 0.6, 0.1))
+    return findings(rocket, diagnosis, part(tell, 0.7, 0.3), logs)
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

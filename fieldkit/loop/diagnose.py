@@ -18,7 +18,7 @@ from fieldkit.loop.patterns import pattern_candidates
 from fieldkit.loop.posterior import Fit
 from fieldkit.loop.score import Forecasts, Score, forecasts_of, score
 from fieldkit.loop.trial import Trial, by_effect, plain_again, plain_trial, try_all
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import Tell, part, untold
 from fieldkit.simulator.effect import Effect
 
 SEARCH_SLACK = 0.35
@@ -95,17 +95,16 @@ class _Verdict:
     pattern: tuple[Place, ...] = ()
 
 
-def diagnose(model: Model, data: Data, progress: Tell | None = None, given: Sequence[str] = ()) -> Diagnosis:
+def diagnose(model: Model, data: Data, tell: Tell = untold, given: Sequence[str] = ()) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach.
 
     `given` are effects to take whatever the evidence for them, each where it is most at home. Raises UnknownEffect
     for one that is none, or that these flights cannot show.
     """
-    tell = progress or untold
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
     _check(given, families)
-    base, trials = _search(model, data, fit(model, data), families, lambda text, share: tell(text, 0.5 * share))
+    base, trials = _search(model, data, fit(model, data), families, part(tell, 0.0, 0.5))
     ranking = rank(trials, base, truth, seen)
     before = forecasts_of(base.left_out)
     plain_score = score(before, truth, seen)

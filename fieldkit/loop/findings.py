@@ -12,7 +12,7 @@ from fieldkit.loop.marks import Mark, marks
 from fieldkit.loop.residual import Pattern, Spread, patterns, readout_patterns, spreads
 from fieldkit.loop.telling import Advice, Explanation, telling
 from fieldkit.loop.trial import Trial
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, untold
 from fieldkit.recording import Recorded
 
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
@@ -62,7 +62,7 @@ class Findings:
 def findings(
     rocket: str,
     diagnosis: Diagnosis,
-    tell: Tell | None = None,
+    tell: Tell = untold,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.loop.force.logs.kept_logs` has them."""

@@ -12,7 +12,7 @@ from fieldkit.loop.conformal import stretch, stretched, surprise
 from fieldkit.loop.predict import predict
 from fieldkit.loop.prediction import apart
 from fieldkit.motors import Found
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, untold
 from fieldkit.shapes import Array, Float
 
 DRAWS = 400
@@ -63,7 +63,7 @@ def forward(
     rocket: str,
     flown: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
-    tell: Tell | None = None,
+    tell: Tell = untold,
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, each from the flights before it; the first has none."""
     rows: list[Forecast] = []
@@ -71,8 +71,7 @@ def forward(
     simulated = certified([flown[n] for n in clean])
     for place, number in enumerate(clean[1:], start=1):
         flight, motor = flown[number]
-        if tell:
-            tell(f"{rocket} {flight.flight_id}", number / len(flown))
+        tell(f"{rocket} {flight.flight_id}", number / len(flown))
         (said,) = predict(flown[:number], [(unflown(flight), motor)], accepted, draws=DRAWS)
         earlier = [(*flown[n], sim) for n, sim in zip(clean[:place], simulated, strict=False)]
         rows.append(

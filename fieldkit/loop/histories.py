@@ -18,7 +18,7 @@ from fieldkit.loop.judged import LEVELS, resampled
 from fieldkit.loop.leftover import leftover
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.motors import Found
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, untold
 from fieldkit.shapes import Array, Float
 
 FEWEST = 4
@@ -44,15 +44,14 @@ class History:
     said: tuple[str, ...]
 
 
-def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell | None = None) -> list[History]:
+def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell = untold) -> list[History]:
     """Every rocket with flights enough, most flights first."""
     known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= FEWEST}
     found = []
     for number, (name, flown) in enumerate(known.items()):
 
         def told(flight: str, share: float, name: str = name, number: int = number) -> None:
-            if tell:
-                tell(f"{name} {flight}", (number + share) / len(known))
+            tell(f"{name} {flight}", (number + share) / len(known))
 
         found.append(_history(name, flown, told))
     return sorted(found, key=lambda one: -one.flights)

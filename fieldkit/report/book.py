@@ -2,6 +2,7 @@
 
 import re
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from datetime import date
 
@@ -10,8 +11,8 @@ import numpy as np
 from fieldkit.errors import LedgerError, NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop.closing import close_loop
-from fieldkit.loop.findings import Findings, findings
+from fieldkit.loop.closing import look
+from fieldkit.loop.findings import Findings
 from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, part
 from fieldkit.report.card import Card, cards, totals
@@ -91,11 +92,8 @@ def _of_several(
     loops = []
     for place, rocket in enumerate(rockets):
         own = part(part(tell, 0.4, 0.6), place / len(rockets), 1 / len(rockets))
-        try:
-            diagnosis = close_loop(ledger, motors, rocket, accept=False, progress=part(own, 0.0, 0.5))
-        except NoFlights:
-            continue  # too few flights to close it
-        loops.append(findings(rocket, diagnosis, part(own, 0.5, 0.5)))
+        with suppress(NoFlights):  # too few flights to close it
+            loops.append(look(ledger, motors, rocket, own))
     return Book(title, subtitle, tuple(made), tuple(loops), summary=True)
 
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
-from fieldkit.progress import Tell, part
+from fieldkit.progress import Tell
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
@@ -44,10 +44,6 @@ def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
 
     Raises NoFlights for too few flights.
     """
-    from fieldkit.loop.closing import close_loop
-    from fieldkit.loop.findings import findings
-    from fieldkit.loop.force.logs import kept_logs
+    from fieldkit.loop import closing
 
-    diagnosis = close_loop(desk.ledger, desk.motors, rocket, accept=False, progress=part(tell, 0.0, 0.6))
-    logs = kept_logs(desk.ledger, diagnosis, part(tell, 0.6, 0.1))
-    return findings(rocket, diagnosis, part(tell, 0.7, 0.3), logs)
+    return closing.look(desk.ledger, desk.motors, rocket, tell)

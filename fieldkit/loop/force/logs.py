@@ -3,7 +3,7 @@
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
 from fieldkit.loop.diagnose import Diagnosis
-from fieldkit.progress import Tell
+from fieldkit.progress import Tell, untold
 from fieldkit.recording import Recorded
 from fieldkit.replay import recording_of
 
@@ -12,7 +12,7 @@ MOST = 6
 OLDER = f"older than the {MOST} latest logs, which alone are read"
 
 
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Tell | None = None) -> dict[str, Recorded | str]:
+def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Tell = untold) -> dict[str, Recorded | str]:
     """What the logs of the flights behind a diagnosis show, by flight id; in place of one there may be why not.
 
     The latest are read, the others are `OLDER`.
@@ -23,8 +23,7 @@ def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Tell | None = None) ->
     latest = logged[-MOST:]
     found: dict[str, Recorded | str] = {flight.flight_id: OLDER for flight in logged[:-MOST]}
     for number, (flight, id) in enumerate(zip(latest, ledger.ids(latest), strict=True)):
-        if tell:
-            tell(f"the log of {id}", number / len(latest))
+        tell(f"the log of {id}", number / len(latest))
         try:
             recording = recording_of(ledger, id)
         except LedgerError as error:
