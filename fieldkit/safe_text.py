@@ -29,7 +29,7 @@ def printable(text: str) -> str:
     Line breaks and tabs become blanks; an escape sequence shows as `␛[31m`, a mark that changes the
     writing direction or hides itself as its number, `<U+202E>`. Other text is unchanged.
     """
-    return "".join(map(_picture, text.translate(_BLANK)))
+    return text if text.isprintable() else "".join(map(_picture, text.translate(_BLANK)))
 
 
 _FORMULA = re.compile("'*[=+\\-@\t\r\n\uff1d\uff0b\uff0d\uff20]")
