@@ -4,7 +4,7 @@ Headless, so that the prompts of `fieldkit add`, `fieldkit edit column=value` an
 take and refuse the same.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 from difflib import get_close_matches
@@ -123,10 +123,11 @@ def answer_text(flight: Flight, name: str) -> str:
     return "; ".join(value) if isinstance(value, tuple) else str(value)
 
 
-def oddities(flight: Flight, name: str) -> list[str]:
-    """What is odd about one answer, alone and beside the others, a phrase each."""
-    without = doubts(flight.with_changes(**{name: None})) if name in BY_NAME else doubts(flight)
-    return [phrase for phrase in doubts(flight) if phrase not in without]
+def oddities(flight: Flight, name: str, before: Sequence[Flight] = ()) -> list[str]:
+    """What is odd about one answer, a phrase each: alone, beside the others, and beside flights `before` it."""
+    every = doubts(flight, before)
+    without = doubts(flight.with_changes(**{name: None}), before) if name in BY_NAME else every
+    return [phrase for phrase in every if phrase not in without]
 
 
 def _number(column: Column, text: str, unit: str) -> float | None:

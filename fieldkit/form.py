@@ -63,6 +63,18 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
     return flight
 
 
+def before(ledger: Ledger, flight: Flight) -> list[Flight]:
+    """Earlier flights of the same rocket on the same motor, whatever its delay; none where one is not said."""
+    motor = _without_delay(flight.motor)
+    if not (flight.rocket and motor):
+        return []
+    return [one for one in ledger.flights(flight.rocket) if _without_delay(one.motor) == motor]
+
+
+def _without_delay(motor: str) -> str:
+    return motor.partition("-")[0].strip().casefold()
+
+
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
     """Give a typed flight a number, a time and its site's elevation where it has none, and put it in the ledger.
 

@@ -5,12 +5,13 @@ pen, and the relations that the ten readouts of one flight obey. A figure that i
 """
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
+from statistics import median
 from types import MappingProxyType
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, COLUMNS, Column, Flight
+from fieldkit.flight import BY_NAME, COLUMNS, READOUTS, Column, Flight
 
 _EDGE: Mapping[str, tuple[float, float]] = {
     "dry_mass": (0.1, 1e6),
@@ -45,6 +46,15 @@ rounding; over 116 flights of one ledger all but one lay within 0.905 to 1.055.
 """
 
 
+ALIKE = (0.5, 2.0)
+"""A readout over the middle of the same rocket's on the same motor: outside of this something is mistyped. [1]
+
+Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for metres, by more.
+"""
+SIGNED = ("apogee_to_eject",)
+"""Readouts about zero, which no ratio can judge."""
+
+
 def check(column: Column, value: float) -> float:
     """The SI value of a column, if a flight can have it. Raises BadValue with the range expected."""
     low, high = LIMITS[column.name]
@@ -63,8 +73,9 @@ def identity(flight: Flight) -> float | None:
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
 
 
-def doubts(flight: Flight) -> list[str]:
-    """What looks mistyped in a flight, a phrase each: unusual figures, and readouts at odds."""
+def doubts(flight: Flight, before: Sequence[Flight] = ()) -> list[str]:
+    """What looks mistyped in a flight, a phrase each: unusual figures, readouts at odds with each other or with those
+    of flights `before` it, of the same rocket on the same motor."""
     found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
@@ -73,7 +84,20 @@ def doubts(flight: Flight) -> list[str]:
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
-    return [phrase for phrase in found if phrase]
+    return [phrase for phrase in (*found, *_unlike(flight, before)) if phrase]
+
+
+def _unlike(flight: Flight, before: Sequence[Flight]) -> Iterator[str]:
+    """A phrase for each readout that is far from what earlier flights had."""
+    for column in READOUTS:
+        value = flight.number(column.name)
+        known = [own for one in before if one.clean and (own := one.number(column.name))]
+        if not value or not known or column.name in SIGNED:
+            continue
+        middle = median(known)
+        if not ALIKE[0] <= value / middle <= ALIKE[1]:
+            usual = _figure(column, middle)
+            yield f"{_spoken(column, value)} is {value / middle:.2g} times the usual {usual} of this rocket and motor"
 
 
 def _unusual(column: Column, value: float) -> str:
@@ -87,5 +111,8 @@ def _unusual(column: Column, value: float) -> str:
 
 
 def _spoken(column: Column, value: float) -> str:
-    number = units.unit(column.quantity, column.unit).from_si(value)
-    return f"{column.title.lower()} {number:.4g} {column.unit}"
+    return f"{column.title.lower()} {_figure(column, value)}"
+
+
+def _figure(column: Column, value: float) -> str:
+    return f"{units.unit(column.quantity, column.unit).from_si(value):.4g} {column.unit}"

@@ -146,6 +146,18 @@ def test_what_is_odd_is_said_and_taken(add: Add, file: Path) -> None:
     assert held(file)[0].eject_altitude == 50
 
 
+def test_a_digit_too_many_is_seen_by_the_flights_before(add: Add, file: Path) -> None:
+    setup = ["--rocket", "Astra", "--motor"]
+    for motor, apogee in (("F24-4W", "923ft"), ("F24-7W", "940ft"), ("E35-5W", "9230ft")):
+        assert "times" not in add([], *setup, motor, "--apogee", apogee)[2]
+    status, _, err = add([], *setup, "F24", "--apogee", "9230ft", "--coast-to-apogee", "5.1")
+    assert status == 0
+    assert "note: apogee 2813 m is 9.9 times the usual 283.9 m of this rocket and motor" in err
+    assert "coast" not in err
+    assert add(["Astra", "", "F24-4W", "60m"])[2].count("odd: apogee 60 m is 0.21 times the usual") == 1
+    assert len(held(file)) == 5
+
+
 def test_the_last_flight_is_offered(file: Path) -> None:
     with Ledger.open(file) as ledger:
         ledger.add([LAST])

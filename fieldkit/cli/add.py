@@ -31,7 +31,9 @@ def add(
     changes = {name: text for name, text in given.items() if text is not None}
     with open_ledger(context) as ledger:
         if changes:
-            _add(ledger, _from_options(changes), None)
+            flight = _from_options(changes)
+            _doubt(ledger, flight)
+            _add(ledger, flight, None)
         else:
             _add(ledger, *_from_answers(ledger, resume=resume))
 
@@ -43,14 +45,20 @@ app.command()(add)
 def _from_options(changes: dict[str, str]) -> "Flight":
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
-    from fieldkit.sanity import doubts
 
     flight = Flight().with_changes(**read_settings(changes, MotorCheck()))
     if not flight.rocket:
         raise BadValue("rocket: found nothing, expected the rocket's name")
-    for phrase in doubts(flight):
-        complain(f"note: {phrase}")
     return flight
+
+
+def _doubt(ledger: "Ledger", flight: "Flight") -> None:
+    """Say what looks mistyped; the flight is taken as it is."""
+    from fieldkit.form import before
+    from fieldkit.sanity import doubts
+
+    for phrase in doubts(flight, before(ledger, flight)):
+        complain(f"note: {phrase}")
 
 
 def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | None]":
