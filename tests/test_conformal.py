@@ -73,7 +73,9 @@ def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Pa
         (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     assert own.stretched_by == 1
     assert not any("earlier forecasts" in line for line in in_words(own))
-    assert forecast_document(wide)["interval"] == {"stretched_by": pytest.approx(2.0), "earlier_forecasts": FEWEST}
+    said = forecast_document(wide)["interval"]
+    assert (said["stretched_by"], said["earlier_forecasts"]) == (pytest.approx(2.0), FEWEST)
+    assert said["narrowed_by_flights"] == pytest.approx(forecast_document(own)["interval"]["narrowed_by_flights"])
     assert any(f"2.00 times the model's own, as {FEWEST} earlier forecasts" in line for line in in_words(wide))
     spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]
     assert spans[1] == pytest.approx(2 * spans[0], rel=1e-6)

@@ -11,6 +11,7 @@ from fieldkit.loop.model import base_model, doubted, shown
 from fieldkit.loop.predict import predict
 from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Found, catalogue
+from tests import seasons
 
 CHECK_SHAPES = False
 
@@ -107,3 +108,44 @@ def test_what_is_said_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, 
     (alone,), (*_, beside) = predict(flown, planned[:1], draws=30), predict(flown, planned[::-1], draws=30)
     assert beside.apogee == pytest.approx(alone.apogee, rel=1e-9)
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
+
+
+def made(known: float, luck: float, draws: int = 500) -> Prediction:
+    """A forecast whose logarithm has so much of what more flights would tell, and so much that they would not."""
+    (said,) = predict([], [(PLAN, catalogue().resolve("F24"))], draws=draws)
+    apart = np.random.default_rng(8).normal(size=(draws, 2))
+    common, chance = (np.linalg.qr(apart - apart.mean(axis=0))[0] * np.sqrt(draws)).T  # uncorrelated to the last digit
+    return replace(said, apogee=250 * np.exp(known * common + luck * chance), luck=(chance,))
+
+
+@pytest.mark.parametrize("more", [0, 1, 4, 20, np.inf])
+def test_an_interval_narrows_as_a_normal_mean_becomes_known(more: float) -> None:
+    known, luck = 0.08, 0.05
+    left = 1 / (1 / known**2 + more / luck**2)
+    exact = np.sqrt((left + luck**2) / (known**2 + luck**2))
+    assert made(known, luck).narrowed(more) == pytest.approx(exact, rel=1e-9)
+
+
+def test_nothing_narrows_what_is_luck_alone_and_all_goes_where_there_is_none() -> None:
+    assert made(0.0, 0.05).narrowed(np.inf) == pytest.approx(1.0, abs=1e-6)
+    assert made(0.05, 0.0).narrowed(1) == pytest.approx(0.0, abs=1e-6)
+
+
+def test_the_interval_narrows_by_what_was_said_once_the_flights_are_flown() -> None:
+    """By the mean of some seasons; the first flights teach more, for how much flights scatter is learned from them."""
+    said, became = [], []
+    for seed in range(6):
+        flown = seasons.season(np.random.default_rng(seed), ("apogee",), 9)
+        before, after = next_on("F24", flown[:6]), next_on("F24", flown)
+        said.append(before.narrowed(1))
+        became.append(np.ptp(np.log(after.apogee_quantiles())) / np.ptp(np.log(before.apogee_quantiles())))
+    assert np.mean(became) == pytest.approx(np.mean(said), abs=0.12)
+
+
+def test_more_flights_never_widen_and_a_motor_never_flown_gains_most() -> None:
+    flown = [(flight, found) for flight, found in season({}) if flight.motor != "E35"]
+    new, known = next_on("E35", flown), next_on("F24", flown)
+    steps = [new.narrowed(more) for more in (0, 1, 2, 5, np.inf)]
+    assert steps[0] == pytest.approx(1.0)
+    assert steps == sorted(steps, reverse=True)
+    assert new.narrowed(1) < known.narrowed(1) - 0.1

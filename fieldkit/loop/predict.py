@@ -194,7 +194,8 @@ def fly_ahead(
         scatter["delay"] = luck() * delay_sd
     readings = shown(part, values, scatter)
     lean = lean_of_apogee(part, learnt.at) if lean is None else lean
-    leant = np.exp(lean * luck() * scales[:, :1])
+    leaning = luck() * scales[:, :1]
+    leant = np.exp(lean * leaning)
     apogee = readings["apogee"] * leant
     # of a hop of a metre the reading's error in ratio knows no bounds
     reading = np.clip(own_reading_sd(apogee) * scales[:, 1:] * luck(), -1.0, 1.0)
@@ -214,6 +215,7 @@ def fly_ahead(
             rests_on=learnt.rests_on,
             model=learnt.name,
             left_out=learnt.left_out,
+            luck=tuple(drawn[:, i] for drawn in (*scatter.values(), leaning, reading)),
             **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))

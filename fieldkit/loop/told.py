@@ -3,6 +3,8 @@
 from collections.abc import Iterator
 from typing import Any
 
+import numpy as np
+
 from fieldkit.loop.prediction import Prediction, median
 from fieldkit.units import FOOT
 
@@ -19,6 +21,7 @@ def in_words(prediction: Prediction) -> Iterator[str]:
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
     yield f"  rests on  {_rests_on(prediction)}"
+    yield f"  narrows   {_narrows(prediction)}"
     if prediction.earlier_forecasts:
         yield (
             f"            the interval is {prediction.stretched_by:.2f} times the model's own, as "
@@ -39,6 +42,12 @@ def _rests_on(prediction: Prediction) -> str:
     if not count:
         return "no flight of this rocket: priors of drag and thrust alone, so the interval is wide"
     return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
+
+
+def _narrows(prediction: Prediction) -> str:
+    """What more flights would do to the interval, and what they would not."""
+    one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
+    return f"by {one:.0%} after one more clean flight like it, by {many:.0%} after many"
 
 
 def forecast_document(prediction: Prediction) -> dict[str, Any]:
@@ -66,6 +75,10 @@ def forecast_document(prediction: Prediction) -> dict[str, Any]:
         "flights": prediction.rests_on,
         "model": prediction.model,
         "left_out": list(prediction.left_out),
-        "interval": {"stretched_by": prediction.stretched_by, "earlier_forecasts": prediction.earlier_forecasts},
+        "interval": {
+            "stretched_by": prediction.stretched_by,
+            "earlier_forecasts": prediction.earlier_forecasts,
+            "narrowed_by_flights": {str(more): prediction.narrowed(more) for more in (1, 3, 10)},
+        },
     }
     return document
