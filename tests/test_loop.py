@@ -127,3 +127,14 @@ def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.Mon
     assert set(diagnosis.effect.split("+")) == {part.effect for part in parts}
     assert diagnosis.confidence > 0.5
     assert diagnosis.after.mae < 0.5 * diagnosis.before.mae
+
+
+@pytest.mark.parametrize(("effect", "shown"), [("wear", True), ("rail_friction", False)])
+def test_an_effect_that_flights_left_out_do_not_show_yet_is_said_to_be_one(effect: str, shown: bool) -> None:
+    table = Path(__file__).parents[1] / "fieldkit" / "data" / "reference_flights.csv"
+    flown = [pair for pair in _flights(table) if pair[0].clean]
+    flights = [flight for flight, _ in flown]
+    model = rocket_model(flights, [found for _, found in flown], slack=SEARCH_SLACK)
+    diagnosis = diagnose(model, observe(flights, [True] * len(flights)), given=[effect])
+    assert (diagnosis.after.mae < diagnosis.before.mae) is shown
+    assert ("flights left out do not show it yet" in diagnosis.why) is not shown

@@ -82,6 +82,7 @@ SECOND = 0.5
 """Log evidence that a second one must add at first sight to be looked at more closely. [nat]"""
 BEHIND = 6.0
 """Log odds behind the strongest, from which on an effect is not tried with a second one. [nat]"""
+_NOT_YET = "; flights left out do not show it yet: look again after the next ones"
 _NO_BETTER = "but flights that were not seen are forecast no better with it, so it is left out until more have flown"
 
 
@@ -119,6 +120,8 @@ def diagnose(model: Model, data: Data, tell: Tell = untold, given: Sequence[str]
         verdict = _verdict(options, choose(options), score(after, truth, seen), plain_score)
     if verdict.effect == "none":
         after = before
+    judged = score(after, truth, seen)
+    yet = judged.mae > plain_score.mae and (verdict.accepted or verdict.pattern)
     return Diagnosis(
         model=model,
         data=data,
@@ -127,12 +130,12 @@ def diagnose(model: Model, data: Data, tell: Tell = untold, given: Sequence[str]
         seconds=seconds,
         effect=verdict.effect,
         confidence=verdict.confidence,
-        why=verdict.why,
+        why=verdict.why + (_NOT_YET if yet else ""),
         also=verdict.also,
         accepted=verdict.accepted,
         pattern=verdict.pattern,
         before=plain_score,
-        after=score(after, truth, seen),
+        after=judged,
         forecasts_before=before,
         forecasts_after=after,
     )
