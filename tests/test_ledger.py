@@ -166,11 +166,14 @@ def test_what_a_ledger_cannot_keep_is_named_and_the_rest_goes_in(
     assert ledger.flight("2") == SECOND
 
 
-def test_flights_come_by_date_then_entry_and_undated_ones_last(ledger: Ledger) -> None:
+def test_flights_come_by_date_then_entry_and_undated_ones_after_what_was_entered_before(ledger: Ledger) -> None:
     undated = SECOND.with_changes(flight_id="0", date_time=None)
-    twin = SECOND.with_changes(flight_id="9")
+    twin = FIRST.with_changes(flight_id="3")
     ledger.add([undated, twin, SECOND, FIRST])
-    assert [flight.flight_id for flight in ledger.flights()] == ["1", "9", "2", "0"]
+    assert [flight.flight_id for flight in ledger.flights()] == ["0", "3", "1", "2"]
+    ledger.add([undated.with_changes(flight_id="4"), undated.with_changes(flight_id="5", rocket="Other")])
+    assert [flight.flight_id for flight in ledger.flights()] == ["0", "5", "3", "1", "2", "4"]
+    assert [flight.flight_id for flight in ledger.flights(FIRST.rocket)] == ["0", "3", "1", "2", "4"]
 
 
 def test_an_id_is_the_flight_id_where_that_says_enough(ledger: Ledger) -> None:

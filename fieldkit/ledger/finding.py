@@ -25,6 +25,11 @@ class Held:
     log_digest: str | None
 
 
+_EARLIER = func.max(flights.c.date_time).over(partition_by=flights.c.rocket, order_by=flights.c.entry, rows=(None, 0))
+_FLOWN = func.coalesce(flights.c.date_time, _EARLIER)
+"""When a flight counts as flown: by its date, and without one after those of its rocket that were entered before it."""
+
+
 def load(
     connection: Connection,
     *,
@@ -32,8 +37,8 @@ def load(
     tag: str | None = None,
     entries: Sequence[int] | None = None,
 ) -> list[Held]:
-    """Flights by date and then by entry; of a rocket, with a tag, at these entries."""
-    query = select(flights).order_by(flights.c.date_time.nulls_last(), flights.c.entry)
+    """Flights in the order flown; of a rocket, with a tag, at these entries."""
+    query = select(flights).order_by(_FLOWN.nulls_first(), flights.c.entry)
     if rocket is not None:
         query = query.where(flights.c.rocket == rocket)
     if tag is not None:

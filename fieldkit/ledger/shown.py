@@ -14,7 +14,11 @@ class FlightsOut(OpenLedger):
     def flights(
         self, rocket: str | None = None, ids: Sequence[str] | None = None, tag: str | None = None
     ) -> list[Flight]:
-        """Flights by date and then by entry, those without a date last; of one rocket, named by id, with a tag."""
+        """Flights in the order flown; of one rocket, named by id, with a tag.
+
+        That is by date and then by entry; one without a date comes after those of its rocket that were entered
+        before it.
+        """
         with self._reading() as connection:
             entries = None if ids is None else [held.entry for held in naming.resolve_all(connection, ids)]
             return [held.flight for held in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
