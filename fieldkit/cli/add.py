@@ -38,7 +38,9 @@ def add(
             _add(ledger, *_from_answers(ledger, resume=resume))
 
 
-takes_columns(add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), "The flight")
+takes_columns(
+    add, TEXTS, (*SETUP, *CONDITIONS, *READOUTS), "The flight; numbers may be typed with their unit, as 923ft"
+)
 app.command()(add)
 
 

@@ -8,12 +8,24 @@ import typer
 
 from fieldkit import flight
 from fieldkit.cli.completing import config_names, motor_names, rocket_names
+from fieldkit.measures import spelled
 
 TEXTS = tuple(name for name in flight.TEXT_COLUMNS if name != "log")
 SETUP, CONDITIONS, READOUTS = (
     tuple(column.header for column in columns) for columns in (flight.SETUP, flight.CONDITIONS, flight.READOUTS)
 )
 """Columns of the flight table that are options of commands."""
+MEANT = {
+    "flight_id": "Its number or name; the next free number by itself.",
+    "date_time": "Of lift-off, 2026-05-01T10:30; now by itself.",
+    "rocket": "Its name.",
+    "config": "The build of it, such as A or ballast.",
+    "motor": "As printed on it: F24-4W.",
+    "site": "Name of the field.",
+    "tags": "Apart by ;, such as off_axis; weak_launch.",
+    "notes": "Anything else.",
+}
+"""What the texts of a flight are."""
 COMPLETED = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
 """What the shell offers for an option."""
 
@@ -22,11 +34,12 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
     """Give a command an option for each column, which arrives as text (or None) among its `**given`."""
     signature = inspect.signature(command)
     own = [parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
-    own += [_option(name, [f"--{name.replace('_', '-')}"], "", panel) for name in texts]
+    own += [_option(name, [f"--{name.replace('_', '-')}"], MEANT[name], panel) for name in texts]
     for header in numbers:
-        name, unit = header.rsplit("_", 1)
+        name = header.rpartition("_")[0]
         flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
-        own.append(_option(name, flags, f"In {unit}, or with its unit.", panel))
+        column = flight.BY_NAME[name]
+        own.append(_option(name, flags, f"{column.help[:-1]}; in {spelled(column.unit)}.", panel))
     keyword = [parameter.replace(kind=inspect.Parameter.KEYWORD_ONLY) for parameter in own]
     command.__signature__ = inspect.Signature(keyword)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in keyword}
@@ -34,8 +47,10 @@ def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: I
 
 PLAN_TEXTS = ("motor", "config", "rocket", "site")
 """Texts of a plan that are options of the commands that plan."""
+PLAN = "The plan; numbers may be typed with their unit, as 8mph"
+"""Over the options of a plan in a command's help."""
 FIELD = (
-    ("motor_temperature", "In c, or with its unit."),
+    ("motor_temperature", "Of the motor as it is loaded; in °C."),
     ("waiver", "Ceiling above the pad: 500m. That saved with the site, where not said."),
     ("field_size", "The field's shorter side: 300m. That saved with the site, where not said."),
 )
@@ -44,10 +59,10 @@ FIELD = (
 
 def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) -> None:
     """Give a command the options of a planned flight, which arrive among its `**given`; see `takes_columns`."""
-    takes_columns(command, texts, (*SETUP, *CONDITIONS), "The plan")
+    takes_columns(command, texts, (*SETUP, *CONDITIONS), PLAN)
     signature: inspect.Signature = command.__signature__  # type: ignore[attr-defined]
     parameters = [*signature.parameters.values()]
-    parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, "The plan") for name, text in FIELD]
+    parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, PLAN) for name, text in FIELD]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
 

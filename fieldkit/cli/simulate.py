@@ -74,5 +74,5 @@ def _dashed(name: str) -> str:
     return name.replace("_", "-")
 
 
-takes_columns(simulate, ("motor",), (*SETUP, *CONDITIONS), "The flight")
+takes_columns(simulate, ("motor",), (*SETUP, *CONDITIONS), "The flight; numbers may be typed with their unit, as 923ft")
 app.command()(simulate)
