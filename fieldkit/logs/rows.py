@@ -67,7 +67,7 @@ class Rows:
         try:
             self._quickly(rows, lines, iter(lines))
         except ValueError:
-            self._around(rows, lines, self.gaps.sub(r"\1nan", "\n" + "\n".join(lines))[1:].split("\n"))
+            self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
 
     def is_hopeless(self) -> bool:
         """Whether so many rows are damaged that what follows is no table."""
