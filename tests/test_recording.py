@@ -205,6 +205,13 @@ def test_a_boost_that_no_sample_saw_has_no_figures(gap: tuple[float, float]) -> 
     assert abs(off(recorded, truth, "time_to_apogee")) < 2 * recorded.figures["time_to_apogee"].sd
 
 
+def test_a_boost_between_two_samples_has_no_figures() -> None:
+    recorded, truth = measured(TINY, Logger(rate=1))
+    assert not {"top_speed", "burn_time", "avg_accel", "peak_accel", "coast_to_apogee"} & set(recorded.figures)
+    assert NO_BOOST in recorded.notes
+    assert abs(off(recorded, truth, "apogee")) < 1
+
+
 def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
     """It goes on along its course, falls by thirty metres, and comes back to the rocket in a second."""
     truth = flown(LARGE)

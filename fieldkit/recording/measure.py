@@ -11,7 +11,7 @@ from fieldkit.recording.channels import SPOKEN, Heights, Push, heights, is_clipp
 from fieldkit.recording.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.recording.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.recording.liftoff import liftoff
-from fieldkit.recording.numbers import hole_at, mad_sd
+from fieldkit.recording.numbers import hole_at, mad_sd, median_step
 from fieldkit.recording.outline import Outline, outline
 from fieldkit.recording.records import Event, Figure, Recorded
 from fieldkit.standard_air import pressure_height
@@ -25,6 +25,8 @@ _LEAST = 0.15
 _BLIND = 1.3
 """Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
 Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
+_BLIND_PART = 0.75
+"""Nor does a log whose samples are further apart than this part of the boost. [1]"""
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "nothing in this log rises as a rocket does: no figure is taken from it"
 NO_APOGEE = "no apogee in this log: it ends before the top"
@@ -122,7 +124,7 @@ def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Eve
     notes: tuple[str, ...] = ()
     if lost is not None and lost < begin:
         lift = None
-    blind = found is not None and (lost is not None or _unseen(log.track, begin, found[0].time) > _BLIND)
+    blind = found is not None and (lost is not None or _is_unseen(log.track, begin, found[0].time))
     if blind and not log.ascent.fused:
         found, notes = None, (NO_BOOST,)
     if lift is None:
@@ -179,11 +181,13 @@ def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _Part
     return _Part(events, figures, () if landed else (NO_LANDING,))
 
 
-def _unseen(track: Heights, begin: float, burnout: float) -> float:
-    """The longest time without a height from lift-off to burnout. [s]"""
-    inside = slice(*np.searchsorted(track.time, (begin, burnout)))
-    between = float(np.diff(track.time[inside]).max(initial=0.0))
-    return max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
+def _is_unseen(track: Heights, begin: float, burnout: float) -> bool:
+    """Whether heights are too far apart, from lift-off to burnout, to show a boost."""
+    first, last = np.searchsorted(track.time, (begin, burnout))
+    between = float(np.diff(track.time[first:last]).max(initial=0.0))
+    longest = max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
+    usual = median_step(track.time[max(0, first - 5) : last + 5])
+    return longest > _BLIND or usual > _BLIND_PART * (burnout - begin)
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
