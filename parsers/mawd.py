@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.text import narrow, shown
+from fieldkit.logs.text import line_end, narrow, shown
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.units import FOOT
 
@@ -26,14 +26,14 @@ LARGEST = 4 << 20
 
 
 def recognises(head: bytes) -> bool:
-    return STATISTICS.search(narrow(head)) is not None
+    return STATISTICS.search(_plain(head)) is not None
 
 
 def read(log: bytes) -> list[Found]:
     if len(log) > LARGEST:
         expected = f"expected at most {LARGEST} for the 99999 samples that its statistics can count"
         raise DamagedLog(f"found {len(log)} bytes, {expected}")
-    log = narrow(log).rstrip(b"\0\x1a")
+    log = _plain(log).rstrip(b"\0\x1a")
     found = list(STATISTICS.finditer(log))
     if not found:
         raise DamagedLog("found no statistics, expected five lines such as G00812, A01204, N00512, D00000, M00700")
@@ -48,6 +48,12 @@ def read(log: bytes) -> list[Found]:
     )
     columns = {"apogee": "A", "site_elevation": "G"}
     return [Reading(stated, extra, columns, series=series, device="PerfectFlite MAWD", firmware=firmware), *notes]
+
+
+def _plain(log: bytes) -> bytes:
+    """A log with one byte a character whose lines end in a line feed, whatever a terminal made of them."""
+    log = narrow(log)
+    return log.replace(b"\r", b"\n") if line_end(log) == b"\r" else log
 
 
 def _flight(lines: list[str], first: int, count: int) -> tuple[Series | tuple[()], list[Found]]:

@@ -9,6 +9,7 @@ Source: micropeak/MicroData.java of AltOS, doc/micropeak.txt.
 
 import re
 import struct
+from codecs import BOM_UTF16_BE, BOM_UTF16_LE
 from collections.abc import Iterator
 from dataclasses import dataclass
 from itertools import islice
@@ -18,6 +19,7 @@ import numpy as np
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
 from fieldkit.logs.checks import crc_x25
+from fieldkit.logs.text import narrow
 from fieldkit.parsing import Found, Note, Parser, Reading
 from fieldkit.sanity import check
 from fieldkit.shapes import Array, Float
@@ -46,16 +48,21 @@ MODELS = (Model("MicroPeak", 0.192), Model("MicroKite", 19.2), Model("MicroPeak 
 
 
 def recognises(head: bytes) -> bool:
-    return any(_is_header(bytes.fromhex(digits[:20].decode())) for _, digits in _transmissions(head))
+    return any(_is_header(bytes.fromhex(digits[:20].decode())) for _, digits in _transmissions(_plain(head)))
 
 
 def read(log: bytes) -> list[Found]:
-    found: list[Found] = []
+    log, found = _plain(log), list[Found]()
     for start, digits in islice(_transmissions(log), MOST_FLIGHTS):
         found += _flight(digits, log.count(b"\n", 0, start) + 1)
     if not any(isinstance(item, Reading | Note) for item in found):
         raise found[0] if found else DamagedLog("found no flight, expected MP and hex digits", row=1)  # type: ignore[misc]
     return found
+
+
+def _plain(log: bytes) -> bytes:
+    """A log with one byte a character, also where a terminal saved it as UTF-16 with its mark."""
+    return narrow(log) if log.startswith((BOM_UTF16_LE, BOM_UTF16_BE)) else log
 
 
 def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:

@@ -32,18 +32,22 @@ _POINTS = re.compile(r"\d+ data points written for \d+ variables")
 _STATE = re.compile(
     r"(?P<name>.*) \((?P<state>Up to date|Out of date|Data loaded from a file|Imported data|Not simulated yet)\)\s*$"
 )
-_HEADER = re.compile(r"(?P<mark>[^\w\s(]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)(?P<after>.?)")
+_HEADER = re.compile(r'"?(?P<mark>[^\w\s("]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)"?(?P<after>.?)')
 _SIMULATED = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
 
 
 @dataclass(frozen=True, slots=True)
 class Header:
-    """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off."""
+    """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off.
+
+    `quoted` where a spreadsheet put quotation marks about every cell, the comments among them.
+    """
 
     names: tuple[str, ...]
     row: int
     separator: str | None
     mark: str
+    quoted: bool
 
 
 def recognises(head: bytes) -> bool:
@@ -61,7 +65,7 @@ def read(log: bytes) -> list[Found]:
     header = _header(head)
     if header is None:
         raise DamagedLog("found no header, expected one such as # Time (s),Altitude (m)", row=1)
-    mark = header.mark or _mark(head)
+    mark = '"' * header.quoted + (header.mark or _mark(head))
     table, found = read_simulation(
         log, header.names, "OpenRocket", after=header.row, separator=header.separator, comment=mark
     )
@@ -77,11 +81,11 @@ def _header(text: str) -> Header | None:
         if match and match["first"].lower() in TIME_WORDS and unit_named("time", match["unit"]):
             after = match["after"]
             separator = None if after in (" ", "") else after
-            names = _split(line[match.start("first") :], separator)
+            names = _split(line[match.start("first") :].replace('"', ""), separator)
             bracketed = all(name.endswith(")") for name in names)
             heights = any(channel_of(heading(name)) == "altitude" for name in names)
             if bracketed and (heights or match["mark"]) and len(names) > 1:
-                return Header(tuple(names), row, separator, match["mark"])
+                return Header(tuple(names), row, separator, match["mark"], line.startswith('"'))
     return None
 
 
@@ -94,7 +98,7 @@ def _split(line: str, separator: str | None) -> list[str]:
 
 def _mark(text: str) -> str:
     """The comment mark of the events, where the header lost its own."""
-    match = re.search(r"^([^\w\s]{1,4})\s*Event [A-Z_]+ occurred", text, re.MULTILINE)
+    match = re.search(r'^"?([^\w\s"]{1,4})\s*Event [A-Z_]+ occurred', text, re.MULTILINE)
     return match[1] if match else "#"
 
 
@@ -118,7 +122,7 @@ def _events(lines: Iterable[str]) -> dict[str, float]:
 
 def _description(lines: Sequence[str], mark: str) -> dict[str, str]:
     """What the comments above the header say of the simulation."""
-    said = [line.removeprefix(mark).strip() for line in lines]
+    said = [line.removeprefix(mark).rstrip(' ",;\t').strip() for line in lines]
     extra: dict[str, str] = {}
     for line in said:
         if match := _STATE.match(line):

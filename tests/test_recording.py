@@ -1,5 +1,6 @@
 """What is measured in the samples of flights that are known to the last metre."""
 
+import tracemalloc
 from dataclasses import replace
 from functools import cache
 
@@ -14,6 +15,7 @@ from fieldkit.recording.channels import Heights
 from fieldkit.recording.compare import compare
 from fieldkit.recording.forces import forces
 from fieldkit.recording.measure import (
+    CLIPPED,
     NO_APOGEE,
     NO_BOOST,
     NO_FLIGHT,
@@ -23,7 +25,7 @@ from fieldkit.recording.measure import (
     NO_PAD,
 )
 from fieldkit.recording.records import Climb
-from fieldkit.standard_air import height_pressure, pressure_height
+from fieldkit.standard_air import GRAVITY, height_pressure, pressure_height
 from tests.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 
 flown = cache(fly)
@@ -113,6 +115,74 @@ def test_an_accelerometer_sharpens_the_boost(rocket: Rocket) -> None:
     assert recorded.figures["burn_time"].sd < blind.figures["burn_time"].sd
 
 
+def test_a_rocket_that_comes_in_ballistic_has_no_ejection() -> None:
+    """What ends its fall is the ground, and no parachute."""
+    recorded, truth = measured(replace(SMALL, delay=1e6), Logger(accelerometer=50))
+    assert not {"apogee_to_eject", "eject_altitude"} & set(recorded.figures)
+    assert "ejection" not in recorded.events
+    assert abs(off(recorded, truth, "duration")) < 0.5
+    assert recorded.figures["descent_speed"].value > 35
+
+
+@pytest.mark.parametrize("rate", [10, 100])
+def test_a_charge_at_speed_bends_the_curve_and_no_more(rate: int) -> None:
+    """A short delay brings the parachute out at 50 m/s: the rocket stops within half a second."""
+    recorded, truth = measured(replace(SMALL, delay=3.3), Logger(accelerometer=rate))
+    assert abs(off(recorded, truth, "eject_altitude")) < 3 * recorded.figures["eject_altitude"].sd < 20
+    assert abs(off(recorded, truth, "apogee")) < 1
+    assert abs(off(recorded, truth, "apogee_to_eject")) < 0.25
+
+
+def test_an_accelerometer_at_the_end_of_its_range_tells_no_boost() -> None:
+    truth = flown(LARGE)
+    heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
+    assert felt.felt is not None
+    recorded = measure((heights, replace(felt, felt=np.minimum(felt.felt, 8 * GRAVITY))))
+    assert CLIPPED in recorded.notes
+    for name in ("peak_accel", "top_speed", "avg_accel"):
+        assert abs(off(recorded, truth, name)) < 2 * recorded.figures[name].sd
+        assert "acceleration" not in recorded.figures[name].source
+    assert recorded.forces is not None
+    assert "acceleration" not in recorded.forces.source
+    assert recorded.events["ejection"].source == "acceleration"  # a blow is one whatever its size
+
+
+def test_an_accelerometer_with_a_wrong_zero_is_set_by_the_pad() -> None:
+    recorded, truth = measured(SMALL, Logger(accelerometer=100, scale=1.0, bias=1.4))
+    assert abs(off(recorded, truth, "peak_accel")) < 1.5
+
+
+@pytest.mark.parametrize("part", [-0.04, 0.04])
+def test_pressure_that_is_off_with_speed_is_within_what_heights_alone_claim(part: float) -> None:
+    truth = flown(LARGE)
+    (series,) = log(truth, Logger(), np.random.default_rng(1))
+    speed = np.interp(series.time - 100, truth.time, truth.speed, left=0, right=0)
+    assert series.altitude is not None
+    recorded = measure((replace(series, altitude=series.altitude + part * speed**2 / (2 * GRAVITY)),))
+    for name in ("top_speed", "burn_time", "avg_accel", "peak_accel"):
+        assert abs(off(recorded, truth, name)) < 2.5 * recorded.figures[name].sd
+    assert abs(off(recorded, truth, "apogee")) < 1
+
+
+def test_a_zero_that_drifts_on_the_pad_widens_the_apogee() -> None:
+    (series,) = log(flown(SMALL), Logger(wait=60), np.random.default_rng(1))
+    assert series.altitude is not None
+    drifting = measure((replace(series, altitude=series.altitude + 0.05 * (series.time - series.time[0])),))
+    assert abs(off(drifting, flown(SMALL), "apogee")) < 2 * drifting.figures["apogee"].sd
+    assert measure((series,)).figures["apogee"].sd < 0.3
+
+
+def test_gusts_on_the_ground_hide_no_landing() -> None:
+    random, truth = np.random.default_rng(1), flown(SMALL)
+    (series,) = log(truth, Logger(wait=60, rest=60), random)
+    stands = (series.time < 100) | (series.time > 100 + truth.time[-1])
+    assert series.altitude is not None
+    gust = np.convolve(random.standard_normal(stands.size), np.exp(-np.arange(200) / 30), "same") * 0.37
+    recorded = measure((replace(series, altitude=series.altitude + stands * gust),))
+    assert abs(off(recorded, truth, "duration")) < 1.0
+    assert abs(off(recorded, truth, "apogee")) < 2 * recorded.figures["apogee"].sd
+
+
 def test_a_log_that_begins_late_has_an_apogee_and_no_burn_time() -> None:
     recorded, truth = measured(LARGE, Logger(late=3.0))
     assert abs(off(recorded, truth, "apogee")) < 0.005 * truth.readouts()["apogee"]
@@ -133,6 +203,13 @@ def test_a_boost_that_no_sample_saw_has_no_figures(gap: tuple[float, float]) -> 
     assert recorded.forces is None
     assert abs(off(recorded, truth, "apogee")) < 2
     assert abs(off(recorded, truth, "time_to_apogee")) < 2 * recorded.figures["time_to_apogee"].sd
+
+
+def test_a_boost_between_two_samples_has_no_figures() -> None:
+    recorded, truth = measured(TINY, Logger(rate=1))
+    assert not {"top_speed", "burn_time", "avg_accel", "peak_accel", "coast_to_apogee"} & set(recorded.figures)
+    assert NO_BOOST in recorded.notes
+    assert abs(off(recorded, truth, "apogee")) < 1
 
 
 def test_a_receiver_that_loses_its_way_under_thrust_tells_no_boost() -> None:
@@ -233,6 +310,16 @@ def test_a_log_without_heights_says_so() -> None:
 def test_a_handful_of_samples_is_no_crash(count: int) -> None:
     time = np.arange(count) * 0.5
     measure((Series(time=time, altitude=400 - (time - 9) ** 2 * 4.9, felt=np.full(count, np.nan)),))
+
+
+def test_a_climb_after_hours_of_other_samples_takes_no_memory() -> None:
+    """Ten metres a second for five minutes, as of a balloon: nothing in the last two minutes says when it began."""
+    time = np.arange(0, 40_000, 5.0)
+    height = np.minimum(np.clip(10 * (time - 30_000), 0, 3000), np.clip(40_000 - time, 0, None))
+    tracemalloc.start()
+    measure((Series(time=time, altitude=height + np.random.default_rng(1).normal(0, 0.3, time.size)),))
+    assert tracemalloc.get_traced_memory()[1] < 100e6
+    tracemalloc.stop()
 
 
 @settings(max_examples=15, deadline=None)

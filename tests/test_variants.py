@@ -39,11 +39,19 @@ def quoted(log: str) -> str:
     return "\r\n".join(",".join(row + [""] * (5 - len(row))) for row in rows) + "\r\n"
 
 
+def in_quotes(log: str) -> str:
+    """As a spreadsheet saves every cell in quotation marks, and comments as wide as the rows."""
+    rows = [[line] if "Event" in line else line.split(",") for line in log.splitlines()]
+    rows = [row + [""] * (max(map(len, rows)) - len(row)) for row in rows]
+    return "\n".join(",".join(f'"{cell}"' for cell in row) for row in rows) + "\n"
+
+
 def parted(log: str, separator: str) -> str:
     """With decimal commas."""
     return re.sub(r"(?<=\d)\.(?=\d)", "\0", log).replace(",", separator).replace("\0", ",")
 
 
+MPD, MAWD, ROCKET = text("micropeak__a_small"), text("mawd__all"), text("openrocket__as_it_comes")
 MAPPED = text("mapped_table__time_three_axes")
 TRS = text("eggtimer__classic")
 USB, SENTENCES = text("blueraven_usb"), text("bdureau__two_flights")
@@ -85,6 +93,9 @@ VARIANTS: Sequence[tuple[str, str, bytes, bytes]] = [
     ("a pf2 with semicolons", "perfectflite", PF2.encode(), PF2.replace(",", ";").encode()),
     ("a table whose lines end twice", "mapped_table", MAPPED.encode(), MAPPED.replace("\n", "\r\r\n").encode()),
     ("a table with every other line blank", "mapped_table", MAPPED.encode(), MAPPED.replace("\n", "\n\n").encode()),
+    ("an .mpd in UTF-16", "micropeak", MPD.encode("latin-1"), MPD.encode("utf-16")),
+    ("a MAWD whose lines end in a carriage return", "mawd", MAWD.encode(), MAWD.replace("\n", "\r").encode()),
+    ("an OpenRocket export in quotation marks", "openrocket", ROCKET.encode(), in_quotes(ROCKET).encode()),
     ("an .eeprom in capitals", "altos_eeprom", EEPROM.encode(), (SETTINGS + FLASH.upper()).encode()),
 ]  # fmt: skip
 
@@ -216,6 +227,17 @@ def test_a_row_that_is_cut_off_brings_back_no_heights_from_after_the_power_was_l
     log = text("perfectflite__power_lost").encode().rstrip()
     whole, torn = (len(parsers()["perfectflite"].read(one)[0].clocks[0].time) for one in (log, log[:-7]))
     assert whole == torn
+
+
+@pytest.mark.parametrize(("cut", "kept"), [(0, 0), (1, 1), (2, 1)])
+def test_a_last_cell_that_is_cut_within_its_digits_is_no_number(cut: int, kept: int) -> None:
+    """A file that ends without the end of a line may be whole; digits that are missing there are not made up for."""
+    rows = [f"{number / 20:.2f},{number % 40 + 0.25:.2f}" for number in range(200)]
+    log = ("time (s),altitude (m)\n" + "\n".join(rows)).encode()
+    items = parsers()["mapped_table"].read(log[: len(log) - cut])
+    (reading,) = (one for one in items if isinstance(one, Reading))
+    assert len(reading.clocks[0].time) == 200 - kept
+    assert sum("cut off" in getattr(one, "text", "") for one in items) == kept
 
 
 def test_a_table_of_flights_with_a_date_and_readouts_is_one() -> None:

@@ -56,9 +56,9 @@ def converter(channel: Channel) -> Callable[[str], float]:
 
 
 def gaps(separator: str | None) -> re.Pattern[str]:
-    """What finds the cells without a number, and what is before each, in the lines of a table."""
+    """What finds the cells without a number in the lines of a table."""
     words = "|".join(re.escape(word) for word in sorted(ABSENT - {"", "nan"}, key=len, reverse=True))
     if separator is None:
-        return re.compile(rf"(\s)(?:{words})(?!\S)", re.IGNORECASE)
-    blank, before = r"[^\S\n\t]*" if separator == "\t" else r"[^\S\n]*", rf"[{re.escape(separator)}\n]"
-    return re.compile(rf"({before}){blank}(?:(?:{words}){blank})?(?={before}|$)", re.IGNORECASE)
+        return re.compile(rf"(?<=\s)(?:{words})(?!\S)", re.IGNORECASE)
+    blank, edge = r"[^\S\n\t]*" if separator == "\t" else r"[^\S\n]*", rf"[{re.escape(separator)}\n]"
+    return re.compile(rf"(?<={edge}){blank}(?:(?:{words}){blank})?(?={edge}|$)", re.IGNORECASE)

@@ -24,6 +24,8 @@ MOST_DAMAGED = 200_000
 """After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
 MOST_NUMBERS = 750_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
+LAST = 100
+"""So many rows say how long a last cell is. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
 
@@ -45,6 +47,7 @@ class Rows:
         self.columns: list[list[np.ndarray[Any, Any]]] = [[] for _ in range(1 + len(words) + len(channels))]
         self.remarks: list[tuple[int, str]] = []
         self.told: list[DamagedLog] = []
+        self.ends: list[str] = []
         self.damaged, self.last_damaged, self.last, self.kept, self.seen, self.step = 0, 0, 0, 0, 0, 1
 
     def read(self, rows: list[int], lines: list[str]) -> None:
@@ -52,6 +55,7 @@ class Rows:
         if not lines:
             return
         self.last = rows[-1]
+        self.ends = (self.ends + [line.rpartition(self.separator or " ")[2] for line in lines[-LAST:]])[-LAST:]
         if self.widths is not None:
             wrong = [i for i, width in enumerate(self._widths(lines)) if width not in self.widths]
             for i in wrong:
@@ -63,7 +67,7 @@ class Rows:
         try:
             self._quickly(rows, lines, iter(lines))
         except ValueError:
-            self._around(rows, lines, self.gaps.sub(r"\1nan", "\n" + "\n".join(lines))[1:].split("\n"))
+            self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
 
     def is_hopeless(self) -> bool:
         """Whether so many rows are damaged that what follows is no table."""
@@ -217,20 +221,30 @@ class Rows:
         if not self.kept:
             raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
         rows, *columns = [np.concatenate(column) for column in self.columns]
+        short = cut and rows[-1] == self.last and self._ends_short()
+        if short:
+            rows, *columns = [column[:-1] for column in (rows, *columns)]
         said, numbers = columns[: len(self.words)], columns[len(self.words) :]
         values = {channel.name: column for channel, column in zip(self.channels, numbers, strict=True)}
         known = zip(self.words, map(list, self.vocabulary), said, strict=True)
         words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
-        found = tuple(self._found(cut))
+        found = tuple(self._found(cut, short))
         return Table(values, rows.astype(np.int64), words, tuple(self.remarks), found)
 
-    def _found(self, cut: bool) -> Iterator[Found]:
+    def _ends_short(self) -> bool:
+        """Whether the last cell of all has fewer decimals than each of many before it, or less of anything."""
+        if min(self.kept, len(self.ends)) < LAST // 2:
+            return False
+        *usual, last = [(len(cell.partition(".")[2]), len(cell)) for cell in self.ends]
+        return last[0] < min(decimals for decimals, _ in usual) or last[1] < min(size for _, size in usual)
+
+    def _found(self, cut: bool, short: bool) -> Iterator[Found]:
         torn = cut and self.damaged and self.last_damaged == self.last
         told = [error for error in self.told if not (torn and error.row == self.last)]
         yield from sorted(told, key=lambda error: error.row or 0)
         if more := self.damaged - len(told) - bool(torn):
             yield DamagedLog(f"found {more} more rows that are damaged")
-        if torn:
+        if torn or short:
             yield Note("is cut off where the file ends, left out", row=self.last)
         if self.is_hopeless():
             yield Note("is no table from here on, left out", row=self.last)

@@ -33,6 +33,8 @@ _CLIMBING = 8.0
 """Speed at which something in a log moves as a rocket does. [m/s]"""
 _STRONGEST = 10_000.0
 """Accelerations beyond this are faults of the log. [m/s^2]"""
+_FLAT, _FLATTER = 4, 3
+"""Samples in a row of one value that make an end of range, and how many times more than of any other value. [1]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
 
@@ -98,6 +100,21 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
                 continue
             return Push(time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", SPOKEN[name])
     return None
+
+
+def is_clipped(push: Push, begin: float, end: float) -> bool:
+    """Whether an accelerometer was at the end of its range: its highest value comes again and again, no other does.
+
+    A converter that is full gives one number; a thrust that only happens to be even has the sensor's noise.
+    """
+    felt = push.felt[(push.time >= begin) & (push.time <= end)]
+    if felt.size < _FLAT:
+        return False
+    edges = np.flatnonzero(np.concatenate(([True], np.diff(felt) != 0, [True])))
+    lengths, values = np.diff(edges), felt[edges[:-1]]
+    full = values >= felt.max()
+    others = int(lengths[~full].max(initial=1))
+    return bool(not push.vertical and lengths[full].max() >= max(_FLAT, _FLATTER * others))
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:

@@ -9,6 +9,7 @@ from fieldkit.recording.channels import Heights, Push
 from fieldkit.recording.numbers import mad_sd, median_step
 from fieldkit.recording.outline import Outline
 from fieldkit.recording.records import Event, Figure
+from fieldkit.shapes import Array, Float
 from fieldkit.standard_air import GRAVITY
 
 _CHARGES = ("ejection", "drogue")
@@ -32,22 +33,24 @@ def shock(push: Push | None, burnout: float, top: float) -> Event | None:
 
 
 def ejection(
-    stated: Mapping[str, float], blow: Event | None, track: Heights, seen: Outline, apogee: Event
+    stated: Mapping[str, float], blow: Event | None, track: Heights, apogee: Event, landed: Event | None
 ) -> Event | None:
-    """When the first charge went: as the logger marked it, as it was felt, or as the fall was braked."""
+    """When the first charge went: as the logger marked it, as it was felt, or as the fall was braked in the air."""
     for name in _CHARGES:
         if name in stated:
             return Event(float(stated[name]), 0.1, f"{name} event of the logger")
-    return blow or _braked(track, seen, apogee)
+    if blow and (landed is None or blow.time < landed.time - 3 * landed.sd):
+        return blow
+    return _braked(track, apogee, landed.time - 1 if landed else np.inf)
 
 
-def _braked(track: Heights, seen: Outline, apogee: Event) -> Event | None:
-    """When a free fall of some length turned into a steady descent; None where none did.
+def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
+    """When a free fall of some length turned into a steady descent, before it was down; None where it did not.
 
     A fall that was braked before it was faster than the parachute lets it be cannot be told from ejection
     at apogee, and then nothing is said.
     """
-    span = (track.time > apogee.time - 0.5) & (track.time < apogee.time + 15)
+    span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
     time, height = track.time[span], track.height[span]
     if time.size < 20:
         return None
@@ -92,7 +95,9 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
         return None, None
     speed = (smooth[:-reach] - smooth[reach:]) / (reach * (even[1] - even[0]))
     typical = float(np.median(speed[speed > max(0.5, 0.1 * np.quantile(speed, 0.9))])) if (speed > 0.5).any() else 0.0
-    going = np.flatnonzero(speed > max(0.12 * typical, 1.0, 1.5 * track.noise))
+    going = np.flatnonzero(
+        speed > max(0.12 * typical, min(0.5 * typical, max(1.0, _restless(track, seen, reach, even))))
+    )
     if typical < 0.5 or going.size == 0:
         return None, None
     about = float(even[min(going[-1] + reach, even.size - 1)])
@@ -108,6 +113,16 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     moment = (level - middle) / slope if slope < -0.3 else about
     moment = float(np.clip(moment, about - 2, about + 1))
     return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
+
+
+def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "time"]) -> float:
+    """How fast heights seem to change where nothing moves, wind and noise together: three deviations. [m/s]"""
+    step = even[1] - even[0]
+    pad = np.arange(max(track.time[0], even[0] - 60), seen.lift - 1, step) if seen.lift is not None else even[:0]
+    if pad.size < 4 * reach:
+        return 1.5 * track.noise
+    smooth = np.interp(pad, track.time, seen.calm)
+    return 3 * mad_sd((smooth[reach:] - smooth[:-reach]) / (reach * step))
 
 
 def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None) -> Figure | None:

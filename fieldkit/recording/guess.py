@@ -44,7 +44,7 @@ def first_guess(
         guess[(knots >= start) & (knots < burnout)] = top_speed / max(burnout - start, 0.1)
     fused = False
     if push is not None:
-        level = _levelled(push, lift)
+        level = levelled(push, lift)
         inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
         boost = push.time[(push.time > start) & (push.time < burnout)]
         if (
@@ -63,7 +63,7 @@ def first_guess(
     return Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
 
 
-def _levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
+def levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
     """Net acceleration with the accelerometer's zero as the pad shows it; None where it is not believed."""
     if lift is None:
         return push.felt - GRAVITY

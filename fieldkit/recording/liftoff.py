@@ -68,7 +68,7 @@ def _by_rise(track: Heights, seen: Outline) -> Event | None:
     time, height = track.time[near], track.height[near] - seen.pad
     if time.size < 5 or (not known and height[0] > rise):
         return None
-    corners = np.arange(about - (0.6 if known else 1.5), min(until, about + max(1.0, 3 * step)), 0.01)
+    corners = np.arange(about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), 0.01)
     misfit = np.array([_misfit(time, height, corner, known) for corner in corners])
     sigma = max(np.sqrt(misfit.min() / max(time.size - 4, 1)), track.noise)
     weight = np.exp(-0.5 * (misfit - misfit.min()) / sigma**2)

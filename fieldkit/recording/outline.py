@@ -17,6 +17,8 @@ _RESTS, _UNSURE = 0.15, 0.5
 _ZERO, _GROUND = 1.0, 20.0
 """What a logger's own zero drifts by while it waits, and how far from it a landing may be before that is the ground's
 doing and not the zero's. [m]"""
+_PARTS = 5
+"""In so many parts what stands on a pad is looked at, to see gusts and a drift. [1]"""
 LONGEST_CLIMB = 120.0
 """From lift-off to apogee, at most. [s]"""
 
@@ -55,7 +57,7 @@ def outline(track: Heights) -> Outline | None:
     fastest = int(np.argmax(speed))
     lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
     start = from_ + lift if lift is not None else from_
-    pad, pad_sd = _pad(track, time[start] if lift is not None else None)
+    pad, pad_sd = _pad(track, time[start] if lift is not None else None, float(time[top]))
     gain = calm[top] - (pad if lift is not None or track.zeroed else height[from_])
     if gain < max(LEAST_GAIN, 8 * track.noise) or speed[fastest] < LEAST_SPEED:
         return None
@@ -94,11 +96,12 @@ def _lift(
     return int(before[-1]) if before.size and before[-1] >= 1 else None
 
 
-def _pad(track: Heights, lift: float | None) -> tuple[float, float]:
+def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     """The pad's height in this channel and its standard deviation: what stands in the log up to lift-off.
 
-    Without such samples, or where they rise already, it is what the logger took for zero, or for a height that counts
-    from elsewhere nothing: then its standard deviation is infinite.
+    A zero that drifts there goes on to drift, and is off by that at the top. Without such samples, or where they rise
+    already, it is what the logger took for zero, or for a height that counts from elsewhere nothing: then its standard
+    deviation is infinite.
     """
     if lift is None:
         return (0.0, _own_zero(track)) if track.zeroed else (float(track.height[0]), np.inf)
@@ -110,7 +113,24 @@ def _pad(track: Heights, lift: float | None) -> tuple[float, float]:
     if height.size < 3 or moves:
         return (min(level, 0.0), _own_zero(track)) if track.zeroed else (level, 3.0)
     least = _UNSURE if float(np.ptp(track.time[before])) < _RESTS else 0.0
-    return level, float(np.hypot(track.noise / np.sqrt(min(height.size, 10)), least))
+    gusts = [float(np.median(part)) for part in np.array_split(height, _PARTS)] if height.size >= 4 * _PARTS else []
+    scatter = max(track.noise / np.sqrt(min(height.size, 10)), float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1))
+    return level, float(np.linalg.norm([scatter, least, _drift(track, lift) * (top - lift + 5)]))
+
+
+def _drift(track: Heights, lift: float) -> float:
+    """How fast the zero drifts in the minute before lift-off; 0 where it does not surely. [m/s]
+
+    What is carried to the pad and set up there jumps and stands still; a drift goes one way all the time.
+    """
+    before = (track.time < lift - 0.5) & (track.time > lift - 60)
+    height, time = track.height[before], track.time[before]
+    if height.size < 6 * _PARTS:
+        return 0.0
+    steps = np.diff([np.median(part) for part in np.array_split(height, _PARTS)])
+    sure = abs(steps.sum()) > 4 * track.noise / np.sqrt(height.size / _PARTS)
+    steady = bool((np.sign(steps) == np.sign(steps[0])).all())
+    return float(np.median(np.abs(steps)) / (np.ptp(time) / _PARTS)) if sure and steady else 0.0
 
 
 def _own_zero(track: Heights) -> float:
