@@ -16,6 +16,7 @@ from fieldkit.measures import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
 from fieldkit.tui.flight_facts import Foretold, Said, foretold, said_by
+from fieldkit.tui.hanging import hanging, stacked
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
 from fieldkit.tui.report import ask_report
@@ -117,10 +118,10 @@ class FlightScreen(PageScreen):
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else Content("no tags: it teaches the model"),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: it teaches the model"]),
         ]
-        self._text = [cards.heading(flight, self._flight_id), *(block.plain for block in blocks)]
-        self.query_one("#figures", Static).update(Content("\n\n").join(blocks))
+        self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
+        self.query_one("#figures", Static).update(stacked(blocks))
         self.ask(_or_why(partial(said_by, flight, self.desk.motors)), self._have_said, "said")
         self.ask(
             _or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast"
@@ -160,7 +161,7 @@ class FlightScreen(PageScreen):
             marks = [(float(values.mean()), "")]
             self.query_one(f"#{name}", Plot).show(draw_density(values, marks, lambda value: f"{value:.2f}"))
             self._text.append(text)
-        self.query_one("#doubts", Static).update(Content("\n".join(f"! {printable(line)}" for line in said.warnings)))
+        self.query_one("#doubts", Static).update(hanging(f"! {line}" for line in said.warnings))
 
     def _have_forecast(self, said: Foretold | str) -> None:
         place = self.query_one("#forecast", Static)

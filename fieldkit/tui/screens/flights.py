@@ -15,6 +15,7 @@ from fieldkit.measures import spelled, unit_of
 from fieldkit.tui import cards
 from fieldkit.tui.fields import Line
 from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
+from fieldkit.tui.hanging import stacked
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
@@ -179,9 +180,9 @@ class FlightsScreen(PageScreen):
             cards.lines(cards.heading(row.flight, row.id), ()),
             cards.lines("Readouts", cards.readouts(row.flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20),
-            cards.lines("Tags", cards.tags(row.flight)) if row.flight.tags else Content(),
+            *([cards.lines("Tags", cards.tags(row.flight))] if row.flight.tags else []),
         ]
-        card.update(Content("\n\n").join(part for part in parts if part.plain))
+        card.update(stacked(parts))
 
     @on(Table.HeadClicked)
     def _head(self, message: Table.HeadClicked) -> None:
