@@ -19,7 +19,8 @@ def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:
     width = width or max((len(name) for name, _ in known), default=0)
     made = [(0, Content.assemble((printable(heading), "b $primary")))] if heading else []
     for name, value in known:
-        line = Content.assemble((f"{name:{width}}", "$text-muted"), "  " if name else "", (value, "b"))
+        lead = f"{name:{width}}  " if name else ""
+        line = Content.assemble((lead, "$text-muted"), (value, "b"))
         made.append((width + 2 if len(name) <= width else 2, line))
     return Hanging(tuple(made))
 
