@@ -104,10 +104,11 @@ KEYS = [
     *("down", "up", "pagedown", "pageup", "end", "home"),
     *("slash", "2", "f", "4", "backspace", "backspace", "backspace", "escape"),
     *("s", "r", "s", "s", "s", "s", "s", "s", "s", "s", "s", "r"),
-    *("2", "9", "2", "3", "enter", "up", "ctrl+u", "escape", "6", "down", "right", "left", "7", "3", "1"),
+    *("2", "down", "9", "2", "3", "enter", "1", "4", "0", "up", "ctrl+u", "escape"),
+    *("6", "down", "right", "left", "7", "3", "1"),
 ]
 """Moving, filtering as one types, sorting by each column, typing a flight in, turning pages: each a key of its own.
-Pages are made ready out of sight before."""
+Pages are made ready out of sight before; the first time that a key is pressed counts with the others."""
 
 
 class Session:
@@ -123,9 +124,20 @@ class Session:
         async with open() as pilot:
             while key := await self.keys.get():
                 pilot.app.post_message(events.Key(key, key if len(key) == 1 else None))
-                await pilot._wait_for_screen()  # until every message that the key brought about was read
+                await self._answered(pilot.app)
                 self.done.put_nowait(None)
         self.done.put_nowait(None)
+
+    async def _answered(self, app: App[None]) -> None:
+        """Until nothing that a key brought about is left to do and the screen shows it; painting waits for no clock."""
+        while True:
+            while self.loop._ready:  # type: ignore[attr-defined]  # messages that widgets were woken for
+                await asyncio.sleep(0)
+            screen = app.screen
+            if not (screen._dirty_widgets or screen._layout_required or screen._repaint_required or screen._callbacks):
+                return
+            screen._on_timer_update()
+            await asyncio.sleep(0.001)
 
     def press(self, key: str) -> None:
         """Send a key and wait for what comes of it; the empty one closes the app."""
@@ -142,7 +154,8 @@ async def listening() -> AsyncIterator[Pilot[None]]:
 
 def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
     session, keys = Session(open), cycle(KEYS)
-    benchmark.pedantic(lambda: session.press(next(keys)), rounds=5 * len(KEYS), warmup_rounds=len(KEYS))
+    session.press("down")  # the app is opened
+    benchmark.pedantic(lambda: session.press(next(keys)), rounds=5 * len(KEYS))
     session.press("")
     session.loop.close()
     TOOK[benchmark.name] = benchmark.stats.stats.data
@@ -154,7 +167,10 @@ def test_an_empty_app_hears_a_key(benchmark: BenchmarkFixture) -> None:
 
 
 @pytest.mark.benchmark(group="a key", timer=processor)
-def test_a_key_is_answered_with_five_thousand_flights(benchmark: BenchmarkFixture, crowded: Path) -> None:
+def test_a_key_is_answered_with_five_thousand_flights(
+    benchmark: BenchmarkFixture, crowded: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(crowded.parent)  # a folder with few files for the page Import
     answer(benchmark, lambda: opened(crowded, stays=True))
     empty, ours = TOOK["test_an_empty_app_hears_a_key"], TOOK[benchmark.name]
     slowest = sorted(zip(ours, cycle(KEYS), strict=False), reverse=True)[:5]

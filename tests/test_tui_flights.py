@@ -166,10 +166,12 @@ async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:
     async with opened(tmp_path / "ledger.db") as pilot:
         assert "no flights yet; a adds one" in words(pilot)
         await press(pilot, "enter", "t", "y", "4")
-        assert "no flights yet: import or add some" in words(pilot)
-        await press(
-            pilot, "escape", "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s"
-        )
+        assert "no flights yet; 2 adds one, 3 imports a file, p plans without" in words(pilot)
+        await press(pilot, "5")
+        assert "no flights yet; 2 adds one, 3 imports a file" in words(pilot)
+        assert "error" not in words(pilot)
+        await press(pilot, "l", "a", "escape", "4")
+        await press(pilot, "p", *typed("Comet"), "enter", "enter", *typed("80g"), "enter", *typed("25mm"), "ctrl+s")
         await press(pilot, "slash", *typed("c6"))
         assert "Comet · 80 g without motor" in words(pilot)
         assert "no flight of it: priors alone" in told(pilot, "#more")

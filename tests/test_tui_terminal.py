@@ -1,5 +1,6 @@
 """A session in a real terminal, driven by its keys and read back off its screen, from opening to the ledger."""
 
+import os
 import shutil
 import subprocess
 import sys
@@ -9,13 +10,12 @@ from pathlib import Path
 
 import pytest
 
+from fieldkit.form import DRAFT
 from fieldkit.ledger import Ledger
 from tests.pressing import ROOT, season
 
 PATIENCE = 60.0
 """How long a screen may take on a machine that does ten other things. [s]"""
-
-pytestmark = pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
 
 
 class Terminal:
@@ -67,6 +67,7 @@ def terminal(tmp_path: Path) -> Iterator[Terminal]:
     subprocess.run(["tmux", "-S", terminal.socket, "kill-server"], check=False, capture_output=True)
 
 
+@pytest.mark.skipif(shutil.which("tmux") is None, reason="tmux is not installed")
 def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) -> None:
     file, home = tmp_path / "ledger.db", tmp_path / "home"
     home.mkdir()
@@ -107,3 +108,30 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     assert len(flight.readouts()) == 10
     assert flight.tags == ()
     assert '"theme": "sun"' in (home / "fieldkit" / "settings.json").read_text()
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals here")
+def test_the_app_leaves_when_its_terminal_is_gone_without_a_signal(tmp_path: Path) -> None:
+    season(tmp_path / "ledger.db")
+    held, given = os.openpty()
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
+    home = {name: str(tmp_path) for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME")}
+    environment = os.environ | home | {"PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
+    # a session of its own, of which this is not the terminal: nobody sends it a signal
+    with subprocess.Popen(
+        command, stdin=given, stdout=given, stderr=given, env=environment, start_new_session=True
+    ) as app:
+        os.close(given)
+        painted = b""
+        while b"12 of 12" not in painted:
+            painted += os.read(held, 65536)
+        os.write(held, b"a923ft")
+        while b"923" not in painted:
+            painted += os.read(held, 65536)
+        os.close(held)
+        try:
+            app.wait(PATIENCE)
+        finally:
+            app.kill()
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert (ledger.draft(DRAFT) or {}).get("apogee", "").startswith("92")

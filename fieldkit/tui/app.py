@@ -20,6 +20,7 @@ from fieldkit.settings import UNITS
 from fieldkit.tui.bars import Notice, NoticeBar
 from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
@@ -28,6 +29,9 @@ WAIT, MOST_WAITS = 0.005, 6000
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
+
+ALONE = 1.0
+"""How often it is looked whether the terminal is still there. [s]"""
 
 LOOKS = {"units", "theme", "target"}
 """Settings that change how things are shown and nothing that is worked out."""
@@ -72,6 +76,13 @@ class FieldkitApp(App[None]):
         for name in pages():
             self.add_mode(name, partial(self._page, name))
         self.switch_mode(next(iter(pages())))
+        if not self.is_headless and (held := terminal()) is not None:
+            self.set_interval(ALONE, partial(self._leave_if_gone, held))
+
+    def _leave_if_gone(self, held: int) -> None:
+        """Leave where the terminal was closed: whatever was typed is kept already."""
+        if gone(held):
+            self.exit()
 
     def _page(self, name: str) -> PageScreen:
         """A page, made ready before or new. It is styled when it is mounted; without the count, Textual reads every
@@ -90,11 +101,13 @@ class FieldkitApp(App[None]):
             self.run_worker(self._make_ready, exclusive=True, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _make_ready(self) -> None:
-        """Open every page out of sight, so that the first key that asks for one is answered as fast as the next."""
+        """Open and draw every page out of sight, so that the first key that asks for one is answered as fast as the
+        next."""
         for name in pages():
             if name not in self._opened:
                 await asyncio.sleep(PAUSE)
                 await self._init_mode(name)
+                await self._opened[name].draw_ahead(PAUSE)
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""

@@ -90,19 +90,31 @@ class KeyBar(Static):
         link-style: none; link-color: $footer-foreground; link-background: $footer-background; }
     """
 
+    MOST = 4
+    """Lines; `max-height` says the same."""
+
     def on_mount(self) -> None:
         """Follow the focus: what can be pressed depends on it."""
-        self.screen.bindings_updated_signal.subscribe(self, lambda _: self.refresh(layout=True))
+        self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
 
     def on_resize(self) -> None:
         """Lines are broken anew."""
-        self.refresh(layout=True)
+        self.follow()
 
-    def render(self) -> Content:
+    def follow(self) -> None:
+        """Show what can be pressed now; the page is laid out anew only where that takes other lines than it has."""
+        lines = self._lines()
+        text = Content("\n").join(Content("  ").join(line) for line in lines)
+        if text.plain != str(self.content):
+            self.update(text, layout=False)
+        if self.size and self.size.height != min(len(lines), self.MOST):
+            self.refresh(layout=True)
+
+    def _lines(self) -> list[list[Content]]:
         """Key and word, never apart; those that work everywhere stand last."""
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         lines: list[list[Content]] = [[]]
-        room = width = max(20, self.container_size.width - 2)
+        room = width = max(20, (self.container_size or self.app.size).width - 2)
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
             key = self.app.get_key_display(binding)
             word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
@@ -113,7 +125,7 @@ class KeyBar(Static):
                 lines.append([])
                 room = width - len(key) - len(word) - 3
             lines[-1].append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
-        return Content("\n").join([Content("  ").join(line) for line in lines])
+        return lines
 
 
 EVERYWHERE = ("Undo", "Copy", "Help", "Quit")

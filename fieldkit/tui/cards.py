@@ -8,18 +8,21 @@ from fieldkit.entry import answer_text
 from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
+from fieldkit.tui.hanging import Hanging
 
 Pairs = Sequence[tuple[str, str]]
 
 
-def lines(heading: str, pairs: Pairs, width: int = 0) -> Content:
+def lines(heading: str, pairs: Pairs, width: int = 0) -> Hanging:
     """A heading and `name  value` lines; the values are data and mean nothing but themselves."""
-    known = [(name, printable(value)) for name, value in pairs if value]
+    known = [(printable(name), printable(value)) for name, value in pairs if value]
     width = width or max((len(name) for name, _ in known), default=0)
-    parts: list[str | tuple[str, str]] = [(printable(heading), "b $primary")] if heading else []
+    made = [(0, Content.assemble((printable(heading), "b $primary")))] if heading else []
     for name, value in known:
-        parts += ["\n" if parts else "", (f"{printable(name):{width}}", "$text-muted"), "  ", (value, "b")]
-    return Content.assemble(*parts)
+        lead = f"{name:{width}}  " if name else ""
+        line = Content.assemble((lead, "$text-muted"), (value, "b"))
+        made.append((width + 2 if len(name) <= width else 2, line))
+    return Hanging(tuple(made))
 
 
 def columns(flight: Flight, wanted: Iterable[Column], system: str) -> list[tuple[str, str]]:

@@ -13,6 +13,7 @@ from textual.widgets import Input, Static
 from fieldkit.safe_text import printable
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.fields import Line
+from fieldkit.tui.hanging import Hanging
 from fieldkit.tui.page import Help
 
 
@@ -57,11 +58,11 @@ class HelpScreen(ModalScreen[None]):
         self.query_one(VerticalScroll).scroll_relative(y=lines, animate=False)
 
 
-def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Content:
-    parts: list[Content | str | tuple[str, str]] = [(heading, "b")]
-    for name, text in pairs:
-        parts += ["\n  ", (name, "b $accent"), f"  {text}"]
-    return Content.assemble(*parts)
+def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Hanging:
+    """A heading, and below it each name with what is said of it."""
+    lines = [(0, Content.assemble((heading, "b")))]
+    lines += [(4, Content.assemble("  ", (name, "b $accent"), f"  {text}")) for name, text in pairs]
+    return Hanging(tuple(lines))
 
 
 class AskText(ModalScreen[str | None]):

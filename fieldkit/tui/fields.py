@@ -23,7 +23,7 @@ class Line(Input):
     """A line in which a question mark asks for help, unless it `takes_marks`, and keys work in the order they came."""
 
     def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
-        super().__init__(text, select_on_focus=True, **rest)
+        super().__init__(text, select_on_focus=True, validate_on=(), **rest)
         self.takes_marks = takes_marks
         self.cursor_blink = False
 

@@ -1,8 +1,10 @@
 """What is worked out of one flight: what its readouts say of drag and thrust, and what was forecast for it."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.shapes import Array, Float
 
@@ -10,6 +12,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
 
+T = TypeVar("T")
 DRAWS = 4000
 """Of a posterior, for its picture."""
 
@@ -68,3 +71,15 @@ def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
     return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
+
+
+def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
+    """The work, or in one line why there is nothing to be had of it: no fault, and no notice."""
+
+    def tried() -> T | str:
+        try:
+            return work()
+        except FieldkitError as error:
+            return str(error)
+
+    return tried

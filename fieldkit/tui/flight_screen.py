@@ -1,8 +1,8 @@
 """One flight: what the altimeter showed, what that says of drag and thrust, its log, and what was forecast."""
 
-from collections.abc import Callable, Iterable
+from collections.abc import Iterable
 from functools import partial
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -10,17 +10,15 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
-from fieldkit.errors import FieldkitError
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.measures import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
-from fieldkit.tui.flight_facts import Foretold, Said, foretold, said_by
+from fieldkit.tui.flight_facts import Foretold, Said, foretold, or_why, said_by
+from fieldkit.tui.hanging import hanging, stacked
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
 from fieldkit.tui.report import ask_report
-
-T = TypeVar("T")
 
 
 class FlightScreen(PageScreen):
@@ -117,16 +115,14 @@ class FlightScreen(PageScreen):
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
             cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
-            cards.lines("Tags", cards.tags(flight)) if flight.tags else Content("no tags: it teaches the model"),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: it teaches the model"]),
         ]
-        self._text = [cards.heading(flight, self._flight_id), *(block.plain for block in blocks)]
-        self.query_one("#figures", Static).update(Content("\n\n").join(blocks))
-        self.ask(_or_why(partial(said_by, flight, self.desk.motors)), self._have_said, "said")
-        self.ask(
-            _or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast"
-        )
+        self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
+        self.query_one("#figures", Static).update(stacked(blocks))
+        self.ask(or_why(partial(said_by, flight, self.desk.motors)), self._have_said, "said")
+        self.ask(or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast")
 
-        self.ask(_or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
+        self.ask(or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
 
     def _have_log(self, log: Drawn | str) -> None:
         from fieldkit.tui.plots import Plot
@@ -160,7 +156,7 @@ class FlightScreen(PageScreen):
             marks = [(float(values.mean()), "")]
             self.query_one(f"#{name}", Plot).show(draw_density(values, marks, lambda value: f"{value:.2f}"))
             self._text.append(text)
-        self.query_one("#doubts", Static).update(Content("\n".join(f"! {printable(line)}" for line in said.warnings)))
+        self.query_one("#doubts", Static).update(hanging(f"! {line}" for line in said.warnings))
 
     def _have_forecast(self, said: Foretold | str) -> None:
         place = self.query_one("#forecast", Static)
@@ -230,15 +226,3 @@ class FlightScreen(PageScreen):
     def copied(self) -> str:
         """The flight as a card of text."""
         return "\n\n".join(self._text)
-
-
-def _or_why(work: Callable[[], T]) -> Callable[[], T | str]:
-    """The work, or in one line why there is nothing to be had of it: no fault, and no notice."""
-
-    def tried() -> T | str:
-        try:
-            return work()
-        except FieldkitError as error:
-            return str(error)
-
-    return tried

@@ -11,6 +11,7 @@ from fieldkit.measures import number
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui import cards, next_words
+from fieldkit.tui.hanging import hanging, stacked
 
 if TYPE_CHECKING:
     from fieldkit.loop.prediction import Prediction
@@ -44,14 +45,14 @@ class ForecastCard(VerticalScroll):
         system = settings.units
         title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)
         middle = number(cards.APOGEE, one.apogee, system)
-        more = next_words.figures(plan, one, system)
+        more, checks = next_words.figures(plan, one, system), next_words.checks(one)
         self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
         self.query_one("#big", Digits).update(middle)
         self.query_one("#range", Static).update(Content(text).stylize("bold"))
-        self.query_one("#safety", Static).update(Content(next_words.safety_in_brief(one.lines)))
-        self.query_one("#more", Static).update(cards.lines("", more, 9))
+        self.query_one("#safety", Static).update(hanging(next_words.safety_in_brief(one.lines)))
+        self.query_one("#more", Static).update(stacked([cards.lines("", more, 9), cards.lines("", checks, 1)]))
         self._show_hill(one.prediction, settings)
-        self.text = cards.as_text(f"{title}: {middle} {text}", more)
+        self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
 
     def clear(self) -> None:
         """No motor, or none with a forecast yet."""

@@ -11,6 +11,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.bars import shortened
 from fieldkit.tui.design_look import SUFFIX, design_at
+from fieldkit.tui.hanging import Hanging
 
 if TYPE_CHECKING:
     from fieldkit.intake import Receipt
@@ -146,16 +147,16 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     return Content.assemble(*parts)
 
 
-def left_out(look: Look) -> Content:
+def left_out(look: Look) -> Hanging:
     """Each row that would be left out: where it is, and why."""
     rejected = look.receipt.rejected if look.receipt else ()
-    parts: Parts = [("Left out, and why", "b $primary")] if rejected else []
+    lines = [Content.assemble(("Left out, and why", "b $primary"))] if rejected else []
     for one in rejected[:MOST]:
         place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
-        parts += ["\n", (f"✗ {printable(place)}", "b"), f": {printable(one.error)}"]
+        lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))
     if len(rejected) > MOST:
-        parts.append(f"\nand {len(rejected) - MOST} more; fieldkit import --dry-run lists all")
-    return Content.assemble(*parts)
+        lines.append(Content(f"and {len(rejected) - MOST} more; fieldkit import --dry-run lists all"))
+    return Hanging(tuple((2, line) for line in lines))
 
 
 def in_a_line(given: Mapping[str, str]) -> str:

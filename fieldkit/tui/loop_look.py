@@ -11,8 +11,6 @@ if TYPE_CHECKING:
     from fieldkit.loop.findings import Findings
     from fieldkit.tui.desk import Desk
 
-"""Is told what is being tried, and the share done."""
-
 
 @dataclass(frozen=True, slots=True)
 class Standing:
@@ -29,12 +27,14 @@ class Standing:
         return not any(version.active for version in self.versions)
 
 
-def standing_of(desk: "Desk", rocket: str | None) -> Standing:
-    """How a rocket stands, that flown last where it is not said or gone. Raises NoFlights."""
+def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
+    """How a rocket stands, that flown last where it is not said or gone; None where nothing has flown."""
     from fieldkit.loop.desk import which_rocket
 
     ledger = desk.ledger
     rockets = tuple(ledger.names("rocket"))
+    if not rockets:
+        return None
     name = which_rocket(ledger, rocket if rocket in rockets else None)
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
 

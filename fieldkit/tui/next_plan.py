@@ -90,12 +90,12 @@ class Plan:
         return printable(" · ".join(parts))
 
 
-def read_plan(desk: "Desk") -> Plan:
-    """The plan as it was left, else for the rocket of known mass that flew last.
+def read_plan(desk: "Desk") -> Plan | None:
+    """The plan as it was left, else for the rocket of known mass that flew last; None where nothing has flown.
 
-    Raises NoFlights, ImpossibleFlight for a rocket of unknown mass, LedgerError.
+    Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
     """
-    from fieldkit.errors import ImpossibleFlight, NoFlights
+    from fieldkit.errors import ImpossibleFlight
     from fieldkit.ledger.sites import site_of
     from fieldkit.places import data_folder
     from fieldkit.plan.desk import begun, rocket_of
@@ -105,7 +105,7 @@ def read_plan(desk: "Desk") -> Plan:
     ledger = desk.ledger
     flights, draft = ledger.flights(), ledger.draft(DRAFT) or {}
     if not flights and not draft:
-        raise NoFlights("no flights yet: import or add some, or p plans a rocket by its name and mass")
+        return None
     last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
     plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
     plan = plan.with_changes(**plan_changes(draft))

@@ -1,6 +1,6 @@
 """The forecast of a motor in words and figures: its row among the motors, and the card beside them."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -111,7 +111,6 @@ def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
     """What stands below the hill, name and value."""
     from fieldkit.loop.prediction import median
     from fieldkit.plan.air import air_of
-    from fieldkit.plan.safety import DECIDES, MARKS
 
     said = one.prediction
     fires = [f"{delay:g} s {seconds:+.1f}" for delay, seconds in one.ejections]
@@ -129,9 +128,15 @@ def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
         ("air", air_of(said.plan).words()),
         ("rests on", plan.rests_on),
         ("note", "; ".join([*said.found.notes, *said.left_out])),
-        *((f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines),
-        ("", DECIDES),
     ]
+
+
+def checks(one: "Choice") -> Pairs:
+    """The safety lines, each with its figures and its limit."""
+    from fieldkit.plan.safety import DECIDES, MARKS
+
+    lines = [(f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines]
+    return [*lines, ("", DECIDES)]
 
 
 def kept_in_words(said: "Prediction", system: str) -> str:
@@ -141,13 +146,13 @@ def kept_in_words(said: "Prediction", system: str) -> str:
     return f"kept: {said.plan.motor} to {middle} {unit} ({low} to {high}); the flight is measured against it"
 
 
-def safety_in_brief(lines: "Sequence[Line]") -> str:
-    """The names of all checks, those that fail first: `✗ rail exit speed  ? ground wind, ceiling`."""
+def safety_in_brief(lines: "Sequence[Line]") -> Iterable[str]:
+    """The names of all checks, those that fail first: `✗ rail exit speed`, `? ground wind, ceiling`."""
     from fieldkit.plan.safety import MARKS
 
     worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")
     groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in worst_first)
-    return "\n".join(f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)
+    return (f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)
 
 
 def _ejection(eject: float | None) -> str:

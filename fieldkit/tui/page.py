@@ -10,6 +10,7 @@ from importlib import import_module
 from pkgutil import iter_modules
 from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
 
+from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Container
@@ -126,12 +127,23 @@ class PageScreen(Screen[None]):
         """What `y` copies: a line or a figure as text."""
         return ""
 
-    def on_screen_resume(self) -> None:
+    def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Show what is waiting to be read, and what has changed while another page was in front."""
+        event.refresh_styles = False  # new colours were put on before, by the app: to do so again takes half of a key
         if not self.is_current:
             return  # made ready out of sight
         self.query_one(NoticeBar).tell(self.field_app.notices)
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
+
+    async def draw_ahead(self, pause: float) -> None:
+        """Lay the page out and draw it while another is in front: its widgets keep what they have drawn. Keys get their
+        turn between two widgets, and in the `pause` [s] before the first."""
+        self.post_message(events.Resize(self.app.size, self.app.size))
+        await asyncio.sleep(pause)
+        for widget in self.walk_children(Widget):
+            await asyncio.sleep(0)
+            if widget.size:
+                widget.render_lines(widget.size.region)
 
     def refresh_if_changed(self) -> None:
         """Reload where the ledger has changed since the last time, redraw where only the settings have."""

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import VerticalScroll
-from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -16,6 +15,7 @@ from fieldkit.settings import Settings
 from fieldkit.tui import contest_form
 from fieldkit.tui.decisions import AIMS, Answer, Decision
 from fieldkit.tui.fields import Form
+from fieldkit.tui.hanging import hanging
 from fieldkit.tui.page import Help, PageScreen
 
 if TYPE_CHECKING:
@@ -120,7 +120,7 @@ class PlanScreen(PageScreen):
     def _say(self, answer: Answer) -> None:
         self._said = answer
         for place, lines in (("#answer", answer.words), ("#beside", answer.beside)):
-            self.query_one(place, Static).update(Content("\n".join(map(printable, lines))))
+            self.query_one(place, Static).update(hanging(lines))
 
     def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.plan.day import day_of

@@ -6,15 +6,19 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, VerticalScroll
+from textual.containers import Horizontal
 from textual.content import Content
+from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.measures import spelled, unit_of
 from fieldkit.tui import cards
 from fieldkit.tui.fields import Line
+from fieldkit.tui.flight_card import FlightCard
+from fieldkit.tui.flight_facts import or_why
 from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
+from fieldkit.tui.log_plot import Drawn, drawn
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
@@ -24,6 +28,8 @@ if TYPE_CHECKING:
 
 FEW = 200
 """Flights whose drag and thrust are worked out together, so that others need not wait for it."""
+REST = 0.15
+"""How long the cursor stays on a flight before its log is read. [s]"""
 
 
 class FlightsScreen(PageScreen):
@@ -67,7 +73,6 @@ class FlightsScreen(PageScreen):
     FlightsScreen #filter Input { width: 1fr; height: 1; }
     FlightsScreen #beside { width: 48; display: none; padding: 0 1; border-left: solid $border-blurred; }
     FlightsScreen.-wide #beside { display: block; }
-    FlightsScreen #beside Static { height: auto; margin-bottom: 1; }
     """
 
     def __init__(self) -> None:
@@ -76,6 +81,7 @@ class FlightsScreen(PageScreen):
         self._hay: dict[str, str] = {}
         self._asked: set[str] = set()
         self._sort, self._down = 1, True
+        self._rest: Timer | None = None
 
     def body(self) -> Iterable[Widget]:
         """A line to filter with, the table, the flight beside it."""
@@ -85,8 +91,7 @@ class FlightsScreen(PageScreen):
             yield Static("", id="count")
         with Horizontal():
             yield Table(empty="reading the ledger ...", id="table")
-            with VerticalScroll(id="beside"):
-                yield Static(id="card")
+            yield FlightCard(id="beside")
 
     def on_mount(self) -> None:
         """Keys go to the table."""
@@ -133,6 +138,7 @@ class FlightsScreen(PageScreen):
         for row, one in found:
             row.drag, row.thrust = one.cd, one.alpha
         self.query_one(Table).refresh()
+        self._beside()
         self._infer()
 
     def _shown(self) -> list[Shown]:
@@ -168,20 +174,30 @@ class FlightsScreen(PageScreen):
 
     @on(Table.Moved)
     def _beside(self) -> None:
-        """The card of the flight under the cursor, where it is in sight."""
-        row = self._row()
-        card = self.query_one("#card", Static)
-        if row is None or not self.has_class("-wide"):
-            card.update("")
+        """The card of the flight under the cursor, where it is in sight; its log once the cursor rests."""
+        if self._rest is not None:
+            self._rest.stop()
+        if not self.has_class("-wide"):
             return
+        row, tall = self._row(), self.has_class("-tall")
+        build = self._build(row) if row is not None and tall else []
+        self.query_one(FlightCard).show(row, build, self.desk.settings.units)
+        if row is not None and tall:
+            self._rest = self.set_timer(REST, partial(self._read_log, row.id))
+
+    def _build(self, row: Row) -> list[Row]:
+        """The flights of the same rocket in the same configuration, in the order flown."""
+        name = (row.flight.rocket, row.flight.config)
+        return [one for one in self._rows.values() if (one.flight.rocket, one.flight.config) == name]
+
+    def _read_log(self, id: str) -> None:
         system = self.desk.settings.units
-        parts = [
-            cards.lines(cards.heading(row.flight, row.id), ()),
-            cards.lines("Readouts", cards.readouts(row.flight, system), 20),
-            cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20),
-            cards.lines("Tags", cards.tags(row.flight)) if row.flight.tags else Content(),
-        ]
-        card.update(Content("\n\n").join(part for part in parts if part.plain))
+        self.ask(or_why(partial(drawn, self.desk.ledger, id, system)), partial(self._have_log, id), "log")
+
+    def _have_log(self, id: str, log: Drawn | str) -> None:
+        row = self._row()
+        if row is not None and row.id == id:
+            self.query_one(FlightCard).show_climb(log if isinstance(log, Drawn) else None)
 
     @on(Table.HeadClicked)
     def _head(self, message: Table.HeadClicked) -> None:

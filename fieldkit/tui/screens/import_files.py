@@ -130,7 +130,7 @@ class ImportScreen(PageScreen):
         path = table.current
         is_folder = path is None or path == UP or path.is_dir()
         table.enter = "Open" if is_folder else "Store"
-        self.query_one(KeyBar).refresh(layout=True)
+        self.query_one(KeyBar).follow()
         self._look = None
         self.query_one("#rejected", Static).update("")
         if is_folder:

@@ -137,7 +137,11 @@ class LoopScreen(PageScreen):
         if self._found is not None:
             self._show_verdict(self._found)
 
-    def _have(self, standing: Standing) -> None:
+    def _have(self, standing: Standing | None) -> None:
+        if standing is None:
+            self._standing = None
+            self.query_one("#what", Static).update("no flights yet; 2 adds one, 3 imports a file")
+            return
         before = self._standing
         if self._found is not None and before is not None and before.flights != standing.flights:
             self._found = None

@@ -125,8 +125,11 @@ class NextScreen(PageScreen):
         self._show_plan(self._plan)
         self._refill()
 
-    def _have_plan(self, plan: Plan) -> None:
+    def _have_plan(self, plan: Plan | None) -> None:
         self._plan, self._known = plan, {}
+        if plan is None:
+            self.query_one("#plan", Static).update("no flights yet; 2 adds one, 3 imports a file, p plans without")
+            return
         self.query_one(Table).empty = "no motor fits; f shows them all"
         self._show_plan(plan)
         self._search_now()

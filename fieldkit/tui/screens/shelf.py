@@ -152,7 +152,7 @@ class ShelfScreen(PageScreen):
         table = self.query_one(Table)
         table.enter = ("About it", "Change", "Change", "Change")[self._kind]
         table.show(heads, keys, cells)
-        self.query_one(KeyBar).refresh(layout=True)
+        self.query_one(KeyBar).follow()
 
     def _list(self) -> Listed:
         """The list in front, as wide as there is room for."""

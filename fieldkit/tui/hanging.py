@@ -1,0 +1,75 @@
+"""Lines that are too long for their place, broken so that what stands in a column stays in it."""
+
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+from textual.content import Content
+from textual.css.styles import RulesMap
+from textual.strip import Strip
+from textual.style import Style
+from textual.visual import RenderOptions, Visual
+
+from fieldkit.safe_text import printable
+
+LEAST = 20
+"""Cells that are left to a broken line, else it hangs by two alone."""
+LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
+"""What stands before the text of a line: a name and the blanks behind it, or blanks."""
+
+
+@dataclass(frozen=True)
+class Hanging(Visual):
+    """Lines, each with the column at which it goes on where it is broken."""
+
+    lines: tuple[tuple[int, Content], ...] = ()
+
+    def __str__(self) -> str:
+        """As text, each line unbroken."""
+        return "\n".join(line.plain for _, line in self.lines)
+
+    def render_strips(self, width: int, height: int | None, style: Style, options: RenderOptions) -> list[Strip]:
+        """The lines in a width."""
+        return self._within(width).render_strips(width, height, style, options)
+
+    def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
+        """That of the longest line."""
+        return max((line.cell_length for _, line in self.lines), default=0)
+
+    def get_height(self, rules: RulesMap, width: int) -> int:
+        """Lines that a width takes."""
+        return self._within(width).get_height(rules, width)
+
+    def _within(self, width: int) -> Content:
+        return Content("\n").join(part for column, line in self.lines for part in _broken(line, width, column))
+
+
+def hanging(text: Iterable[str]) -> Hanging:
+    """Lines of text, which go on below where they begin behind a name or blanks, else a little to the right."""
+    return Hanging(tuple((_column(line), Content(line)) for line in map(printable, text)))
+
+
+def stacked(blocks: Iterable[Hanging]) -> Hanging:
+    """Blocks below each other, an empty line between two."""
+    lines: list[tuple[int, Content]] = []
+    for block in blocks:
+        lines += [(0, Content())] if lines else []
+        lines += block.lines
+    return Hanging(tuple(lines))
+
+
+def _column(line: str) -> int:
+    lead = LEAD.match(line)
+    start = len(lead[0]) if lead else 0
+    return start or 2
+
+
+def _broken(line: Content, width: int, column: int) -> list[Content]:
+    """A line as it is, or its first part and the others below each other from a column on."""
+    first, *more = line.wrap(width)
+    if not more:
+        return [line]
+    column = column if width - column >= LEAST else 2
+    rest = line[len(first.plain) :]
+    rest = rest[len(rest.plain) - len(rest.plain.lstrip()) :]
+    return [first, *(part.pad_left(column) for part in rest.wrap(max(1, width - column)))]

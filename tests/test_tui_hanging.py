@@ -1,0 +1,47 @@
+"""Long lines are broken so that what stands in a column stays in it, and nothing of them is lost."""
+
+from hypothesis import given
+from hypothesis import strategies as st
+from textual.css.styles import Styles
+from textual.style import Style
+from textual.visual import RenderOptions
+
+from fieldkit.safe_text import printable
+from fieldkit.tui import cards
+from fieldkit.tui.hanging import Hanging, hanging, stacked
+
+WIDTH = 40
+
+
+def drawn(block: Hanging, width: int = WIDTH) -> list[str]:
+    options = RenderOptions(lambda _: Style(), Styles())
+    strips = block.render_strips(width, None, Style(), options)
+    assert len(strips) == block.get_height(Styles(), width)
+    return [strip.text.rstrip() for strip in strips]
+
+
+def test_a_value_goes_on_below_where_it_begins() -> None:
+    card = cards.lines("Air", [("air", "1.2 kg/m³ at the pad, as it is on a standard day")], 6)
+    assert drawn(card) == ["Air", "air     1.2 kg/m³ at the pad, as it is", "        on a standard day"]
+
+
+def test_a_line_hangs_behind_its_name_below_its_blanks_or_a_little_to_the_right() -> None:
+    words = "what goes on and on until it has to be broken"
+    named, blank, bare = (drawn(hanging([lead + words]))[1] for lead in ("  air    ", "    ", ""))
+    assert [len(line) - len(line.lstrip()) for line in (named, blank, bare)] == [9, 4, 2]
+
+
+def test_a_narrow_place_is_not_spent_on_blanks() -> None:
+    card = cards.lines("", [("Average acceleration", "a figure of which there is much to say")], 20)
+    assert drawn(card, 30)[1].startswith("  ")
+    assert not drawn(card, 30)[1].startswith("   ")
+
+
+def test_blocks_stand_apart() -> None:
+    assert drawn(stacked([hanging(["one"]), hanging(["two"])])) == ["one", "", "two"]
+
+
+@given(st.text(), st.integers(8, 60))
+def test_no_letter_is_lost_and_none_stands_outside(text: str, width: int) -> None:
+    letters = "".join("".join(drawn(hanging([text]), width)).split())
+    assert letters == "".join(printable(text).split())
