@@ -55,7 +55,7 @@ def lines_of(name: str) -> list[str]:
 def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A flyer's shell in the checkout, with an empty ledger of their own."""
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.chdir(ROOT)
 

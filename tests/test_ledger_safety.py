@@ -333,9 +333,8 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
     with Ledger.open() as ledger:
         assert ledger.name == str(tmp_path / "mine.db")
     monkeypatch.delenv("FIELDKIT_LEDGER")
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setattr("sys.platform", "linux")
-    assert str(whereabouts.location(None).database).endswith("ledger.db")
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "data"))
+    assert whereabouts.location(None).database == str(tmp_path / "data" / "ledger.db")
 
 
 def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:

@@ -31,7 +31,7 @@ class Terminal:
 
     def start(self, ledger: Path, home: Path) -> None:
         """The app in a new session, as `fieldkit` without a command."""
-        settings = {"XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home, "PYTHONPATH": ROOT, "FIELDKIT_LEDGER": ledger}
+        settings = {"FIELDKIT_HOME": home, "PYTHONPATH": ROOT, "FIELDKIT_LEDGER": ledger}
         flags = [part for name, value in settings.items() for part in ("-e", f"{name}={value}")]
         program = f"{sys.executable} -m fieldkit.cli.main; echo left with $?; sleep 60"
         self.tmux("new-session", "-d", "-x", "80", "-y", "24", *flags, "-c", str(home), "sh", "-c", program)
@@ -106,4 +106,4 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     assert flight.apogee == pytest.approx(198.12)
     assert len(flight.readouts()) == 10
     assert flight.tags == ()
-    assert '"theme": "sun"' in (home / "fieldkit" / "settings.json").read_text()
+    assert '"theme": "sun"' in (home / "settings.json").read_text()
