@@ -1,10 +1,17 @@
 """Where a flyer's own files are on this computer: the ledger, the motors they added, captures from loggers."""
 
+import os
 from pathlib import Path
+
+HOME = "FIELDKIT_HOME"
+"""The variable of the environment that names another folder for all of these."""
 
 
 def data_folder() -> Path:
     """The folder of the user's data, made where it is not there yet."""
+    if home := _home():
+        home.mkdir(parents=True, exist_ok=True)
+        return home
     from platformdirs import user_data_path
 
     return user_data_path("fieldkit", appauthor=False, ensure_exists=True)
@@ -17,6 +24,8 @@ def motor_folder() -> Path:
 
 def settings_file() -> Path:
     """The file of what the flyer chose in the app, which may not be there."""
+    if home := _home():
+        return home / "settings.json"
     from platformdirs import user_config_path
 
     return user_config_path("fieldkit", appauthor=False) / "settings.json"
@@ -25,3 +34,8 @@ def settings_file() -> Path:
 def capture_folder() -> Path:
     """The folder of what was captured from loggers, which may not be there."""
     return data_folder() / "captures"
+
+
+def _home() -> Path | None:
+    named = os.environ.get(HOME)
+    return Path(named).expanduser() if named else None

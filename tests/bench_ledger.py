@@ -4,6 +4,7 @@ The same questions of every size, in processor time; the ratio to 100 flights is
 each, so that what is asked of one rocket is the same work.
 """
 
+import shutil
 import time
 from collections.abc import Callable
 from datetime import datetime, timedelta
@@ -18,6 +19,8 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
+from fieldkit.ledger.backups import folder_of
+from fieldkit.ledger.opening import keep_backup
 from fieldkit.loop.closing import close_loop
 from fieldkit.loop.desk import predict_plans
 from fieldkit.motors import Catalogue, catalogue
@@ -60,12 +63,25 @@ def ledger(size: int) -> Path:
     return file
 
 
+def first_backup(ledger: Ledger) -> None:
+    """A copy beside none, so that every row is looked through."""
+    shutil.rmtree(folder_of(Path(ledger.name)), ignore_errors=True)
+    assert not keep_backup(ledger._engine, always=True)
+
+
+def another_backup(ledger: Ledger) -> None:
+    """A copy beside one with the same rows, which are compared."""
+    assert not keep_backup(ledger._engine, always=True)
+
+
 QUESTIONS: dict[str, tuple[Callable[[Ledger], Any], int]] = {
     "list all": (lambda ledger: ledger.flights(), 3),
     "of one rocket": (lambda ledger: ledger.flights("Rocket 1"), 9),
     "by a tag": (lambda ledger: ledger.flights(tag="weak_launch"), 3),
     "by an id": (lambda ledger: ledger.flight("77"), 9),
     "add one": (lambda ledger: ledger.add([Flight(flight_id="new", rocket="Rocket 1")], dry_run=True), 9),
+    "first backup": (first_backup, 1),
+    "another backup": (another_backup, 3),
     "predict": (lambda ledger: predict_plans(ledger, motors(), [PLAN], keep=False), 3),
     "loop": (lambda ledger: close_loop(ledger, motors(), "Rocket 1", accept=False), 1),
 }

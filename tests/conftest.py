@@ -35,6 +35,14 @@ settings.register_profile("fieldkit", deadline=None)  # a busy machine is no fau
 settings.load_profile("fieldkit")
 
 
+@pytest.fixture(scope="session", autouse=True)
+def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    """No test touches the ledger, the motors or the settings of who runs it."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("FIELDKIT_HOME", str(tmp_path_factory.mktemp("home")))
+        yield
+
+
 @pytest.fixture(scope="module", autouse=True)
 def _shapes(request: pytest.FixtureRequest) -> Iterator[None]:
     """Shapes are checked in this module, unless it says otherwise."""

@@ -1,6 +1,8 @@
 """The copies that are kept of a ledger, and what a damaged one says: found, offered, put back."""
 
+import re
 import sqlite3
+import zlib
 from collections.abc import Callable
 from contextlib import closing
 from pathlib import Path
@@ -10,7 +12,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, backups
+from fieldkit.ledger import Ledger, backups, soundness
 
 
 def add(file: Path, *ids: str) -> None:
@@ -36,7 +38,7 @@ def test_the_last_ten_copies_are_kept_each_a_sound_ledger(file: Path) -> None:
     add(file, *map(str, range(14)))
     kept = backups.backups(file)
     assert [one.flights for one in kept] == [13, 12, 11, 10, 9, 8, 7, 6, 5, 4]
-    assert not any(backups.fault(one.file) for one in kept)
+    assert not any(soundness.fault(one.file) for one in kept)
     assert len(list(backups.folder_of(file).iterdir())) == 10, "and nothing half-made beside them"
 
 
@@ -51,6 +53,72 @@ def test_a_restore_can_be_taken_back_by_another(file: Path) -> None:
     assert flown(file) == ["1"]
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
     assert flown(file) == ["1", "2", "3"]
+
+
+CHANGES = (
+    ("UPDATE flights SET rocket = 'Asura' WHERE entry = 1", "the row of 1 of Asura is not as it was written"),
+    ("UPDATE tags SET tag = 'mind' WHERE entry = 1", "the row of 1 of Astra is not as it was written"),
+    ("DELETE FROM tags WHERE entry = 1", "the row of 1 of Astra is not as it was written"),
+    ("INSERT INTO tags VALUES (1, 7, 'new')", "the row of 1 of Astra is not as it was written"),
+    ("UPDATE journal SET what = 'some' WHERE number = 1", "the row of 1 is not as it was written"),
+    ("UPDATE logs SET size = size - 1", "another size"),
+    (f"UPDATE logs SET content = x'{zlib.compress(b'a lag').hex()}'", "the bytes of the log .* are not as"),
+    ("PRAGMA foreign_keys = OFF; DELETE FROM logs", "a row of flights names one of logs that is gone"),
+    ("ALTER TABLE flights RENAME COLUMN notes TO nodes", "without the column notes of flights"),
+)
+
+
+@pytest.mark.parametrize(("change", "said"), CHANGES)
+def test_what_sqlite_finds_nothing_wrong_with_is_never_copied_over_a_good_copy(
+    change: str, said: str, tmp_path: Path
+) -> None:
+    file, copy = tmp_path / "ledger.db", tmp_path / "copy.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Astra", apogee=100.0, tags=("mine",))], log=b"a log")
+        ledger.add([Flight(flight_id="2", rocket="Astra")])
+    copy.write_bytes(file.read_bytes())
+    with Ledger.open(file) as ledger:
+        ledger.add([Flight(flight_id="3", rocket="Astra")])
+    kept = backups.backups(file)
+    assert soundness.fault(file) == soundness.fault(file, since=copy) == ""
+    with closing(sqlite3.connect(file)) as raw:
+        raw.executescript(change)
+        assert soundness.file_fault(file) == ""
+        for since in (None, copy, tmp_path / "none.db"):
+            assert re.search(said, soundness.fault(file, since=since))
+        with pytest.raises(LedgerError, match=rf"the file is damaged \(.*{said}.*`fieldkit backups restore`"):
+            backups.take(raw, file, 9)
+    assert backups.backups(file) == kept
+
+
+def test_a_copy_that_has_rotted_hides_no_damage_and_makes_none(file: Path) -> None:
+    add(file, "1", "2", "3")
+    rotten = backups.backups(file)[0].file
+    for rot in (bytes(100), bytes(4096), b"\xff" * 8192):
+        rotten.write_bytes(rotten.read_bytes()[:4096] + rot + rotten.read_bytes()[4096 + len(rot) :])
+        assert soundness.fault(file, since=rotten) == ""
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute("UPDATE flights SET apogee = 101.0 WHERE entry = 1")
+    assert "the row of 1 of Astra" in soundness.fault(file, since=rotten)
+
+
+def test_a_row_that_has_changed_on_the_disc_stops_the_next_change_and_is_restored(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    add(file, "1", "2", "3")
+    with closing(sqlite3.connect(file)) as raw, raw:
+        raw.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
+    kept = backups.backups(file)
+    with pytest.raises(LedgerError, match=r"damaged .*`fieldkit backups restore`"):
+        add(file, "4")
+    assert backups.backups(file) == kept
+    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
+    assert "ledger.db.damaged-" in capsys.readouterr().err
+    assert flown(file) == ["1", "2"]
+    with closing(sqlite3.connect(kept[0].file)) as raw, raw:
+        raw.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
+    assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 1
+    assert "this copy is damaged too (the row of 1 of Asura" in capsys.readouterr().err
 
 
 def cut(content: bytes) -> bytes:
@@ -98,7 +166,8 @@ def test_a_text_that_is_none_any_more_is_damage_that_sqlite_does_not_see(
     assert "`fieldkit backups restore`" in said
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
     assert flown(file) == ["1"]
-    assert b"A\xf3tra" in backups.backups(file)[0].file.read_bytes(), "what was there is kept"
+    (aside,) = file.parent.glob("ledger.db.damaged-*")
+    assert b"A\xf3tra" in aside.read_bytes(), "what was there is kept, and counts as no copy"
 
 
 def test_a_damaged_ledger_pushes_no_good_copy_out(file: Path) -> None:

@@ -114,6 +114,9 @@ print(f"{used:.0f} MB, {time.monotonic() - begun:.1f} s, {said}")
 """Reads a file as `fieldkit import` does, before a ledger is opened."""
 
 
+in_kilobytes = pytest.mark.skipif(sys.platform != "linux", reason="elsewhere peaks are told otherwise, or not at all")
+
+
 CLEAN = "import subprocess, sys; sys.exit(subprocess.call(sys.argv[1:]))"
 """Starts a process that does not inherit the peak of the one that tests."""
 
@@ -243,6 +246,7 @@ REMARKED = ("altos_csv", "arts2", "openrocket")
 HURT = [*(f"{name} that is torn" for name in parsers()), *(f"{name} of remarks" for name in REMARKED)]
 
 
+@in_kilobytes
 @pytest.mark.slow
 @pytest.mark.parametrize("name", [*WHOLE, *HURT, "mapped_table that waits"])
 def test_a_log_of_a_hundred_megabytes_is_read_in_little_memory(
@@ -315,6 +319,7 @@ finally:
 """
 
 
+@in_kilobytes
 @pytest.mark.slow
 def test_a_hundred_megabytes_with_a_flight_at_their_end_are_imported_in_little_memory(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]

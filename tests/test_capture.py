@@ -50,7 +50,7 @@ terminals = pytest.mark.skipif(not hasattr(os, "openpty"), reason="needs pseudo-
 
 @pytest.fixture(autouse=True)
 def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
 
@@ -58,7 +58,7 @@ def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.fixture
 def folder(tmp_path: Path) -> Path:
     """Where the flyer's captures are."""
-    return tmp_path / "home" / "fieldkit" / "captures"
+    return tmp_path / "home" / "captures"
 
 
 def test_checksums_are_those_of_the_makers() -> None:

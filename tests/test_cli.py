@@ -38,7 +38,7 @@ Run = Callable[..., Said]
 
 @pytest.fixture(autouse=True)
 def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.delenv("FIELDKIT_LEDGER", raising=False)
 
@@ -141,8 +141,11 @@ def test_what_a_file_leaves_open_can_be_set(run: Run, table: Path) -> None:
 
 
 def test_a_name_that_is_not_unicode_is_taken_all_the_same(run: Run, table: Path) -> None:
-    odd = table.with_name(os.fsdecode(b"odd\xff.csv"))
-    odd.write_text(TABLE, encoding="utf-8")
+    try:
+        odd = table.with_name(os.fsdecode(b"odd\xff.csv"))
+        odd.write_text(TABLE, encoding="utf-8")
+    except (UnicodeError, OSError):
+        pytest.skip("this system has no such names")
     assert run("import", odd).status == 0
     assert "odd\ufffd.csv" in run("history", "--json").document["changes"][0]["what"]
     said = run("flights", "--rocket", os.fsdecode(b"\xff"))

@@ -38,7 +38,7 @@ LAST = Flight(
 
 @pytest.fixture(autouse=True)
 def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
 
 
 @pytest.fixture

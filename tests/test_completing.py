@@ -16,7 +16,7 @@ def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Captu
     """A ledger with the reference flights, where commands look for theirs."""
     path = tmp_path / "ledger.db"
     monkeypatch.setenv("FIELDKIT_LEDGER", str(path))
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     assert main(["import", str(FLIGHTS)]) == 0
     capsys.readouterr()
     return path

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -12,6 +13,10 @@ from typer.main import get_command
 
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.tui import page, screens
+from tests.pressing import opened, press, told
 from tools.manual import pages
 
 CHECK_SHAPES = False
@@ -22,7 +27,12 @@ PAGES = {path.stem: path.read_text(encoding="utf-8") for path in sorted((ROOT / 
 RUN = ("start", "predictions", "installing")
 """Pages whose commands are run, each as a session of its own; those of others are examples of the sessions, too,
 but for the journal's, whose flights are not ours to ship."""
-TO_BE_MADE = {"parsers/skylark.py", "models/effects/sticky_altimeter.py", ".venv/bin"}
+TO_BE_MADE = {
+    "parsers/skylark.py",
+    "models/effects/sticky_altimeter.py",
+    "fieldkit/tui/screens/weather.py",
+    ".venv/bin",
+}
 """Paths that a reader makes."""
 MADE = {"flights.csv", "flights.json", "card.pdf"}
 """Files that the examples write."""
@@ -55,7 +65,7 @@ def lines_of(name: str) -> list[str]:
 def at_the_root(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A flyer's shell in the checkout, with an empty ledger of their own."""
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
     monkeypatch.setenv("COLUMNS", "80")
     monkeypatch.chdir(ROOT)
 
@@ -149,7 +159,7 @@ def test_the_first_command_ends_in_the_demo() -> None:
 
 
 def test_the_logger_of_the_manual_is_read() -> None:
-    parser, _ = blocks("python", PAGES["extending"])
+    parser, *_ = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(parser, "skylark.py", "exec"), module)
     skylark = module["PARSER"]
@@ -162,7 +172,7 @@ def test_the_logger_of_the_manual_is_read() -> None:
 
 
 def test_the_effect_of_the_manual_bends_the_reading() -> None:
-    _, effect = blocks("python", PAGES["extending"])
+    _, effect, _ = blocks("python", PAGES["extending"])
     module: dict[str, object] = {}
     exec(compile(effect, "sticky_altimeter.py", "exec"), module)
     sticky = module["EFFECT"]
@@ -170,6 +180,21 @@ def test_the_effect_of_the_manual_bends_the_reading() -> None:
     bent = sticky.bend_reading(readings, np.array([[2.0, 2.0]]))
     assert bent["apogee"].tolist() == [[98.0, 198.0]]
     assert bent["top_speed"].tolist() == [[50.0, 60.0]]
+
+
+async def test_the_screen_of_the_manual_shows_the_wind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    (tmp_path / "weather.py").write_text(blocks("python", PAGES["extending"])[2], encoding="utf-8")
+    monkeypatch.setattr(screens, "__path__", [*screens.__path__, str(tmp_path)])
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Astra", wind=3.5), Flight(flight_id="2", rocket="Astra")])
+    try:
+        page.pages.cache_clear()
+        async with opened(tmp_path / "ledger.db") as pilot:
+            await press(pilot, "8")
+            assert told(pilot, "#body Static") == "Astra 1: 3.5 m/s"
+    finally:
+        page.pages.cache_clear()
+        sys.modules.pop(f"{screens.__name__}.weather", None)
 
 
 def test_the_picture_is_of_this_demo() -> None:

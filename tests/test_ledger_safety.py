@@ -17,7 +17,7 @@ from sqlalchemy import create_engine, event
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Start, opening, whereabouts
+from fieldkit.ledger import Ledger, Start, backups, opening, schema, whereabouts
 from fieldkit.ledger.tables import metadata
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -333,9 +333,8 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
     with Ledger.open() as ledger:
         assert ledger.name == str(tmp_path / "mine.db")
     monkeypatch.delenv("FIELDKIT_LEDGER")
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "data"))
-    monkeypatch.setattr("sys.platform", "linux")
-    assert str(whereabouts.location(None).database).endswith("ledger.db")
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "data"))
+    assert whereabouts.location(None).database == str(tmp_path / "data" / "ledger.db")
 
 
 def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:
@@ -357,13 +356,14 @@ def test_the_migrations_make_the_tables_that_the_code_expects(tmp_path: Path) ->
     engine.dispose()
 
 
-@pytest.mark.parametrize("step", opening.STEPS)
+@pytest.mark.parametrize("step", schema.STEPS)
 def test_every_old_schema_is_upgraded_and_keeps_its_flights(step: str, tmp_path: Path) -> None:
-    schema = Path(__file__).parent / "old_ledgers" / f"{step}.sql"
+    made = Path(__file__).parent / "old_ledgers" / f"{step}.sql"
     file = tmp_path / "ledger.db"
-    with sqlite3.connect(file) as raw:
-        raw.executescript(schema.read_text(encoding="utf-8"))
-    raw.close()
+    with closing(sqlite3.connect(file)) as raw:
+        raw.executescript(made.read_text(encoding="utf-8"))
+    Ledger.open(file).close()
+    assert len(backups.backups(file)) == (step != schema.STEPS[-1]), "an older one is copied before"
     with Ledger.open(file) as ledger:
         assert [flight.flight_id for flight in ledger.flights()] == ["1", "2"]
         assert ledger.flight("2").tags == ("weak_launch",)

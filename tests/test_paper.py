@@ -197,7 +197,7 @@ Run = Callable[..., str]
 def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Run:
     """Runs a command line and returns what it printed."""
     monkeypatch.setenv("COLUMNS", "80")
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
 
     def run(*arguments: object, status: int = 0) -> str:
         assert main([*map(str, arguments)]) == status

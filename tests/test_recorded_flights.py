@@ -52,7 +52,7 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     shelf = {**parsers(), "lark": LARK}
     monkeypatch.setattr(recognition, "parsers", lambda: shelf)
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
 
 

@@ -25,7 +25,7 @@ CHECK_SHAPES = False
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     frozen(monkeypatch)
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     folder = tmp_path / "field"
     folder.mkdir()
     monkeypatch.chdir(folder)

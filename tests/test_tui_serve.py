@@ -108,8 +108,9 @@ def served(unused_tcp_port: int, tmp_path: Path) -> Iterator[str]:
     """Where `fieldkit serve` shows a season."""
     season(tmp_path / "ledger.db")
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
-    home = {name: str(tmp_path) for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME")}
-    with child([*command, "serve", "--port", str(unused_tcp_port)], {"PYTHONPATH": str(ROOT)} | home):
+    with child(
+        [*command, "serve", "--port", str(unused_tcp_port)], {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
+    ):
         yield f"http://127.0.0.1:{unused_tcp_port}/"
 
 

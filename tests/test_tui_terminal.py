@@ -31,7 +31,7 @@ class Terminal:
 
     def start(self, ledger: Path, home: Path) -> None:
         """The app in a new session, as `fieldkit` without a command."""
-        settings = {"XDG_CONFIG_HOME": home, "XDG_DATA_HOME": home, "PYTHONPATH": ROOT, "FIELDKIT_LEDGER": ledger}
+        settings = {"FIELDKIT_HOME": home, "PYTHONPATH": ROOT, "FIELDKIT_LEDGER": ledger}
         flags = [part for name, value in settings.items() for part in ("-e", f"{name}={value}")]
         program = f"{sys.executable} -m fieldkit.cli.main; echo left with $?; sleep 60"
         self.tmux("new-session", "-d", "-x", "80", "-y", "24", *flags, "-c", str(home), "sh", "-c", program)
@@ -107,7 +107,7 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     assert flight.apogee == pytest.approx(198.12)
     assert len(flight.readouts()) == 10
     assert flight.tags == ()
-    assert '"theme": "sun"' in (home / "fieldkit" / "settings.json").read_text()
+    assert '"theme": "sun"' in (home / "settings.json").read_text()
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no pseudo-terminals here")
@@ -115,8 +115,7 @@ def test_the_app_leaves_when_its_terminal_is_gone_without_a_signal(tmp_path: Pat
     season(tmp_path / "ledger.db")
     held, given = os.openpty()
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
-    home = {name: str(tmp_path) for name in ("XDG_CONFIG_HOME", "XDG_DATA_HOME")}
-    environment = os.environ | home | {"PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
+    environment = os.environ | {"FIELDKIT_HOME": str(tmp_path), "PYTHONPATH": str(ROOT), "TERM": "xterm-256color"}
     # a session of its own, of which this is not the terminal: nobody sends it a signal
     with subprocess.Popen(
         command, stdin=given, stdout=given, stderr=given, env=environment, start_new_session=True

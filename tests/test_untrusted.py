@@ -40,7 +40,7 @@ HOSTILE = {
 
 @pytest.fixture(autouse=True)
 def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setenv("XDG_DATA_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
     monkeypatch.setenv("COLUMNS", "80")
 

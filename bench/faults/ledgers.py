@@ -116,8 +116,8 @@ def put(template: Path, file: Path) -> None:
 @contextmanager
 def at_home(folder: Path) -> Iterator[None]:
     """A flyer's own data in a folder of the bench."""
-    before = {name: os.environ.get(name) for name in ("XDG_DATA_HOME", "XDG_CONFIG_HOME", "FIELDKIT_LEDGER")}
-    os.environ |= {"XDG_DATA_HOME": str(folder), "XDG_CONFIG_HOME": str(folder)}
+    before = {name: os.environ.get(name) for name in ("FIELDKIT_HOME", "FIELDKIT_LEDGER")}
+    os.environ["FIELDKIT_HOME"] = str(folder)
     os.environ.pop("FIELDKIT_LEDGER", None)
     try:
         yield

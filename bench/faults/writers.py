@@ -11,7 +11,7 @@ from unittest.mock import patch
 from bench.faults.ledgers import OLD, Outcome, fieldkit, old, raw_step, season, unsound
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, backups, journal
-from fieldkit.ledger.opening import STEPS
+from fieldkit.ledger.schema import STEPS
 
 
 def two_commands(folder: Path, each: int) -> Outcome:

@@ -1,8 +1,8 @@
 """Copies of a ledger's file, kept in a folder beside it: the last ten, in rotation.
 
 A copy is made by SQLite's own backup call, so that it is whole while another process writes, and it counts only
-once SQLite has found it sound: a damaged ledger never pushes a good copy out. Copies are numbered, for a clock may
-go backwards. A ledger on a server is backed up by whoever runs the server.
+once SQLite and the checksums of its rows have found it sound: a damaged ledger never pushes a good copy out. Copies
+are numbered, for a clock may go backwards. A ledger on a server is backed up by whoever runs the server.
 """
 
 import os
@@ -12,12 +12,13 @@ import sqlite3
 import tempfile
 import time
 from collections.abc import Iterator
-from contextlib import closing, contextmanager
+from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
 from fieldkit.errors import LedgerError
+from fieldkit.ledger.soundness import fault, opened
 
 KEPT = 10
 """So many copies are kept. [1]"""
@@ -27,12 +28,9 @@ EVERY = 50
 """So many changes since the last copy call for another on the same day. [1]"""
 ABANDONED = 3600.0
 """A half-made copy this old is nobody's any more. [s]"""
-PATIENCE = 15.0
-"""How long a command or a copy waits for a process that is writing. [s]"""
 
 _NAME = re.compile(r"(\d{6,})_(\d{8}T\d{6}Z)_(\d+)\.db")
 _STAMP = "%Y%m%dT%H%M%SZ"
-_DAMAGE = ("SQLITE_CORRUPT", "SQLITE_NOTADB")
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +51,7 @@ class Backup:
     def flights(self) -> int | None:
         """How many flights it holds, None where it is damaged itself. [1]"""
         try:
-            with _opened(self.file) as copy:
+            with opened(self.file) as copy:
                 return int(copy.execute("SELECT count(*) FROM flights").fetchone()[0])
         except sqlite3.DatabaseError:
             return None
@@ -101,11 +99,11 @@ def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
 def _take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
     folder = folder_of(file)
     folder.mkdir(exist_ok=True)
-    number = next((one.number for one in backups(file)), 0) + 1
-    at = datetime.now(UTC)
+    last = next(iter(backups(file)), None)
+    number, at = (last.number if last else 0) + 1, datetime.now(UTC)
     with _beside(folder) as new:
         _copy(ledger, new)
-        if found := fault(new):
+        if found := fault(new, since=last.file if last else None):
             raise LedgerError(f"{file}: the file is damaged ({found}); {offer(file)}")
         kept = folder / f"{number:06d}_{at:{_STAMP}}_{changes}.db"
         os.replace(new, kept)
@@ -128,7 +126,7 @@ def _beside(folder: Path) -> Iterator[Path]:
 
 def _copy(ledger: sqlite3.Connection, target: Path) -> None:
     """Copy a whole database into a file, as one transaction that is on the disc at the end."""
-    with _opened(target) as copy:
+    with opened(target) as copy:
         copy.execute("PRAGMA synchronous = EXTRA")
         ledger.backup(copy)
 
@@ -137,26 +135,6 @@ def _rotate(file: Path) -> None:
     kept = backups(file)
     while len(kept) > KEPT or (len(kept) > 2 and sum(one.size for one in kept) > ROOM):
         kept.pop().file.unlink(missing_ok=True)
-
-
-def fault(file: Path, *, thorough: bool = False) -> str:
-    """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error.
-
-    A `thorough` look also lays every index beside its table, which takes longer.
-    """
-    check = "integrity_check" if thorough else "quick_check"
-    try:
-        with _opened(file) as ledger:
-            said = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
-    except sqlite3.DatabaseError as error:
-        if not error.sqlite_errorname.startswith(_DAMAGE):
-            raise
-        said = str(error)
-    return "" if said == "ok" else " ".join(said.split())
-
-
-def _opened(file: Path) -> closing[sqlite3.Connection]:
-    return closing(sqlite3.connect(file, timeout=PATIENCE))
 
 
 def offer(file: Path) -> str:
@@ -180,7 +158,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
             raise LedgerError(f"{backup.file}: this copy is damaged too ({found}); restore another one")
         if not file.exists() or not file.stat().st_size:
             return _put_aside(file, backup, keep=False)
-        changes = None if fault(file) else _changes(file)
+        changes = None if fault(file, since=backup.file) else _changes(file)
         return _put_aside(file, backup) if changes is None else _overwrite(file, backup, changes)
     except (OSError, sqlite3.Error) as error:
         raise LedgerError(f"{file}: cannot be restored ({error}); nothing was changed") from error
@@ -188,7 +166,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
 
 def _changes(file: Path) -> int | None:
     """The length of a ledger's journal; None where SQLite finds nothing wrong with a file that has lost it. [1]"""
-    with _opened(file) as ledger:
+    with opened(file) as ledger:
         if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
             return None
         return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
@@ -196,7 +174,7 @@ def _changes(file: Path) -> int | None:
 
 def _overwrite(file: Path, backup: Backup, changes: int) -> Path:
     """Change a sound ledger into a copy, as one transaction that other processes see."""
-    with _opened(file) as now, _opened(backup.file) as then:
+    with opened(file) as now, opened(backup.file) as then:
         kept = _take(now, file, changes)
         _copy(then, file)
     _rotate(file)
@@ -206,7 +184,7 @@ def _overwrite(file: Path, backup: Backup, changes: int) -> Path:
 def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
     """Put a copy in a damaged file's place, which keeps its bytes under another name."""
     with _beside(folder_of(file)) as new:
-        with _opened(backup.file) as then:
+        with opened(backup.file) as then:
             _copy(then, new)
         aside = file.with_name(f"{file.name}.damaged-{datetime.now(UTC):{_STAMP}}")
         if keep:

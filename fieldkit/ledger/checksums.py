@@ -5,11 +5,11 @@ newer schema adds leave it as it is. A row is sealed in the transaction that cha
 """
 
 import json
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Iterator, Mapping, Sequence
 from typing import Any
 from zlib import crc32
 
-from sqlalchemy import ColumnElement, Connection, Select, Table, bindparam, select, tuple_, update
+from sqlalchemy import Column, ColumnElement, Connection, Select, Table, bindparam, select, tuple_, update
 
 from fieldkit.ledger.rows import DamagedRow, Row
 from fieldkit.ledger.tables import FEW, flights, tags
@@ -53,9 +53,17 @@ def seal(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]
         connection.execute(update(table).where(*at).values({CHECKSUM: bindparam("sum")}), sums)
 
 
-def check(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> None:
-    """Raises DamagedRow where one of the rows at these primary keys does not say what was written."""
-    for row in _rows_at(connection, table, keys):
+def check(
+    connection: Connection,
+    table: Table,
+    keys: Collection[tuple[Any, ...]],
+    columns: Sequence[Column[Any]] | None = None,
+) -> None:
+    """Raises DamagedRow where one of the rows at these primary keys does not say what was written.
+
+    `columns` are those that the table has, of an older schema not all.
+    """
+    for row in _rows_at(connection, table, keys, columns):
         checked(row)
 
 
@@ -69,11 +77,16 @@ def sound_flights(connection: Connection, query: Select[Any]) -> list[Row]:
     return [checked(row) for row in _with_tags(connection, query)]
 
 
-def _rows_at(connection: Connection, table: Table, keys: Collection[tuple[Any, ...]]) -> Iterator[Row]:
+def _rows_at(
+    connection: Connection,
+    table: Table,
+    keys: Collection[tuple[Any, ...]],
+    columns: Sequence[Column[Any]] | None = None,
+) -> Iterator[Row]:
     read = _with_tags if table is flights else _rows
-    some = list(keys)
+    some, query = list(keys), select(*(columns or table.columns))
     for start in range(0, len(some), FEW):
-        yield from read(connection, select(table).where(_among(table, some[start : start + FEW])))
+        yield from read(connection, query.where(_among(table, some[start : start + FEW])))
 
 
 def _among(table: Table, keys: Collection[tuple[Any, ...]]) -> ColumnElement[bool]:

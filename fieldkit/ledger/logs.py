@@ -1,11 +1,11 @@
 """The original bytes of logs, kept once each under their digest."""
 
 import zlib
+from collections.abc import Iterable
 
 from sqlalchemy import Connection, insert, select
 
-from fieldkit.arrival import OTHER_LOGS, Original
-from fieldkit.errors import LedgerError
+from fieldkit.arrival import OTHER_LOGS, Original, digest_of
 from fieldkit.files import LARGEST
 from fieldkit.ledger.finding import Held
 from fieldkit.ledger.rows import DamagedRow
@@ -33,17 +33,24 @@ def other_logs_of(connection: Connection, held: Held) -> list[bytes]:
     return [content for content in contents if content is not None]
 
 
+def check_logs(connection: Connection, digests: Iterable[str]) -> None:
+    """Raises DamagedRow where the bytes under one of these digests are not those of it; zlib.error."""
+    for digest in digests:
+        _content(connection, digest)
+
+
 def _content(connection: Connection, digest: str | None) -> bytes | None:
-    row = connection.execute(select(logs.c.content, logs.c.size).where(logs.c.digest == digest)).first()
-    return None if row is None else _unpacked(row.content, row.size)
+    row = connection.execute(select(logs).where(logs.c.digest == digest)).first()
+    return None if row is None else _unpacked(row.content, row.size, row.digest)
 
 
-def _unpacked(packed: bytes, size: int) -> bytes:
-    """The bytes of a log, never more than its row says. Raises LedgerError for another size, zlib.error."""
+def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
+    """The bytes of a log, never more than its row says. Raises DamagedRow where they are others; zlib.error."""
     if not 0 <= size <= LARGEST:
-        raise LedgerError(f"found a log of {size} bytes, expected at most {LARGEST}")
-    unpacking = zlib.decompressobj()
-    content = unpacking.decompress(packed, size + 1)
+        raise DamagedRow(f"found a log of {size} bytes, expected at most {LARGEST}")
+    content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
-        raise LedgerError(f"found a log of another size than the {size} bytes of its row, which is damaged")
+        raise DamagedRow(f"found a log of another size than the {size} bytes of its row")
+    if digest_of(content) != digest:
+        raise DamagedRow(f"the bytes of the log {digest} are not as they were written")
     return content

@@ -2,33 +2,28 @@
 
 SQLite keeps its rollback journal and `synchronous=EXTRA`: a finished command survives a power cut, and the
 ledger stays one file that can be copied at any time, which a write-ahead log beside it would not allow.
-Alembic is imported only when a ledger is new or older than this program.
 """
 
-import re
 import sqlite3
 from collections.abc import Iterator
 from contextlib import closing, contextmanager
 from pathlib import Path
 
-from sqlalchemy import Connection, Engine, create_engine, event, func, inspect, select, text
+from sqlalchemy import Connection, Engine, create_engine, event, func, select
 from sqlalchemy.engine import URL
 from sqlalchemy.exc import ArgumentError, NoSuchModuleError
 from sqlalchemy.pool import ConnectionPoolEntry
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import backups
-from fieldkit.ledger.backups import PATIENCE
-from fieldkit.ledger.rows import DamagedRow
+from fieldkit.ledger.schema import STEPS, upgrade, version
+from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.tables import journal
 from fieldkit.ledger.trouble import explained
 from fieldkit.ledger.whereabouts import file_of, name_of
 
 SMALLEST = 512
 """No SQLite database that holds anything is smaller, and it takes a smaller file for an empty one. [byte]"""
-MIGRATIONS = Path(__file__).parent / "migrations"
-STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
-"""Every version of the schema that this program knows, oldest first."""
 
 _LOCK = 0x666B  # any number that nobody else on the server is likely to use
 
@@ -110,14 +105,14 @@ def bring_up_to_date(engine: Engine) -> None:
     """
     _refuse_remains(file_of(engine.url))
     with reading(engine) as connection:
-        version = _version(connection)
-    if version == STEPS[-1]:
+        step = version(connection)
+    if step == STEPS[-1]:
         return
-    if version:
+    if step:
         keep_backup(engine, always=True)
     with writing(engine) as connection:
-        if _version(connection) != STEPS[-1]:  # it may have been upgraded while we waited
-            _upgrade(connection)
+        if version(connection) != STEPS[-1]:  # it may have been upgraded while we waited
+            upgrade(connection)
 
 
 def _refuse_remains(file: Path | None) -> None:
@@ -129,30 +124,3 @@ def _refuse_remains(file: Path | None) -> None:
         raise LedgerError(f"{file}: the file is damaged (cut to {size} bytes); {backups.offer(file)}")
     if not size and backups.backups(file):
         raise LedgerError(f"{file}: the file is {'empty' if file.exists() else 'gone'}; {backups.offer(file)}")
-
-
-def _version(connection: Connection) -> str | None:
-    """The step a ledger is at; None for an empty database."""
-    name = name_of(connection.engine.url)
-    tables = inspect(connection)
-    if tables.has_table("alembic_version"):
-        version = connection.scalar(text("SELECT version_num FROM alembic_version"))
-        if version in STEPS:
-            return str(version)
-        if version and re.match(r"m\d{3}_", version):
-            if version[:4] > STEPS[-1][:4]:
-                raise LedgerError(f"{name}: made by a newer fieldkit ({version}), expected {STEPS[-1]} or older")
-            raise DamagedRow(f"found the version {version}, expected one of {', '.join(STEPS)}")
-    elif not tables.get_table_names():
-        return None
-    raise LedgerError(f"{name}: holds another program's tables, expected a ledger or an empty database")
-
-
-def _upgrade(connection: Connection) -> None:
-    from alembic import command
-    from alembic.config import Config
-
-    config = Config()
-    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
-    config.attributes["connection"] = connection
-    command.upgrade(config, "head")

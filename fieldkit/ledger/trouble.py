@@ -5,14 +5,14 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from json import JSONDecodeError
 
-from sqlalchemy import Engine, inspect
+from sqlalchemy import Engine
 from sqlalchemy.exc import DBAPIError
 
 from fieldkit.errors import LedgerError
-from fieldkit.ledger import backups
-from fieldkit.ledger.backups import PATIENCE
+from fieldkit.ledger import backups, soundness
 from fieldkit.ledger.rows import DamagedRow
-from fieldkit.ledger.tables import metadata
+from fieldkit.ledger.schema import missing
+from fieldkit.ledger.soundness import PATIENCE
 from fieldkit.ledger.whereabouts import file_of, name_of
 
 _SQLITE = {
@@ -70,23 +70,13 @@ def _reason(error: DBAPIError) -> str | None:
 def _damage(engine: Engine) -> str | None:
     """What is wrong with a ledger's file, where something failed that goes through on every sound one."""
     file = file_of(engine.url)
-    fault = (backups.fault(file, thorough=True) or _missing(engine)) if file else ""
+    fault = (soundness.file_fault(file, thorough=True) or _missing(engine)) if file else ""
     return f"the file is damaged ({fault})" if fault else None
 
 
 def _missing(engine: Engine) -> str:
-    """A table or a column that a ledger has lost, or why not even that can be told; empty where all are there."""
-    try:
-        with engine.connect() as connection:
-            there = inspect(connection)
-            for name, table in metadata.tables.items():
-                if not there.has_table(name):
-                    return f"without its table {name}"
-                if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
-                    return f"without the column {min(lost)} of {name}"
-    except DBAPIError as error:  # of names that are no text any more
-        return " ".join(str(error.orig).split())
-    return ""
+    with engine.connect() as connection:
+        return missing(connection)
 
 
 def _offered(engine: Engine, why: str) -> str:

@@ -3,6 +3,7 @@
 from pathlib import Path
 
 from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.files import replace
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 
@@ -30,7 +31,7 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
     for path in files:
         if path.suffix.lower() in SUFFIXES:
             try:
-                motors += _read_file(path)
+                motors += read(_content(path), path.name)
             except FieldkitError as error:
                 errors.append(error)
     return motors, errors
@@ -43,18 +44,18 @@ def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
 
 
 def import_file(path: Path, folder: Path) -> list[Motor]:
-    """Reads a motor file and keeps a copy in the folder; the motors of it. Raises DamagedLog.
+    """Reads a motor file and keeps a copy in the folder; the motors of it. Raises DamagedLog, FieldkitError.
 
     A file of the same name is replaced: it is how a flyer corrects one.
     """
-    motors = _read_file(path)
-    folder.mkdir(parents=True, exist_ok=True)
+    content = _content(path)
+    motors = read(content, path.name)
     suffix = path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0]
-    (folder / f"{path.stem}{suffix}").write_bytes(path.read_bytes())
+    replace(folder / f"{path.stem}{suffix}", content)
     return motors
 
 
-def _read_file(path: Path) -> list[Motor]:
+def _content(path: Path) -> bytes:
     try:
         with path.open("rb") as file:
             data = file.read(LARGEST + 1)
@@ -62,4 +63,4 @@ def _read_file(path: Path) -> list[Motor]:
         raise DamagedLog(f"cannot be read ({error.strerror}), expected a motor file", source=path.name) from error
     if len(data) > LARGEST:
         raise DamagedLog(f"found more than {LARGEST} bytes, expected a motor file of at most that", source=path.name)
-    return read(data, path.name)
+    return data

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldkit import files
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.loop.prediction import Prediction
@@ -75,16 +76,12 @@ def seasons(own: Path | None = None) -> list[int]:
 def copy_season(year: int, own: Path) -> Path:
     """The file of a year in the flyer's own folder, copied there where it is not yet, to be checked and changed.
 
-    Raises BadValue for a year that there is no file of, or a folder that cannot be written.
+    Raises BadValue for a year that there is no file of, FieldkitError for a folder that cannot be written.
     """
     file = own / f"{year}.toml"
     if not file.exists():
         season(year)
-        try:
-            own.mkdir(parents=True, exist_ok=True)
-            file.write_bytes((FOLDER / file.name).read_bytes())
-        except OSError as error:
-            raise BadValue(f"{file}: cannot be written ({error.strerror})") from error
+        files.replace(file, (FOLDER / file.name).read_bytes())
     return file
 
 

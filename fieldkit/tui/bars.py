@@ -20,8 +20,9 @@ class Notice:
 
 def shortened(text: str) -> str:
     """A text with files by their names alone; ports keep theirs, `/dev/ttyUSB0`."""
-    text = re.sub(r"^(?!/dev/)(?:/|[A-Za-z]:\\)[^:\n]*[/\\]", "", text)  # what is wrong with a file begins with it
-    return re.sub(r"(?<=[\s'(])(?!/dev/)/(?:[^\s:,;'()]+/)+", "", text)
+    root = r"(?!/dev/)(?:/|[A-Za-z]:[/\\]|\\\\)"
+    text = re.sub(rf"^{root}[^:\n]*[/\\]", "", text)  # what is wrong with a file begins with it
+    return re.sub(rf"(?<=[\s'(]){root}(?:[^\s:,;'()/\\]+[/\\])+", "", text)
 
 
 class TopBar(Static):

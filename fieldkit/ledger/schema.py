@@ -1,0 +1,65 @@
+"""Which version of the schema a ledger's tables have, what they have lost of it, and bringing them to the newest.
+
+Alembic is imported only when a ledger is new or older than this program.
+"""
+
+import re
+from pathlib import Path
+
+from sqlalchemy import Connection, inspect, text
+from sqlalchemy.exc import DBAPIError
+
+from fieldkit.errors import LedgerError
+from fieldkit.ledger.rows import DamagedRow
+from fieldkit.ledger.tables import metadata
+from fieldkit.ledger.whereabouts import name_of
+
+MIGRATIONS = Path(__file__).parent / "migrations"
+STEPS = tuple(sorted(path.stem for path in (MIGRATIONS / "versions").glob("m[0-9]*.py")))
+"""Every version of the schema that this program knows, oldest first."""
+
+
+def version(connection: Connection) -> str | None:
+    """The step a ledger is at; None for an empty database.
+
+    Raises LedgerError for another program's tables and those of a newer fieldkit, DamagedRow for a step that there
+    never was.
+    """
+    name = name_of(connection.engine.url)
+    tables = inspect(connection)
+    if tables.has_table("alembic_version"):
+        found = connection.scalar(text("SELECT version_num FROM alembic_version"))
+        if found in STEPS:
+            return str(found)
+        if found and re.match(r"m\d{3}_", found):
+            if found[:4] > STEPS[-1][:4]:
+                raise LedgerError(f"{name}: made by a newer fieldkit ({found}), expected {STEPS[-1]} or older")
+            raise DamagedRow(f"found the version {found}, expected one of {', '.join(STEPS)}")
+    elif not tables.get_table_names():
+        return None
+    raise LedgerError(f"{name}: holds another program's tables, expected a ledger or an empty database")
+
+
+def missing(connection: Connection) -> str:
+    """A table or a column that a ledger of the newest step has lost, or why not even that can be told; else empty."""
+    try:
+        there = inspect(connection)
+        for name, table in metadata.tables.items():
+            if not there.has_table(name):
+                return f"without its table {name}"
+            if lost := set(table.columns.keys()) - {column["name"] for column in there.get_columns(name)}:
+                return f"without the column {min(lost)} of {name}"
+    except DBAPIError as error:  # of names that are no text any more
+        return " ".join(str(error.orig).split())
+    return ""
+
+
+def upgrade(connection: Connection) -> None:
+    """Make the tables of the newest step, from whatever is there."""
+    from alembic import command
+    from alembic.config import Config
+
+    config = Config()
+    config.set_main_option("script_location", str(MIGRATIONS).replace("%", "%%"))
+    config.attributes["connection"] = connection
+    command.upgrade(config, "head")

@@ -1,0 +1,148 @@
+"""Whether a ledger's file still says what was written: SQLite's own look at it, then the checksum of every row.
+
+SQLite finds a page out of shape, and not a letter or a figure that has become another one. The checksums do, but take
+their time; rows that a copy of the ledger holds alike, which was looked through when it was made, are passed over.
+"""
+
+import sqlite3
+import zlib
+from collections.abc import Collection, Iterator
+from contextlib import closing, contextmanager
+from json import JSONDecodeError
+from pathlib import Path
+from typing import Any
+
+from sqlalchemy import Connection, FromClause, MetaData, Table, and_, create_engine, inspect, or_, select, text
+from sqlalchemy.engine import URL
+from sqlalchemy.exc import DBAPIError
+
+from fieldkit.errors import LedgerError
+from fieldkit.ledger.checksums import CHECKSUM, check
+from fieldkit.ledger.logs import check_logs
+from fieldkit.ledger.rows import DamagedRow
+from fieldkit.ledger.schema import STEPS, missing, version
+from fieldkit.ledger.tables import flights, logs, metadata, tags
+
+PATIENCE = 15.0
+"""How long a command or a copy waits for a process that is writing. [s]"""
+Keys = Collection[tuple[Any, ...]]
+"""Primary keys of rows."""
+
+_DAMAGE = ("SQLITE_CORRUPT", "SQLITE_NOTADB")
+_PAST = "past"
+
+
+def opened(file: Path) -> closing[sqlite3.Connection]:
+    """A database for a `with`."""
+    return closing(sqlite3.connect(file, timeout=PATIENCE))
+
+
+def fault(file: Path, *, since: Path | None = None) -> str:
+    """What is wrong with a ledger's file, in a line; empty for a sound one. Raises sqlite3.Error.
+
+    `since` is a sound copy of it.
+    """
+    return file_fault(file) or row_fault(file, since=since)
+
+
+def file_fault(file: Path, *, thorough: bool = False) -> str:
+    """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error.
+
+    A `thorough` look also lays every index beside its table, which takes longer.
+    """
+    check = "integrity_check" if thorough else "quick_check"
+    try:
+        with opened(file) as ledger:
+            said = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
+    except sqlite3.DatabaseError as error:
+        said = _damage(error)
+    return "" if said == "ok" else said
+
+
+def row_fault(file: Path, *, since: Path | None = None) -> str:
+    """The first row of a ledger that does not say what was written; empty for none. Raises sqlite3.Error.
+
+    Rows alike in `since`, a sound copy, are passed over. So are all of a newer fieldkit, whose columns are not known.
+    """
+    with _connected(file) as connection:
+        try:
+            return _first_fault(connection, _unlike(connection, since) if since else {})
+        except LedgerError:
+            return ""
+        except (DamagedRow, JSONDecodeError, UnicodeDecodeError, zlib.error) as error:
+            return str(error)
+        except DBAPIError as error:
+            if not isinstance(error.orig, sqlite3.DatabaseError):
+                raise
+            return _damage(error.orig)
+
+
+def _damage(error: sqlite3.DatabaseError) -> str:
+    """What SQLite says of damage, in a line; any other trouble is raised again."""
+    said = " ".join(str(error).split())
+    if getattr(error, "sqlite_errorname", "").startswith(_DAMAGE) or said.startswith("Could not decode"):
+        return said
+    raise error
+
+
+@contextmanager
+def _connected(file: Path) -> Iterator[Connection]:
+    engine = create_engine(URL.create("sqlite", database=str(file)), connect_args={"timeout": PATIENCE})
+    try:
+        with engine.connect() as connection:
+            yield connection
+    finally:
+        engine.dispose()
+
+
+def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
+    """Rows that a copy has otherwise or not at all, by table; empty for a copy that is damaged or has other tables."""
+    try:
+        connection.execute(text(f"ATTACH :copy AS {_PAST}"), {"copy": str(copy)})
+        step = f"SELECT :newest IN (SELECT version_num FROM {_PAST}.alembic_version)"
+        newest = connection.scalar(text(step), {"newest": STEPS[-1]})
+        return {table: _changed(connection, table) for table in metadata.sorted_tables} if newest else {}
+    except DBAPIError:
+        return {}
+
+
+def _first_fault(connection: Connection, unlike: dict[Table, Keys]) -> str:
+    """What a ledger has lost, empty for nothing. Raises DamagedRow for the first bad row, of those named or of all."""
+    if version(connection) == STEPS[-1] and (lost := missing(connection)):
+        return lost
+    if stray := connection.execute(text("PRAGMA main.foreign_key_check")).first():
+        return f"a row of {stray[0]} names one of {stray[2]} that is gone"
+    there = inspect(connection)
+    for table in (table for table in metadata.sorted_tables if there.has_table(table.name)):
+        names = {column["name"] for column in there.get_columns(table.name)}
+        keys = unlike[table] if table in unlike else _all(connection, table)
+        if CHECKSUM in names:
+            check(connection, table, keys, [one for one in table.columns if one.name in names])
+        elif table is logs:
+            check_logs(connection, [digest for (digest,) in keys])
+    return ""
+
+
+def _all(connection: Connection, table: Table) -> Keys:
+    return [tuple(row) for row in connection.execute(select(*table.primary_key))]
+
+
+def _changed(connection: Connection, table: Table) -> Keys:
+    """Rows that the copy has otherwise or not at all; flights too that have other tags, which count to them."""
+    past = _past(table)
+    at = and_(*(column == past.c[column.name] for column in table.primary_key))
+    other = or_(*(column.is_distinct_from(past.c[column.name]) for column in table.columns))
+    found = {tuple(row) for row in connection.execute(select(*table.primary_key).outerjoin(past, at).where(other))}
+    return found | _retagged(connection) if table is flights else found
+
+
+def _past(table: Table) -> FromClause:
+    """A table as it is in the copy; by a name of its own, for both have the same."""
+    return table.to_metadata(MetaData(), schema=_PAST).alias(f"{_PAST}_{table.name}")
+
+
+def _retagged(connection: Connection) -> set[tuple[Any, ...]]:
+    past = _past(tags)
+    gone = select(past).except_(select(tags)).subquery()
+    new = select(tags).except_(select(past)).subquery()
+    return {tuple(row) for row in connection.execute(select(gone.c.entry).union(select(new.c.entry)))}
