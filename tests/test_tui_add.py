@@ -8,7 +8,7 @@ from fieldkit.flight import READOUTS
 from fieldkit.form import DRAFT
 from fieldkit.ledger import Ledger
 from fieldkit.tui.screens.add import AddScreen
-from tests.pressing import frozen, opened, press, season, shown, typed, words
+from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
 CHECK_SHAPES = False
 
@@ -101,6 +101,23 @@ async def test_another_rocket_suggests_other_answers(file: Path) -> None:
         screen.field("config").line.focus()
         await press(pilot, *typed("A"), "enter")
         assert screen.field("dry_mass").line.value == "322 g"
+
+
+async def test_a_digit_too_many_is_noted_by_the_flights_before_on_this_motor(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("1940"))
+        assert "apogee 1940 m is 9.9 times the usual 196.3 m of this rocket and motor" in told(pilot, "#says")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        screen.field("motor").line.focus()
+        await press(pilot, "ctrl+u", *typed("E35"), "enter", "_")
+        screen.field("apogee").line.focus()
+        await press(pilot, "_")
+        assert "times the usual" in told(pilot, "#says")
+        screen.field("motor").line.focus()
+        await press(pilot, "ctrl+u", *typed("G80"), "enter", "_")
+        screen.field("apogee").line.focus()
+        assert "times the usual" not in told(pilot, "#says")
 
 
 async def test_an_unknown_motor_is_said_with_the_nearest(file: Path) -> None:

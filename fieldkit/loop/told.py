@@ -21,7 +21,7 @@ def in_words(prediction: Prediction) -> Iterator[str]:
     yield f"  Cd        {prediction.cd.mean():.2f} +/- {prediction.cd.std():.2f}"
     yield f"  alpha     {prediction.alpha.mean():.3f} +/- {prediction.alpha.std():.3f}"
     yield f"  rests on  {_rests_on(prediction)}"
-    yield f"  narrows   {_narrows(prediction)}"
+    yield f"  narrows   {narrows(prediction)}"
     if prediction.earlier_forecasts:
         yield (
             f"            the interval is {prediction.stretched_by:.2f} times the model's own, as "
@@ -44,7 +44,7 @@ def _rests_on(prediction: Prediction) -> str:
     return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
 
 
-def _narrows(prediction: Prediction) -> str:
+def narrows(prediction: Prediction) -> str:
     """What more flights would do to the interval, and what they would not."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
     return f"by {one:.0%} after one more clean flight like it, by {many:.0%} after many"

@@ -110,6 +110,7 @@ def interval(said: "Prediction", system: str) -> str:
 def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
     """What stands below the hill, name and value."""
     from fieldkit.loop.prediction import median
+    from fieldkit.loop.told import narrows
     from fieldkit.plan.air import air_of
 
     said = one.prediction
@@ -127,6 +128,7 @@ def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
         ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
         ("air", air_of(said.plan).words()),
         ("rests on", plan.rests_on),
+        ("narrows", narrows(said)),
         ("note", "; ".join([*said.found.notes, *said.left_out])),
     ]
 

@@ -77,6 +77,7 @@ class AddScreen(PageScreen):
         self._touched: set[str] = set()
         self._units: dict[str, str] = {}
         self._said = Answered(Flight(), {})
+        self._before: list[Flight] = []
         self._writing = self._dirty = False
 
     def on_mount(self) -> None:
@@ -121,6 +122,7 @@ class AddScreen(PageScreen):
             unread = [name for name in READ if name not in self._touched]
             self.set_focus(self.field((named or unread or READ)[0]).line)
         self._look()
+        self._ask_before()
 
     def _fill(self, texts: Mapping[str, str]) -> None:
         """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
@@ -164,7 +166,15 @@ class AddScreen(PageScreen):
 
     def _read(self) -> Answered:
         units = {name: self.unit(question) for name, question in BY_NAME.items()}
-        return answered({name: self.field(name).answer for name in BY_NAME}, units)
+        return answered({name: self.field(name).answer for name in BY_NAME}, units, self._before)
+
+    def _ask_before(self) -> None:
+        """Look up what this rocket flew on this motor, beside which a slip shows."""
+        self.ask(partial(self._draft.before, self._said.flight), self._known_before, "before")
+
+    def _known_before(self, flights: list[Flight]) -> None:
+        self._before = flights
+        self._look()
 
     def _in_hand(self) -> None:
         """The field in hand, large, with what it means and what the figures say together."""
@@ -228,6 +238,7 @@ class AddScreen(PageScreen):
         if question.name in ("rocket", "config"):
             self._offer_again()
         if question.name == "motor" and event.value:
+            self._ask_before()
             self.ask(partial(self._draft.motor_trouble, event.value), self._say_motor, "motor")
 
     def _say_motor(self, trouble: str) -> None:
@@ -241,6 +252,7 @@ class AddScreen(PageScreen):
     def _offered(self, offers: dict[str, str]) -> None:
         self._fill(offers)
         self._look()
+        self._ask_before()
 
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:

@@ -61,6 +61,7 @@ class NextScreen(PageScreen):
             ("off rail", "Speed at the end of the rail. Below 15 m/s fins may not hold the rocket straight."),
             ("T:W", "Thrust over weight, first half second and average: 5 is good, below 3 is not safe."),
             ("Cd, alpha", "Drag of the rocket and thrust of the motor that the flight is forecast with, and how sure."),
+            ("narrows", "What more such flights would take off the 90 %; the rest is how single flights differ."),
             *((question.title, question.help) for question in QUESTIONS),
         ),
         ("fieldkit predict --motor F24-4W --config A --wind 8mph", "fieldkit motors --fit ROCKET --target 800ft"),
