@@ -37,6 +37,8 @@ pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason
 
 QUICK = Wishes(wait=30, silence=30, reconnect=30)
 BRIEF = replace(QUICK, silence=0.6)
+LASTING = replace(QUICK, silence=3.0)
+"""For a megabyte, which a busy machine takes seconds to bring."""
 
 
 @pytest.fixture(autouse=True)
@@ -481,7 +483,7 @@ def test_a_memory_with_a_megabyte_of_nothing_in_its_answers_is_what_it_would_hav
     with played(unit()) as wire:
         calm = ended(heard(wire, device, tmp_path, BRIEF))
     with played(devices.flooded(unit(), after * place, FLOOD + b"\r\n")) as wire:
-        end = ended(heard(wire, device, tmp_path, BRIEF))
+        end = ended(heard(wire, device, tmp_path, LASTING))
     assert end.whole
     assert len(read_capture(end.file).raw) > 1_000_000
     for log, wanted in zip(logs_in(end.file), logs_in(calm.file), strict=True):
@@ -498,7 +500,7 @@ def test_a_megabyte_of_nothing_in_a_stream_costs_the_line_that_it_tears(
     after = len(said + b"".join(lines[:half])) + 2
     with played(devices.flooded(unit(lines), after, FLOOD)) as wire:
         stop = devices.arrived(tmp_path, said + b"".join(lines) + FLOOD)
-        end = ended(heard(wire, device, tmp_path, BRIEF, stop if device != "blue_raven" else lambda: False))
+        end = ended(heard(wire, device, tmp_path, LASTING, stop if device != "blue_raven" else lambda: False))
     (log,) = logs_in(end.file)
     kept = [line.rpartition(b",")[2] if device == "stratologger" else line for line in log.content.splitlines()]
     wanted = [line.strip() for line in [*lines[:half], *lines[half + 1 :]] if line.strip()]
