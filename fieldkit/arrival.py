@@ -1,11 +1,15 @@
 """A flight on its way into the ledger, with the bytes it was read from."""
 
 import hashlib
+import io
 import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fieldkit.flight import Flight
+
+_PIECE = 1 << 20
+"""So much of a log is packed at a time. [bytes]"""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -19,7 +23,16 @@ class Original:
     @classmethod
     def of(cls, content: bytes) -> "Original":
         """A log's bytes, packed."""
-        return cls(digest_of(content), len(content), zlib.compress(content))
+        return cls(digest_of(content), len(content), _packed(content))
+
+
+def _packed(content: bytes) -> bytes:
+    """The bytes as zlib packs them, piece by piece: at once it would hold what it has packed of a long log twice."""
+    packer, packed, view = zlib.compressobj(), io.BytesIO(), memoryview(content)
+    for start in range(0, len(content), _PIECE):
+        packed.write(packer.compress(view[start : start + _PIECE]))
+    packed.write(packer.flush())
+    return packed.getvalue()
 
 
 def digest_of(content: bytes) -> str:

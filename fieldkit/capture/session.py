@@ -114,32 +114,14 @@ def _run(
     link = Link(line, stop)
     if wishes.seconds is not None:
         link.ends = time.monotonic() + wishes.seconds
-    why, whole = "", False
-    losses, at_loss = 0, -1
     try:
         yield Opened(port.name, name, tape.file)
-        while True:
-            try:
-                if not link.line.protocol:
-                    yield from _recognise(link, wishes)
-                whole = yield from _converse(link, wishes)
-                why = "all is read" if whole and not link.open_ended else "it went silent"
-                break
-            except PortLost as lost:
-                losses, at_loss = (losses + 1 if link.heard == at_loss else 0), link.heard
-                if losses > MOST_LOSSES:
-                    raise
-                tape.note(lost=str(lost))
-                yield Lost(link.line.name, str(lost))
-                link.line.close()
-                link.forget()
-                time.sleep(losses * PAUSE)
-                link.line = yield from _reopened(link, port, settings, wishes.reconnect, look, lost)
-                yield Back(link.line.name)
+        whole = yield from _to_the_end(link, port, settings, wishes, look)
+        why = "all is read" if whole and not link.open_ended else "it went silent"
     except Stopped as stopped:
         why, whole = str(stopped), link.open_ended and link.samples > 0
     except PortLost as lost:
-        why = str(lost)
+        why, whole = str(lost), False
     except FieldkitError:
         raise
     except Exception:
@@ -152,6 +134,30 @@ def _run(
     tape.close()
     yield link.progress()
     yield Ended(tape.file, link.line.protocol, tape.size, link.samples, link.damaged, why, whole, dict(link.about))
+
+
+def _to_the_end(link: Link, port: Port, settings: Settings, wishes: Wishes, look: Look) -> Talk[bool]:
+    """Talk until a unit has told what it has, over cables that are pulled; whether it is whole.
+
+    Raises PortLost where it stays away, or is lost again and again and says nothing between.
+    """
+    losses, at_loss = 0, -1
+    while True:
+        try:
+            if not link.line.protocol:
+                yield from _recognise(link, wishes)
+            return (yield from _converse(link, wishes))
+        except PortLost as lost:
+            losses, at_loss = (losses + 1 if link.heard == at_loss else 0), link.heard
+            if losses > MOST_LOSSES:
+                raise
+            link.line.tape.note(lost=str(lost))
+            yield Lost(link.line.name, str(lost))
+            link.line.close()
+            link.forget()
+            time.sleep(losses * PAUSE)
+            link.line = yield from _reopened(link, port, settings, wishes.reconnect, look, lost)
+            yield Back(link.line.name)
 
 
 def _converse(link: Link, wishes: Wishes) -> Talk[bool]:

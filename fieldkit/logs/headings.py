@@ -43,12 +43,12 @@ DEGREES = {"deg": Unit(1.0), "°": Unit(1.0), "": Unit(1.0)}
 """Latitude and longitude are degrees wherever no other unit is written."""
 
 _WORDS = {
-    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi",
+    "s": "second seconds sec secs sekunde sekunden secondes segundos secondi с сек",
     "ms": "millisecond milliseconds millis msec",
     "us": "microsecond microseconds micros usec μs",
     "ns": "nanosecond nanoseconds nanos nsec",
     "min": "minute minutes",
-    "m": "meter meters metre metres mtr metro metros mètre mètres metri",
+    "m": "meter meters metre metres mtr metro metros mètre mètres metri м",
     "ft": "foot feet",
     "in": "inch inches",
     "pa": "pascal pascals",
@@ -150,10 +150,12 @@ _NOT_A_SAMPLE = _set(
 )
 _WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
 _TIME = _set(
-    "time t ts timestamp millis micros elapsed met timems times clock epoch zeit temps tiempo tempo tijd tid čas czas"
+    "time t ts timestamp millis micros elapsed met timems times clock epoch unix unixtime "
+    "zeit temps tiempo tempo tijd tid čas czas время час idő aika 时间 時間 시간"
 )
 _HEIGHT = _set(
-    "alt altitude height altura hoehe höhe altitud hauteur altezza quota hoogte höjd højde høyde wysokość výška"
+    "alt altitude height altura hoehe höhe altitud hauteur altezza quota hoogte höjd højde høyde wysokość výška "
+    "altitudine высота висота yükseklik magasság korkeus 高度 고도"
 )
 _SPEED = _set("velocity vel speed veloc vz velz vely velx")
 _ACCEL = _set("accel acceleration acc a accelerometer ax ay az accx accy accz accelx accely accelz")
@@ -161,6 +163,12 @@ _PRESSURE = _set(
     "pressure press pres baro barometer druck luftdruck pression presión pressione luchtdruk lufttryck tlak"
 )
 _TOTAL = _set("total magnitude norm resultant mag abs sum")
+_SINCE = _set("since from launch liftoff lift off ignition start startup boot power on begin beginning")
+"""Words of a clock that says where it began."""
+_SECONDS = (("sec",), ("secs",), ("seconds",))
+"""A clock that has its unit for a name."""
+_LETTERS = {"h": ("altitude", "length"), "p": ("pressure", "pressure")}
+"""Letters that are names where a unit of their quantity is beside them."""
 
 
 def channel(head: Heading) -> str:
@@ -169,6 +177,13 @@ def channel(head: Heading) -> str:
     `acceleration` without a word on gravity is felt or not: it comes back as `felt?`.
     """
     words = set(head.words)
+    letter, quantity = _LETTERS.get(" ".join(head.words), ("", ""))
+    if letter and head.unit and unit_named(quantity, head.unit):
+        return letter
+    if words & _HEIGHT and {"above", "ground"} <= words:
+        words -= {"ground"}
+    if (words & _TIME and words & {"since", "from"} and words <= _TIME | _SINCE) or head.words in _SECONDS:
+        return "time"
     if head.unit and unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
     axis = next((axis for axis in "xyz" if words & {axis, f"a{axis}", f"acc{axis}", f"accel{axis}"}), "")

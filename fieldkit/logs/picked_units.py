@@ -49,7 +49,8 @@ def units_of(
         units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
     left_out = []
     for name, pick in by_channel.items():
-        if name not in units and (name in VITAL or pick.chosen):
+        spare = name in ("altitude_msl", "pressure") and "altitude" in units
+        if name not in units and (pick.chosen or (name in VITAL and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that settles it"
             column = pick.name.split("[")[0].split("(")[0].strip() or pick.name

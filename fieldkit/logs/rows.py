@@ -211,16 +211,14 @@ class Rows:
             kept = kept | (np.diff(np.concatenate(column), prepend=np.array([-1])) != 0)
         kept = kept if kept.mean() < 0.75 else every_other  # words that change in every row mark nothing
         for i, column in enumerate(self.columns):
-            whole = np.concatenate(column)
-            column.clear()
-            self.columns[i] = [whole[kept]]
+            self.columns[i] = [self._joined(column)[kept]]
         self.kept = int(kept.sum())
 
     def table(self, *, cut: bool) -> Table:
         """What was kept. Raises DamagedLog if that is nothing."""
         if not self.kept:
             raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
-        rows, *columns = [np.concatenate(column) for column in self.columns]
+        rows, *columns = [self._joined(column) for column in self.columns]
         short = cut and rows[-1] == self.last and self._ends_short()
         if short:
             rows, *columns = [column[:-1] for column in (rows, *columns)]
@@ -230,6 +228,13 @@ class Rows:
         words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
         found = tuple(self._found(cut, short))
         return Table(values, rows.astype(np.int64), words, tuple(self.remarks), found)
+
+    @staticmethod
+    def _joined(column: list[np.ndarray[Any, Any]]) -> np.ndarray[Any, Any]:
+        """The pieces of a column as one, and let go: a long log's are not kept twice."""
+        whole = np.concatenate(column)
+        column.clear()
+        return whole
 
     def _ends_short(self) -> bool:
         """Whether the last cell of all has fewer decimals than each of many before it, or less of anything."""

@@ -102,8 +102,9 @@ def read_simulation(
         columns = ", ".join(map(shown, headers[:20]))
         raise DamagedLog(f"found no column of {min(missing)} with its unit among {columns}", row=after or None)
     table = read_columns(log, channels, after=after, separator=separator, comment=comment)
-    values = {name: np.where(np.abs(column) < 1e12, column, np.nan) for name, column in table.values.items()}
-    table = replace(table, values={**values, "time": table.values["time"]})
+    for name in table.values.keys() - {"time"}:
+        column = table.values[name]
+        column[~(np.abs(column) < 1e12)] = np.nan
     parts, found = table.flights()
     readings = [
         Reading(row=int(part.rows[0]), describes="simulation", series=_vertical(part).series(), device=device)
