@@ -1,8 +1,8 @@
-"""Text from a log or a table, made harmless for a terminal and for a spreadsheet.
+"""Text from a log or a table, made harmless for a terminal, for a spreadsheet and for a page of Markdown.
 
 The ledger keeps a text as it came; a screen or a message shows it through `printable`, a table that is exported
-holds it as `as_cell`. Square brackets stay: what draws with rich wraps a text in `rich.text.Text` or
-`rich.markup.escape`.
+holds it as `as_cell`, a page `as_markdown`. Square brackets stay: what draws with rich wraps a text in
+`rich.text.Text` or `rich.markup.escape`.
 """
 
 import re
@@ -47,3 +47,19 @@ def as_cell(text: str) -> str:
 def from_cell(cell: str) -> str:
     """The text that `as_cell` made a cell of."""
     return cell[1:] if cell.startswith("'") and _FORMULA.match(cell) else cell
+
+
+def as_markdown(text: str) -> str:
+    """A text that Markdown takes for nothing but text: on one line, its marks escaped, no tags and no links.
+
+    Source: CommonMark 0.31, 2.4: any ASCII punctuation may be escaped with a backslash.
+    """
+    plain = printable(text).replace("&", "&amp;").replace("<", "&lt;")
+    quoted = re.sub(r"([\\`*_{}\[\]()#!|~^=>$]|^[+-](?=[+\s-]|$))", r"\\\1", plain)
+    return re.sub(r"(?i)\b(https?|ftp|mailto)(?=:)|(?<=www)\.|@|^(\d+)\.(?=\s|$)", _unlinked, quoted)
+
+
+def _unlinked(mark: re.Match[str]) -> str:
+    """What some readers of Markdown would make a link or a list of, as characters by number."""
+    text = mark.group()
+    return text[:-1] + f"&#{ord(text[-1])};"

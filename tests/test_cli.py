@@ -216,7 +216,17 @@ def test_a_log_fills_the_readouts_that_its_row_leaves_open(run: Run, table: Path
     assert (said["apogee_m"], said["duration_s"]) == (281.3, 48.5)
 
 
-@pytest.mark.parametrize("path", ["../secret.txt", "/etc/hostname", "link/secret.txt"])
+@pytest.mark.parametrize("path", ["logs/one.csv", "logs\\one.csv", ".\\logs\\one.csv"])
+def test_a_table_of_another_system_finds_its_logs(run: Run, table: Path, path: str) -> None:
+    (table.parent / "logs").mkdir()
+    one = "flight_id,rocket,motor,apogee_m,duration_s\n1,Astra,F24-4W,300,48.5\n"
+    (table.parent / "logs" / "one.csv").write_text(one, encoding="utf-8")
+    table.write_text(TABLE.replace("good,,", f"good,{path},"), encoding="utf-8")
+    run("import", table)
+    assert run("show", "1", "--json").document["duration_s"] == 48.5
+
+
+@pytest.mark.parametrize("path", ["../secret.txt", "..\\secret.txt", "/etc/hostname", "link/secret.txt"])
 def test_a_log_outside_the_tables_folder_is_never_read(run: Run, tmp_path: Path, path: str) -> None:
     (tmp_path / "secret.txt").write_text("secret")
     folder = tmp_path / "folder"

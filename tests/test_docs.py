@@ -153,6 +153,16 @@ def test_ci_runs_the_second_command_as_it_stands() -> None:
     assert TESTS in [line.strip() for line in (ROOT / ".ci" / "run").read_text().splitlines()]
 
 
+def test_what_the_manual_says_that_the_program_says_is_in_the_program() -> None:
+    sources = [path for folder in ("fieldkit", "parsers") for path in (ROOT / folder).rglob("*.py")]
+    program = "".join(re.sub(r'"\s+f?"', "", path.read_text(encoding="utf-8")) for path in sources)  # parted texts
+    heads = re.findall(r"^\*\*(.*?)\*\*", PAGES["troubleshooting"], flags=re.MULTILINE)
+    said = [words for head in heads for words in re.findall(r"`([^`]+)`", head)]
+    missing = [words for words in said if re.sub(r"^(1|the file is) ", "", words) not in program]
+    assert len(said) > 8
+    assert missing == ["fieldkit: command not found"], "a shell's own words"
+
+
 def test_the_first_command_ends_in_the_demo() -> None:
     assert "pip install ." in SETUP
     assert SETUP.endswith("fieldkit demo")

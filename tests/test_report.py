@@ -15,7 +15,8 @@ from fieldkit.motors import catalogue
 from fieldkit.report.book import Book, book, table
 from fieldkit.report.paper import PER_PAGE, headline, pages, remarks
 from fieldkit.report.style import A4, styled
-from fieldkit.report.write import check_report, escaped, write_report
+from fieldkit.report.write import check_report, write_report
+from fieldkit.safe_text import as_markdown
 from tests.pages import Page
 
 CHECK_SHAPES = False
@@ -153,7 +154,7 @@ def test_names_from_files_are_text_in_markdown(day: Book, tmp_path: Path) -> Non
     ],
 )
 def test_marks_of_markdown_are_escaped(text: str, safe: str) -> None:
-    assert escaped(text) == safe
+    assert as_markdown(text) == safe
 
 
 def test_paper_is_a4_a_card_a_page(day: Book, tmp_path: Path) -> None:

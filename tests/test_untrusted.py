@@ -7,8 +7,9 @@ import json
 import os
 import sys
 import unicodedata
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 import typer
@@ -25,6 +26,7 @@ from fieldkit.intake import read_file
 from fieldkit.ledger import Ledger
 from fieldkit.motors import own
 from fieldkit.safe_text import as_cell, from_cell
+from tests.test_openrocket import design
 
 ROOT = Path(__file__).parents[1]
 HOSTILE = {
@@ -195,39 +197,50 @@ def test_nothing_is_ever_unpickled() -> None:
 # --- No network
 
 FLIGHTS = str(ROOT / "fieldkit" / "data" / "reference_flights.csv")
+ROCKET = "\x1b[2J[red]x[/] [/n] a\u202eb <b>{1}"
 COMMANDS: dict[str, list[str]] = {
-    "import": [FLIGHTS],
+    "import": ["TABLE"],
     "export": [],
     "capture": ["--list"],
-    "add": ["--rocket", "Astra", "--apogee", "100m"],
+    "add": ["--rocket", ROCKET, "--motor", "F24-4W", "--apogee", "100m", "--notes", ROCKET, "--site", ROCKET],
     "flights": [],
     "show": ["1"],
     "edit": ["1", "notes=x"],
-    "tag": ["1", "mine"],
-    "untag": ["1", "mine"],
+    "tag": ["1", ROCKET],
+    "untag": ["1", ROCKET],
     "remove": ["1"],
     "undo": [],
-    "sites": ["North field", "--elevation", "212m"],
-    "remeasure": [],
-    "predictions": [],
-    "report": ["2"],
-    "ork": ["missing.ork"],
     "redo": [],
+    "sites": [ROCKET, "--elevation", "212m"],
+    "remeasure": [],
+    "report": ["2", "--out", "card.md"],
+    "ork": ["DESIGN"],
     "history": [],
     "backups": [],
+    "backups restore": ["--yes"],
     "docs": ["start"],
     "motors": ["F24"],
     "model": [],
     "simulate": ["--motor", "F24-4W", "--dry-mass", "322g", "--diameter", "66mm", "--cd", "0.6"],
-    "compare": [str(ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2")] * 2,
+    "compare": ["LOG", "LOG"],
     "infer": ["2"],
     "predict": ["--motor", "F24-4W", "--config", "A"],
-    "tui": [],
+    "predictions": [],
 }
 """Every command, as far as it takes moments, in an order in which each finds what it needs."""
-LONG = {"demo", "loop", "score", "study", "paper", "train", "delay", "ballast", "contest"}
-ASKED_FOR = {"serve"}
-"""Commands that are there to listen."""
+LONG = {
+    "demo": [],
+    "loop": [],
+    "score": [],
+    "paper": [],
+    "study reference": [],
+    "study rockets": [],
+    "delay": ["--motor", "F24-4W"],
+    "ballast": ["--motor", "F24-4W", "--target", "240m"],
+    "contest": ["--season", "2026"],
+}
+APART = {"serve", "tui", "train"}
+"""Commands that are there to listen, that want a terminal, and that run for hours in processes of their own."""
 REACHING = {"socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto", "socket.sendmsg", "urllib.Request"}
 _forbidden: list[str] | None = None
 
@@ -248,20 +261,64 @@ def sockets() -> Iterator[list[str]]:
     _forbidden = None
 
 
-def test_no_command_reaches_for_a_network(sockets: list[str], capsys: pytest.CaptureFixture[str]) -> None:
-    listed = set(typer.main.get_command(app).commands)  # type: ignore[attr-defined]
-    assert listed - LONG - ASKED_FOR <= set(COMMANDS), "a new command is to be tried here too"
-    for command, arguments in COMMANDS.items():
-        main([command, *arguments])
+def leaves(command: Any, words: tuple[str, ...] = ()) -> Iterator[str]:
+    """Every command that does something, with the words that lead to it."""
+    below = getattr(command, "commands", {})
+    if words and (not below or command.invoke_without_command):
+        yield " ".join(words)
+    for word, one in below.items():
+        yield from leaves(one, (*words, word))
+
+
+def test_every_command_is_tried_here() -> None:
+    assert {*COMMANDS, *LONG, *APART} == set(leaves(typer.main.get_command(app)))
+
+
+@pytest.fixture
+def asked(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Callable[[str, list[str]], list[str]]:
+    """The words of a command, of flights of a rocket with a hostile name, in a folder where all it names is there."""
+    monkeypatch.chdir(tmp_path)
+    log = next((ROOT / "sample_logs").glob("perfectflite__drogue*")).read_bytes()
+    odd = "".join(c for c in ROCKET if c not in "<>/" and (c >= " " or sys.platform != "win32"))
+    named = {name: Path(f"{odd}.{name.lower()}") for name in ("TABLE", "DESIGN", "LOG")}
+    named["TABLE"].write_text(Path(FLIGHTS).read_text(encoding="utf-8").replace("Astra", ROCKET), encoding="utf-8")
+    named["DESIGN"].write_text(design().replace("Skylark", "a\u202eb[red]"), encoding="utf-8")
+    named["LOG"].write_bytes(log)
+    motors = tmp_path / "home" / "motors"
+    motors.mkdir(parents=True)
+    (motors / "mine.eng").write_text("F24\x1b[2J[red] 24 70 4 0.02 0.05 \u202eMe\n0.1 50\n1.0 0\n;\n", encoding="utf-8")
+    return lambda command, words: [*command.split(), *(str(named.get(word, word)) for word in words)]
+
+
+def harmless(captured: tuple[str, str]) -> bool:
+    """Whether nothing was printed that a terminal would obey."""
+    return not {c for c in "".join(captured) if unicodedata.category(c) in ("Cc", "Cf", "Cs") and c != "\n"}
+
+
+def test_no_command_reaches_for_a_network_or_lets_a_terminal_obey_a_name(
+    sockets: list[str],
+    asked: Callable[[str, list[str]], list[str]],
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    monkeypatch.setattr("sys.stdout.isatty", lambda: True)
+    monkeypatch.setenv("TERM", "dumb")  # no colours of our own
+    for command, words in COMMANDS.items():
+        assert main(asked(command, words)) == 0, (command, capsys.readouterr())
         assert not sockets, command
-    capsys.readouterr()
+        assert harmless(capsys.readouterr()), command
+    assert harmless((Path("card.md").read_text(encoding="utf-8"), ""))
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "arguments", [["demo"], ["loop"], ["score"], ["paper"], ["study", "rockets"], ["delay", "--motor", "F24-4W"]]
-)
-def test_no_long_command_reaches_for_a_network(arguments: list[str], sockets: list[str]) -> None:
-    main(["import", FLIGHTS])
-    main(arguments)
+@pytest.mark.parametrize("command", LONG)
+def test_no_long_command_does_either(
+    command: str,
+    sockets: list[str],
+    asked: Callable[[str, list[str]], list[str]],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(asked("import", ["TABLE"]))
+    assert main(asked(command, LONG[command])) == 0, capsys.readouterr()
     assert not sockets
+    assert harmless(capsys.readouterr())

@@ -1,13 +1,16 @@
 """Writes the pages of the manual that follow from the program: `python tools/manual.py`.
 
 `commands.md` from the command line and `docs/examples.sh`, `effects.md` from the shelf of effects, `models.md` from the
-cards of the trained ensembles. A test compares them with what is there.
+cards of the trained ensembles, `map.md` from the layers in `pyproject.toml` and the first words of the code. A test
+compares them with what is there.
 """
 
+import ast
 import html
 import math
 import re
 import shlex
+import tomllib
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -169,10 +172,51 @@ def _told(value: Any) -> str:
     return f"`{value}`" if "--" in str(value) else str(value)
 
 
+def code_map() -> str:
+    """Where what is in the code: a row a package, those that may import others above those."""
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
+    layers = project["tool"]["importlinter"]["contracts"][0]["layers"]
+    rows = [f"| {_linked(name)} | {_first_words(name)} |" for layer in layers for name in re.findall(r"\w+", layer)]
+    return f"""# The map of the code
+
+Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/parsing/`, a row of the ledger in
+`fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/inference/flights.py`, a forecast in `fieldkit/loop/predict.py`,
+and what it missed becomes a better model in `fieldkit/loop/diagnose.py`. A module imports what stands below it in this
+table and nothing above; `lint-imports` keeps it so. Each says in its first lines what it is for.
+{WRITTEN_BY}
+
+| in `fieldkit/` | what it is |
+|---|---|
+{chr(10).join(rows)}
+
+| beside it | what it is |
+|---|---|
+| `parsers/` | a file for every logger or table format ([how to add one](extending.md)) |
+| `models/effects/` | a file for every [effect](effects.md) |
+| `models/trained/` | a folder for every [ensemble](models.md) |
+| `sample_logs/` | a log or more for every parser, `PARSER__what_happened.suffix` |
+| `bench/` | a simulator of its own, what [judges the loop](undeclared-effects.md) by it, [the fault bench](faults.md) |
+| `tools/` | what makes pages, pictures, the motor catalogue and the samples |
+| `tests/` | contracts over whatever is on the shelves, laws, golden figures, screens, and benchmarks (`bench_*.py`) |
+"""
+
+
+def _linked(name: str) -> str:
+    return f"`{name}/`" if (ROOT / "fieldkit" / name).is_dir() else f"`{name}.py`"
+
+
+def _first_words(name: str) -> str:
+    """The first paragraph of a module's docstring, on one line."""
+    folder = ROOT / "fieldkit" / name
+    file = folder / "__init__.py" if folder.is_dir() else folder.with_suffix(".py")
+    said = ast.get_docstring(ast.parse(file.read_text(encoding="utf-8"))) or ""
+    return " ".join(said.split("\n\n")[0].split()).replace("|", "\\|")
+
+
 def pages() -> Iterator[tuple[Path, str]]:
     """Every page that this writes, with its text."""
-    for name, text in {"commands": commands(), "effects": effect_table(), "models": model_cards()}.items():
-        yield DOCS / f"{name}.md", text
+    for name, write in {"commands": commands, "effects": effect_table, "models": model_cards, "map": code_map}.items():
+        yield DOCS / f"{name}.md", write()
 
 
 def main() -> None:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, say, say_wrapped
+from fieldkit.cli.screen import complain, print_json, say, say_lines, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
@@ -143,7 +143,9 @@ def export(
         text = json.dumps({"flights": [document(one) for one in flights]}, indent=2, allow_nan=False) + "\n"
     else:
         text = csv_table(flights)
-    if file is None:
+    if file is None and sys.stdout.isatty():
+        say_lines(text)
+    elif file is None:
         if isinstance(sys.stdout, TextIOWrapper):
             sys.stdout.reconfigure(encoding="utf-8", newline="")  # whatever the terminal: it is a file on its way
         sys.stdout.write(text)

@@ -18,6 +18,11 @@ def say(text: str = "") -> None:
     sys.stdout.write(printable(text) + "\n")
 
 
+def say_lines(text: str) -> None:
+    """Print a text of several lines."""
+    sys.stdout.write("".join(printable(line) + "\n" for line in text.splitlines()))
+
+
 def say_wrapped(text: str, hanging: str = "") -> None:
     """Print one line of a result on as many as the terminal needs, later ones below its first word and `hanging`."""
     from shutil import get_terminal_size
@@ -58,7 +63,9 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
     table = Table(box=None, pad_edge=False, header_style="bold")
     for header in headers:
         right = header in numbers
-        table.add_column(Text(header), justify="right" if right else "left", no_wrap=right, overflow="ellipsis")
+        table.add_column(
+            Text(printable(header)), justify="right" if right else "left", no_wrap=right, overflow="ellipsis"
+        )
     for row in rows:
         table.add_row(*(Text(printable(cell)) for cell in row))
     Console(highlight=False).print(table)

@@ -47,14 +47,11 @@ def rockets(
 
 
 def _hand_out(page: str, out: Path | None) -> None:
-    import sys
-
-    from fieldkit.cli.screen import complain
+    from fieldkit.cli.screen import complain, say_lines
     from fieldkit.files import write
-    from fieldkit.safe_text import printable
 
     if out is None:
-        sys.stdout.write("".join(printable(line) + "\n" for line in page.splitlines()))
+        say_lines(page)
         return
     write(out, page.encode())
     complain(f"page written to {out}")

@@ -106,12 +106,8 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     flight = arrival.flight
     if not flight.log:
         return arrival, []
-    elsewhere = any(kind(flight.log).anchor for kind in (PurePosixPath, PureWindowsPath))  # also a share on a network
-    path = folder if elsewhere else (folder / flight.log).resolve()
-    if elsewhere or not path.is_relative_to(folder.resolve()):
-        raise BadValue(f"found the log {flight.log!r}, expected a path inside the folder of the table")
     try:
-        content = files.read(path, plain=True)
+        content = files.read(_inside(folder, flight.log), plain=True)
     except OSError as error:
         return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
     try:
@@ -122,6 +118,17 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
     filled = _filled(flight, found.flights)
     return replace(arrival, flight=filled, log=Original.of(content), given=row), list(found.notes)
+
+
+def _inside(folder: Path, log: str) -> Path:
+    """The file that a table in a folder names, on whatever system it was written. Raises BadValue for one outside."""
+    elsewhere = any(kind(log).anchor for kind in (PurePosixPath, PureWindowsPath))  # also a share on a network
+    if not elsewhere:
+        as_named = folder / log
+        path = as_named if os.path.exists(as_named) else folder.joinpath(*PureWindowsPath(log).parts)
+        if path.resolve().is_relative_to(folder.resolve()):
+            return path.resolve()
+    raise BadValue(f"found the log {log!r}, expected a path inside the folder of the table")
 
 
 def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:

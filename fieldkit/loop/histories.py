@@ -19,6 +19,7 @@ from fieldkit.loop.leftover import leftover
 from fieldkit.loop.predict import predict, rocket_model
 from fieldkit.motors import Found
 from fieldkit.progress import Tell, untold
+from fieldkit.safe_text import as_markdown
 from fieldkit.shapes import Array, Float
 
 FEWEST = 4
@@ -154,8 +155,8 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     yield f"| {' | '.join(headers)} |"
     yield f"|{'---|' * len(headers)}"
     for number, one in enumerate(found, start=1):
-        said = one.effect if unnamed or not one.place else f"{one.effect}: {_safe(one.place)}"
-        name = f"{number}" if unnamed else _safe(one.rocket)
+        said = one.effect if unnamed or not one.place else f"{one.effect}: {as_markdown(one.place)}"
+        name = f"{number}" if unnamed else as_markdown(one.rocket)
         yield _row(name, one.flights, said, one.before, one.after, one.inside)
     before, after = (np.concatenate([getattr(one, name) for one in found]) for name in ("before", "after"))
     inside = np.hstack([one.inside for one in found])
@@ -195,7 +196,3 @@ def _changed(found: Sequence[History], old: Array, new: Array) -> str:
         f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90 % "
         "bootstrap interval)."
     )
-
-
-def _safe(text: str) -> str:
-    return text.replace("|", "/").replace("\n", " ")

@@ -1,6 +1,5 @@
 """Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures beside it."""
 
-import re
 from collections.abc import Iterator, Sequence
 from functools import partial
 from pathlib import Path
@@ -16,7 +15,7 @@ from fieldkit.report.loop.pictures import svg
 from fieldkit.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
 from fieldkit.report.pictures import forecast, foretold_flown, log, picture
 from fieldkit.report.style import bound, drawn, styled
-from fieldkit.safe_text import printable
+from fieldkit.safe_text import as_markdown
 
 SUFFIXES = (".html", ".htm", ".pdf", ".png", ".md")
 NUMBERS = (3, 4, 5, 6, 7)
@@ -114,44 +113,27 @@ def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]
 
     if book.summary:
         headers, rows = table(book)
-        lines += [f"# {escaped(book.title)}", "", escaped(book.subtitle), ""]
-        lines += [", ".join(f"{escaped(value)} {what}" for value, what in book.figures) + ".", ""]
+        lines += [f"# {as_markdown(book.title)}", "", as_markdown(book.subtitle), ""]
+        lines += [", ".join(f"{as_markdown(value)} {what}" for value, what in book.figures) + ".", ""]
         yield beside("flights", _overview(book, "png"), "Foretold and flown")
         lines += [*_grid(headers, rows), ""]
-        lines += [piece for one in book.findings for piece in (escaped(one), "")]
+        lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
     for number, card in enumerate(_told(book.cards, tell), start=1):
         title, subtitle = heading(card)
-        lines += [f"{'##' if book.summary else '#'} {escaped(title)}", "", escaped(subtitle), ""]
-        lines += [", ".join(f"{escaped(value)} ({what})" for value, what in headline(card)) + ".", ""]
+        lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
+        lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
         yield beside(f"{number}-forecast", picture(partial(forecast, card=card), (WIDE, 2.2), "png"), "Predicted")
         told = "The log" if card.trace else "The flights of this rocket so far"
         yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), told)
         for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, "SI", "US"), figures), ""]
-        lines += [piece for one in remarks(card) for piece in (escaped(one), "")]
+        lines += [piece for one in remarks(card) for piece in (as_markdown(one), "")]
     yield path, ("\n".join([*lines, FOOT_LINE]) + "\n").encode()
 
 
 def _grid(headers: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
-    yield "| " + " | ".join(escaped(one) for one in headers) + " |"
+    yield "| " + " | ".join(as_markdown(one) for one in headers) + " |"
     yield "|" + "---|" * len(headers)
     for row in rows:
-        yield "| " + " | ".join(escaped(one) for one in row) + " |"
-
-
-def escaped(text: str) -> str:
-    """A text that Markdown takes for nothing but text: on one line, its marks escaped, no tags and no links.
-
-    Source: CommonMark 0.31, 2.4: any ASCII punctuation may be escaped with a backslash.
-    """
-    plain = printable(text)
-    plain = plain.replace("&", "&amp;").replace("<", "&lt;")
-    quoted = re.sub(r"([\\`*_{}\[\]()#!|~^=>$]|^[+-](?=[+\s-]|$))", r"\\\1", plain)
-    return re.sub(r"(?i)\b(https?|ftp|mailto)(?=:)|(?<=www)\.|@|^(\d+)\.(?=\s|$)", _unlinked, quoted)
-
-
-def _unlinked(mark: re.Match[str]) -> str:
-    """What some readers of Markdown would make a link or a list of, as characters by number."""
-    text = mark.group()
-    return text[:-1] + f"&#{ord(text[-1])};"
+        yield "| " + " | ".join(as_markdown(one) for one in row) + " |"
