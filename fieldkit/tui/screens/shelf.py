@@ -220,11 +220,11 @@ class ShelfScreen(PageScreen):
         site = site_form.answered(was, values, texts, system)
 
         def work() -> int:
-            from fieldkit.ledger.sites import put_site
+            from fieldkit.ledger.sites import SITES, with_site
 
-            if site != was:
-                put_site(self.desk.ledger, site, was.name)
-            return self.desk.ledger.edit_all(place.ids, was.name, **changes) if changes and place.ids else 0
+            ledger = self.desk.ledger
+            beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}
+            return ledger.edit_all(place.ids, was.name, beside, **changes)
 
         if changes or site != was:
             self.change(work, partial(self._changed, was.name))
@@ -250,7 +250,9 @@ class ShelfScreen(PageScreen):
             self.change(work, partial(self._changed, what))
 
     def _changed(self, what: str, count: int) -> None:
-        self.tell(f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed")
+        self.tell(
+            f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back"
+        )
         self.field_app.changed()
 
     def _change_setting(self, name: str) -> None:
