@@ -17,6 +17,7 @@ from fieldkit.tui.decisions import AIMS, Answer, Decision
 from fieldkit.tui.fields import Form
 from fieldkit.tui.hanging import hanging
 from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.ledger.sites import Site
@@ -83,8 +84,6 @@ class PlanScreen(PageScreen):
         Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="A larger parachute"),
     ]
     DEFAULT_CSS = """
-    PlanScreen #kinds { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
-        link-background: $panel; }
     PlanScreen VerticalScroll { padding: 0 1; }
     PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
     PlanScreen #beside { margin-top: 1; }
@@ -100,7 +99,7 @@ class PlanScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the one in hand."""
-        yield Static("", id="kinds")
+        yield TabLine(VIEWS, "screen.view")
         with VerticalScroll():
             yield Static("", id="answer")
             yield Static("", id="beside")
@@ -111,10 +110,7 @@ class PlanScreen(PageScreen):
 
     def reload(self) -> None:
         """Work out the answer in hand."""
-        names = (
-            f"[@click=screen.view({at})] {'▸' if at == self._view else ' '}{name} [/]" for at, name in enumerate(VIEWS)
-        )
-        self.query_one("#kinds", Static).update("".join(names))
+        self.query_one(TabLine).front(self._view)
         self._say(Answer(("working it out ...",)))
         self.ask(partial(self._answer, self._view, self.desk.settings), self._say, "plan")
 
