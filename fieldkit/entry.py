@@ -4,7 +4,7 @@ Headless, so that the prompts of `fieldkit add`, `fieldkit edit column=value` an
 take and refuse the same.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import datetime
 from difflib import get_close_matches
@@ -123,10 +123,11 @@ def answer_text(flight: Flight, name: str) -> str:
     return "; ".join(value) if isinstance(value, tuple) else str(value)
 
 
-def oddities(flight: Flight, name: str, before: Sequence[Flight] = ()) -> list[str]:
-    """What is odd about one answer, a phrase each: alone, beside the others, and beside flights `before` it."""
-    every = doubts(flight, before)
-    without = doubts(flight.with_changes(**{name: None}), before) if name in BY_NAME else every
+def oddities(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[str]:
+    """What is odd about one answer, a phrase each: alone, beside the others, and beside the `usual` readouts, which are
+    `sanity.middles`."""
+    every = doubts(flight, usual or {})
+    without = doubts(flight.with_changes(**{name: None}), usual or {}) if name in BY_NAME else every
     return [phrase for phrase in every if phrase not in without]
 
 

@@ -8,6 +8,7 @@ from fieldkit.flight import Column, Flight
 from fieldkit.ledger import Added, Ledger
 from fieldkit.ledger.sites import site_of
 from fieldkit.motors import is_cluster
+from fieldkit.sanity import middles
 
 WEATHER = ("wind", "temperature")
 """Questions whose answers belong to the day."""
@@ -63,12 +64,13 @@ def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
     return flight
 
 
-def before(ledger: Ledger, flight: Flight) -> list[Flight]:
-    """Earlier flights of the same rocket on the same motor, whatever its delay; none where one is not said."""
+def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
+    """The middles of the readouts that the same rocket had on the same motor, whatever its delay; none where one is not
+    said. [SI]"""
     motor = _without_delay(flight.motor)
     if not (flight.rocket and motor):
-        return []
-    return [one for one in ledger.flights(flight.rocket) if _without_delay(one.motor) == motor]
+        return {}
+    return middles(one for one in ledger.flights(flight.rocket) if _without_delay(one.motor) == motor)
 
 
 def _without_delay(motor: str) -> str:

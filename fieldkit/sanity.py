@@ -5,7 +5,7 @@ pen, and the relations that the ten readouts of one flight obey. A figure that i
 """
 
 import math
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping
 from statistics import median
 from types import MappingProxyType
 
@@ -73,9 +73,16 @@ def identity(flight: Flight) -> float | None:
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
 
 
-def doubts(flight: Flight, before: Sequence[Flight] = ()) -> list[str]:
-    """What looks mistyped in a flight, a phrase each: unusual figures, readouts at odds with each other or with those
-    of flights `before` it, of the same rocket on the same motor."""
+def middles(flights: Iterable[Flight]) -> dict[str, float]:
+    """The median of each readout of the clean ones among flights, but of those about zero. [SI]"""
+    clean = [flight for flight in flights if flight.clean]
+    known = {c.name: [own for one in clean if (own := one.number(c.name))] for c in READOUTS if c.name not in SIGNED}
+    return {name: median(values) for name, values in known.items() if values}
+
+
+def doubts(flight: Flight, usual: Mapping[str, float] = MappingProxyType({})) -> list[str]:
+    """What looks mistyped in a flight, a phrase each: unusual figures, readouts at odds with each other or with the
+    `usual` ones, the `middles` of flights of the same rocket on the same motor."""
     found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
@@ -84,20 +91,16 @@ def doubts(flight: Flight, before: Sequence[Flight] = ()) -> list[str]:
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
-    return [phrase for phrase in (*found, *_unlike(flight, before)) if phrase]
+    return [phrase for phrase in (*found, *_unlike(flight, usual)) if phrase]
 
 
-def _unlike(flight: Flight, before: Sequence[Flight]) -> Iterator[str]:
-    """A phrase for each readout that is far from what earlier flights had."""
-    for column in READOUTS:
-        value = flight.number(column.name)
-        known = [own for one in before if one.clean and (own := one.number(column.name))]
-        if not value or not known or column.name in SIGNED:
-            continue
-        middle = median(known)
-        if not ALIKE[0] <= value / middle <= ALIKE[1]:
-            usual = _figure(column, middle)
-            yield f"{_spoken(column, value)} is {value / middle:.2g} times the usual {usual} of this rocket and motor"
+def _unlike(flight: Flight, usual: Mapping[str, float]) -> Iterator[str]:
+    """A phrase for each readout that is far from the usual one."""
+    for name, middle in usual.items():
+        value = flight.number(name)
+        if value and not ALIKE[0] <= value / middle <= ALIKE[1]:
+            spoken, as_usual = _spoken(BY_NAME[name], value), _figure(BY_NAME[name], middle)
+            yield f"{spoken} is {value / middle:.2g} times the usual {as_usual} of this rocket and motor"
 
 
 def _unusual(column: Column, value: float) -> str:

@@ -20,6 +20,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 from textual import events
 from textual.app import App
+from textual.constants import MAX_FPS
 from textual.pilot import Pilot
 
 from fieldkit.flight import Flight
@@ -129,15 +130,14 @@ class Session:
         self.done.put_nowait(None)
 
     async def _answered(self, app: App[None]) -> None:
-        """Until nothing that a key brought about is left to do and the screen shows it; painting waits for no clock."""
+        """Until nothing that a key brought about is left to do and the screen shows it, painted when Textual paints."""
         while True:
             while self.loop._ready:  # type: ignore[attr-defined]  # messages that widgets were woken for
                 await asyncio.sleep(0)
             screen = app.screen
             if not (screen._dirty_widgets or screen._layout_required or screen._repaint_required or screen._callbacks):
                 return
-            screen._on_timer_update()
-            await asyncio.sleep(0.001)
+            await asyncio.sleep(1 / MAX_FPS)
 
     def press(self, key: str) -> None:
         """Send a key and wait for what comes of it; the empty one closes the app."""

@@ -221,6 +221,26 @@ def test_every_kind_of_change_can_be_undone_and_redone(ledger: Ledger) -> None:
     assert commands == ["import", "edit", "edit", "tag", "untag", "remove", *["undo"] * 6, *["redo"] * 6]
 
 
+def test_what_was_settled_beside_the_flights_is_taken_back_with_them(ledger: Ledger) -> None:
+    ledger.add([FIRST])
+    assert ledger.change_draft("plan", {"wind": (1, 2)}, "plan", "Astra")
+    assert not ledger.change_draft("plan", {"wind": [1, 2]}, "plan", "Astra"), "it is so already"
+    assert ledger.edit_all([], "North field", {"sites": {"North field": {"size": 400.0}}}) == 0
+    assert ledger.edit_all(["1"], "North field", {"sites": {"South field": {"size": 400.0}}}, site="South field") == 1
+    assert ledger.undo().what == "North field (site, sites)"
+    assert ledger.flight("1").site == FIRST.site
+    assert ledger.draft("sites") == {"North field": {"size": 400.0}}
+    ledger.undo()
+    assert ledger.draft("sites") is None
+    ledger.undo()
+    assert ledger.draft("plan") is None
+    for _ in range(3):
+        ledger.redo()
+    assert ledger.flight("1").site == "South field"
+    assert ledger.draft("plan") == {"wind": [1, 2]}
+    assert ledger.draft("sites") == {"South field": {"size": 400.0}}
+
+
 def test_a_change_after_an_undo_ends_what_could_be_redone(ledger: Ledger) -> None:
     ledger.add([FIRST])
     ledger.tag("1", "late")

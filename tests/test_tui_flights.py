@@ -1,16 +1,19 @@
 """The table of flights, one flight in full, and tags with what they do."""
 
+import asyncio
 from pathlib import Path
 
 import pytest
 from textual.pilot import Pilot
 
 from fieldkit.flight import TAGS, Flight
+from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
 from fieldkit.tui.table import Table
-from tests.pressing import frozen, hurry, opened, press, season, shown, told, typed, words
+from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
 
 CHECK_SHAPES = False
+LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
 
 
 @pytest.fixture
@@ -160,6 +163,26 @@ async def test_a_damaged_ledger_is_a_notice_and_not_a_crash(tmp_path: Path) -> N
         assert "this file is not a ledger" in words(pilot)
         await press(pilot, "4", "_", "5", "_", "6")
         assert "error" in words(pilot)
+
+
+async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_log(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, "slash", *typed("comet"), "enter")
+        for _ in range(100):  # the log is read once the cursor rests
+            if "altitude [m]" in shown(pilot):
+                break
+            await asyncio.sleep(0.05)
+        await calm(pilot)
+        assert "burnout" in shown(pilot)
+        assert "flight by flight" not in shown(pilot), "one flight is no course"
+        await press(pilot, "escape", "slash", "ctrl+u", *typed("f39"), "enter")
+        assert "Cd of Astra B, flight by flight" in shown(pilot)
+        assert "altitude [m]" not in shown(pilot)
+        await press(pilot, "down", "down")
+        lines = shown(pilot).splitlines()
+        assert sum(line.count("●") for line in lines) == 4
 
 
 async def test_an_empty_ledger_says_how_to_begin(tmp_path: Path) -> None:

@@ -46,6 +46,7 @@ async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None
         assert "1 flight, 0 there already, 2 rejected" in seen
         assert "✗ row 2, apogee_m: found '1o4'" in seen
         assert "✗ row 3, motor: 'ZZ99': found no such motor" in seen
+        assert "3 · Comet · C6-5 Apogee 210.0 m" in told(pilot, "#more")
         with Ledger.open(file) as ledger:
             assert len(ledger.flights()) == 12
         await press(pilot, "enter")
@@ -61,10 +62,9 @@ async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: P
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "no parser recognises this log" in words(pilot)
+        assert "no parser recognises this log" in told(pilot, "#said")
         await press(pilot, "enter")
-        assert "✗ error" in words(pilot)
-        assert words(pilot).count("no parser recognises this log") == 2
+        assert "✗ error photo.jpg: no parser recognises this log" in words(pilot)
         await press(pilot, "escape", "f", *typed("nonsense"), "enter")
         assert "no parser is called 'nonsense'" in told(pilot, "#said")
 

@@ -85,6 +85,8 @@ async def test_the_day_of_a_contest_its_cut_and_its_field_are_typed_where_they_a
         assert "ceiling: ok" in seen
         await press(pilot, "p", "ctrl+u", "ctrl+s")
         assert "target 800 ft" in said(pilot)  # the season's own again
+        await press(pilot, "u", "_")
+        assert "target 640 ft" in said(pilot)
     with Ledger.open(file) as ledger:
         assert (site_of(ledger, "North field").size, site_of(ledger, "North field").ceiling) == (400.0, 300.0)
 
@@ -96,10 +98,13 @@ async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file
         assert "above nothing" in words(pilot)
         await press(pilot, "ctrl+u", *typed("3000ft"), "ctrl+s", "_")
         assert "South field 210.0 m 400.0 m 914.4 m 12" in words(pilot)
-        await press(pilot, "u", "_")
-        assert "North field" in words(pilot)
-    with Ledger.open(file) as ledger:
-        assert site_of(ledger, "South field").ceiling == pytest.approx(914.4)
+        with Ledger.open(file) as ledger:
+            assert site_of(ledger, "South field").ceiling == pytest.approx(914.4)
+        await press(pilot, "u", "_")  # the name in twelve flights, size and ceiling: one change
+        assert "North field 210.0 m 12" in words(pilot)
+        assert "South field" not in words(pilot)
+        await press(pilot, "escape", "U", "_")
+        assert "South field 210.0 m 400.0 m 914.4 m 12" in words(pilot)
 
 
 async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,10 +56,10 @@ def _from_options(changes: dict[str, str]) -> "Flight":
 
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Say what looks mistyped; the flight is taken as it is."""
-    from fieldkit.form import before
+    from fieldkit.form import usual
     from fieldkit.sanity import doubts
 
-    for phrase in doubts(flight, before(ledger, flight)):
+    for phrase in doubts(flight, usual(ledger, flight)):
         complain(f"note: {phrase}")
 
 

@@ -100,7 +100,7 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
         except (BadValue, UnknownMotor) as error:
             complain(f"{question.title}: {error}")
             return False
-        odd = oddities(talk.flight, question.name, form.before(talk.ledger, talk.flight))
+        odd = oddities(talk.flight, question.name, form.usual(talk.ledger, talk.flight))
         for phrase in odd:
             complain(f"  odd: {phrase}")
         again = talk.listen("  Enter keeps it, or type it again: ") if odd and talk.patient else ""

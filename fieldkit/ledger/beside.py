@@ -68,6 +68,13 @@ class BesideFlights(OpenLedger):
         with opening.writing(self._engine) as connection:
             drafts.keep(connection, name, content)
 
+    def change_draft(self, name: str, content: Mapping[str, Any], command: str, what: str) -> bool:
+        """Keep what the flyer has settled under a name, which `undo` takes back; False where it is so already."""
+        with self._changing() as pen:
+            if changed := drafts.change(pen, name, content):
+                pen.sign(command, what)
+        return changed
+
     def draft(self, name: str) -> dict[str, Any] | None:
         """What was typed so far, or None."""
         with self._reading() as connection:

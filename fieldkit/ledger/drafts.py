@@ -1,11 +1,13 @@
-"""Half-typed flights, kept field by field so that a killed prompt can go on."""
+"""What is kept under a name beside the flights: half-typed flights, so that a killed prompt can go on, sites, plans."""
 
+import json
 from collections.abc import Mapping
 from typing import Any
 
 from sqlalchemy import Connection, delete, insert, select
 
 from fieldkit.ledger.checksums import seal, sound_rows
+from fieldkit.ledger.journal import Pen
 from fieldkit.ledger.tables import drafts
 
 
@@ -14,6 +16,16 @@ def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
     drop(connection, name)
     connection.execute(insert(drafts).values(name=name, content=dict(content)))
     seal(connection, drafts, [(name,)])
+
+
+def change(pen: Pen, name: str, content: Mapping[str, Any]) -> bool:
+    """Keep a draft under a name as a change that can be taken back; False where it is so already."""
+    kept = json.loads(json.dumps(dict(content)))  # as it will be read
+    if draft(pen.connection, name) == kept:
+        return False
+    pen.delete(drafts, drafts.c.name == name)
+    pen.insert(drafts, [{"name": name, "content": kept}])
+    return True
 
 
 def draft(connection: Connection, name: str) -> dict[str, Any] | None:

@@ -8,6 +8,7 @@ power goes. Each raises LedgerError where the ledger cannot be read or written. 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
@@ -60,13 +61,17 @@ class Ledger(FlightsOut, BesideFlights):
         what = f"{id} ({', '.join(changes)})"
         return self._alter(id, "edit", what, lambda flight: _edited(flight, changes))
 
-    def edit_all(self, ids: Sequence[str], what: str, **changes: object) -> int:
-        """Change fields of several flights as one command, named by `what`; how many it changed."""
+    def edit_all(
+        self, ids: Sequence[str], what: str, beside: Mapping[str, Mapping[str, Any]] | None = None, /, **changes: object
+    ) -> int:
+        """Change fields of several flights, and drafts `beside` them, as one command named by `what`; how many flights
+        it changed."""
         with self._changing() as pen:
-            held = naming.resolve_all(pen.connection, ids)
+            held = naming.resolve_all(pen.connection, ids) if changes else []
             done = sum(book.replace(pen, one, _edited(one.flight, changes)) for one in held)
-            if done:
-                pen.sign("edit", f"{what} ({', '.join(changes)})")
+            kept = [name for name, content in (beside or {}).items() if drafts.change(pen, name, content)]
+            if done or kept:
+                pen.sign("edit", f"{what} ({', '.join([*changes, *kept])})")
         return done
 
     def renew(self, renewals: Sequence[Renewal], command: str = "remeasure", *, dry_run: bool = False) -> int:

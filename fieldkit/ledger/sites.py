@@ -47,17 +47,23 @@ def keep_site(
             raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than nothing")
     saved = ledger.draft(SITES) or {}
     saved[name] = saved.get(name, {}) | changes
-    ledger.keep_draft(SITES, saved)
+    ledger.change_draft(SITES, saved, "site", name)
     return site_of(ledger, name)
 
 
-def put_site(ledger: Ledger, site: Site, was: str = "") -> None:
-    """Save a site as it is now, what is not known of it as not known; `was` is its name before it had this one.
+def put_site(ledger: Ledger, site: Site) -> None:
+    """Save a site as it is now."""
+    ledger.change_draft(SITES, with_site(ledger, site, site.name), "site", site.name)
+
+
+def with_site(ledger: Ledger, site: Site, was: str) -> dict[str, dict[str, float]]:
+    """What is saved of all sites once one is as it is now, what is not known of it as not known; `was` is the name it
+    had before.
 
     The elevation of a site that has been flown at is left to its flights, unless it was saved.
     """
-    saved, was = ledger.draft(SITES) or {}, was or site.name
+    saved = ledger.draft(SITES) or {}
     told = {"elevation"} if was in ledger.names("site") and "elevation" not in saved.get(was, {}) else set()
     known = {key: getattr(site, key) for key in ("elevation", "size", "ceiling") if key not in told}
     saved.pop(was, None)
-    ledger.keep_draft(SITES, saved | {site.name: {key: value for key, value in known.items() if value is not None}})
+    return saved | {site.name: {key: value for key, value in known.items() if value is not None}}

@@ -36,7 +36,7 @@ def day_of(ledger: Ledger, year: int) -> Day:
 
 def keep_day(ledger: Ledger, year: int, day: Day) -> None:
     """Keep what is known of the day of a season."""
-    ledger.keep_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)})
+    ledger.change_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)}, "day", f"of season {year}")
 
 
 def read_window(text: str) -> tuple[float, float]:

@@ -1,6 +1,6 @@
 """The form of the page Add without its widgets: what is offered, what was answered, what is odd, and how it is kept."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from threading import Lock
 from typing import TYPE_CHECKING
@@ -25,12 +25,12 @@ OTHER = {"SI": "US", "US": "SI", "mixed": "SI"}
 
 @dataclass(frozen=True, slots=True)
 class Answered:
-    """The answers as a flight, what was wrong with those that cannot be read, by question, and what flew `before` it:
-    the same rocket on the same motor."""
+    """The answers as a flight, what was wrong with those that cannot be read, by question, and the `usual` readouts of
+    the same rocket on the same motor. [SI]"""
 
     flight: Flight
     wrong: Mapping[str, str]
-    before: Sequence[Flight] = ()
+    usual: Mapping[str, float]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,8 +51,8 @@ class Saved:
     trouble: str = ""
 
 
-def answered(texts: Mapping[str, str], units: Mapping[str, str], before: Sequence[Flight] = ()) -> Answered:
-    """Read all answers; `units` are those of numbers typed without one, `before` as in `Answered`."""
+def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
+    """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`."""
     flight, wrong = Flight(), dict[str, str]()
     for name, text in texts.items():
         try:
@@ -60,14 +60,14 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], before: Sequenc
             flight = flight.with_changes(**{name: value})
         except BadValue as error:
             wrong[name] = str(error)
-    return Answered(flight, wrong, before)
+    return Answered(flight, wrong, usual)
 
 
 def beside(question: Question, said: Answered, unit: str, system: str) -> str:
     """What stands beside an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
     if question.name in said.wrong:
         return f"✗ {said.wrong[question.name]}"
-    if odd := oddities(said.flight, question.name, said.before):
+    if odd := oddities(said.flight, question.name, said.usual):
         return f"! {odd[0]}"
     column = question.column
     value = said.flight.number(question.name) if column else None
@@ -133,11 +133,11 @@ class Draft:
                 continue
         return offers
 
-    def before(self, flight: Flight) -> list[Flight]:
-        """What flew before a flight: the same rocket on the same motor."""
-        from fieldkit.form import before
+    def usual(self, flight: Flight) -> dict[str, float]:
+        """The usual readouts of the same rocket on the same motor. [SI]"""
+        from fieldkit.form import usual
 
-        return before(self._desk.ledger, flight)
+        return usual(self._desk.ledger, flight)
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Keep what was typed of the `flight`-th flight."""

@@ -57,5 +57,5 @@ class Hand(Horizontal):
 def _meaning(question: Question, answer: str, said: Answered) -> str:
     """Why an answer cannot be read, what is odd about it, else what the question means."""
     trouble = said.wrong.get(question.name)
-    odd = oddities(said.flight, question.name, said.before)
+    odd = oddities(said.flight, question.name, said.usual)
     return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help

@@ -96,6 +96,7 @@ class KeyBar(Static):
 
     def on_mount(self) -> None:
         """Follow the focus: what can be pressed depends on it."""
+        self.follow()  # so that the first layout has room for it and is the last
         self.screen.bindings_updated_signal.subscribe(self, lambda _: self.follow())
 
     def on_resize(self) -> None:

@@ -53,6 +53,11 @@ def tags(flight: Flight) -> list[tuple[str, str]]:
     return [(tag, KNOWN_TAGS.get(tag, "your own; the flight still teaches the model")) for tag in flight.tags]
 
 
+def apogee(flight: Flight, system: str) -> str:
+    """How high a flight went; a dash where that was not recorded."""
+    return measure(APOGEE, flight.apogee, system) or "–"
+
+
 def as_text(title: str, pairs: Pairs) -> str:
     """The same as plain text, to be copied."""
     known = [(name, value) for name, value in pairs if value]

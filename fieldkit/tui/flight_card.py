@@ -30,6 +30,8 @@ class FlightCard(VerticalScroll):
         border-title-color: $foreground; }
     """
 
+    _shown: str | None = None
+
     def compose(self) -> Iterable[Widget]:
         """The figures; plots come to stand between them."""
         yield Static(id="card")
@@ -45,7 +47,9 @@ class FlightCard(VerticalScroll):
             self._plot("course", f"Cd of {name}, flight by flight", partial(_draw_course, row, known))
         else:
             self._plot("course", "", None)
-        self.show_climb(None)
+        before, self._shown = self._shown, row.id if row is not None else None
+        if self._shown != before:
+            self.show_climb(None)  # until its own is read
 
     def show_climb(self, log: Drawn | None) -> None:
         """The altitude of its log; None where it has none, or while it is being read."""

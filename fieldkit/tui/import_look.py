@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 from textual.content import Content
 
 from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
+from fieldkit.tui import cards
 from fieldkit.tui.bars import shortened
 from fieldkit.tui.design_look import SUFFIX, design_at
 from fieldkit.tui.hanging import Hanging
@@ -21,7 +23,9 @@ if TYPE_CHECKING:
 
 Parts = list[str | tuple[str, str]]
 MOST, NOTES = 200, 6
-"""Rejected rows and notes that are listed."""
+"""Flights or rejected rows, and notes, that are listed."""
+WIDE = 44
+"""Cells for the names of flights, before their apogees."""
 UP = Path("..")
 """The row that leads to the folder above."""
 
@@ -39,6 +43,8 @@ class Look:
     trouble: str = ""
     start: "Start | None" = None
     words: tuple[str, ...] = ()
+    flights: tuple[Flight, ...] = ()
+    """Those that it holds and that can be taken, the ones there already among them."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,7 +59,6 @@ class Reading:
     def defaults(self) -> dict[str, object]:
         """What files leave open, as fields of a flight. Raises BadValue."""
         from fieldkit.entry import read_changes
-        from fieldkit.flight import Flight
 
         return read_changes(Flight(), self.given)
 
@@ -87,41 +92,37 @@ def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
         if path.suffix.lower() == SUFFIX:
             start, words = design_at(path, reading.given, desk.settings.units)
             return Look(path, "OpenRocket design", None, start=start, words=words)
-        receipt = _bring_in(desk, path, reading, dry_run=True)
+        receipt, flights = _bring_in(desk, path, reading, dry_run=True)
     except FieldkitError as error:
         return Look(path, "", None, str(error))
     try:
         parser = recognise(read_file(path), reading.format, path.name)
     except FieldkitError:
-        return Look(path, "a table of samples, by its columns", receipt)
+        return Look(path, "a table of samples, by its columns", receipt, flights=flights)
     name = next(name for name, one in parsers().items() if one is parser)
-    return Look(path, f"{parser.title} ({name})", receipt)
+    return Look(path, f"{parser.title} ({name})", receipt, flights=flights)
 
 
 def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
     """Put what a file brings into the ledger, and remember how its columns were named."""
     from fieldkit.logs.mapping import remember
 
-    receipt = _bring_in(desk, path, reading, dry_run=False)
+    receipt, _ = _bring_in(desk, path, reading, dry_run=False)
     for mapped in receipt.mapped:
         if mapped.chosen:
             remember(mapped.choice)
     return receipt
 
 
-def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "Receipt":
-    from fieldkit.intake import bring_in
+def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
+    """What became of a file, and the flights in it."""
+    from fieldkit.intake import gather, take_in
     from fieldkit.logs.mapping import remembered
 
-    return bring_in(
-        desk.ledger,
-        [path],
-        desk.motors.complaint,
-        format=reading.format,
-        defaults=reading.defaults(),
-        choices=[*reading.named(), *remembered()],
-        dry_run=dry_run,
-    )
+    choices = [*reading.named(), *remembered()]
+    found = gather([path], desk.motors.complaint, format=reading.format, defaults=reading.defaults(), choices=choices)
+    receipt = take_in(desk.ledger, found, choices=choices, dry_run=dry_run)
+    return receipt, tuple(arrival.flight for arrival in found.arrivals)
 
 
 def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
@@ -145,6 +146,18 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     if receipt.ids:
         parts.append(("\nEnter stores it", "b"))
     return Content.assemble(*parts)
+
+
+def what_it_holds(look: Look, system: str) -> Hanging:
+    """The flights of a file: all that is known of one, a line for each of several."""
+    if len(look.flights) == 1:
+        flight = look.flights[0]
+        figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]
+        return cards.lines(cards.heading(flight, flight.flight_id) or "One flight", figures, 20)
+    named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MOST]]
+    width = min(max((len(name) for name, _ in named), default=0), WIDE)
+    more = [("", f"and {len(look.flights) - MOST} more")] if len(look.flights) > MOST else []
+    return cards.lines("Flights, and the apogee of each" if named else "", [*named, *more], width)
 
 
 def left_out(look: Look) -> Hanging:

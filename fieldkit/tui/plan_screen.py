@@ -17,8 +17,10 @@ from fieldkit.tui.decisions import AIMS, Answer, Decision
 from fieldkit.tui.fields import Form
 from fieldkit.tui.hanging import hanging
 from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
+    from fieldkit.ledger.sites import Site
     from fieldkit.plan.day import Day
 
 VIEWS = ("Delay", "Ballast", "Contest", "Kept", "Score")
@@ -82,8 +84,6 @@ class PlanScreen(PageScreen):
         Binding("right_square_bracket", "area(1)", "Chute", key_display="[]", tooltip="A larger parachute"),
     ]
     DEFAULT_CSS = """
-    PlanScreen #kinds { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
-        link-background: $panel; }
     PlanScreen VerticalScroll { padding: 0 1; }
     PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
     PlanScreen #beside { margin-top: 1; }
@@ -99,7 +99,7 @@ class PlanScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The names of the answers, and the one in hand."""
-        yield Static("", id="kinds")
+        yield TabLine(VIEWS, "screen.view")
         with VerticalScroll():
             yield Static("", id="answer")
             yield Static("", id="beside")
@@ -110,10 +110,7 @@ class PlanScreen(PageScreen):
 
     def reload(self) -> None:
         """Work out the answer in hand."""
-        names = (
-            f"[@click=screen.view({at})] {'▸' if at == self._view else ' '}{name} [/]" for at, name in enumerate(VIEWS)
-        )
-        self.query_one("#kinds", Static).update("".join(names))
+        self.query_one(TabLine).front(self._view)
         self._say(Answer(("working it out ...",)))
         self.ask(partial(self._answer, self._view, self.desk.settings), self._say, "plan")
 
@@ -123,10 +120,11 @@ class PlanScreen(PageScreen):
             self.query_one(place, Static).update(hanging(lines))
 
     def _answer(self, view: int, settings: Settings) -> Answer:
+        from fieldkit.ledger.sites import site_of
         from fieldkit.plan.day import day_of
 
-        decision, ledger = self._decision, self.desk.ledger
-        day = day_of(ledger, self._season)
+        ledger, plan = self.desk.ledger, self._decision.plan
+        decision, day = replace(self._decision, site=site_of(ledger, plan.site)), day_of(ledger, self._season)
         if view == 0:
             return decision.delay()
         if view == 1:
@@ -167,36 +165,35 @@ class PlanScreen(PageScreen):
 
     def action_day(self) -> None:
         """Type what was announced and declared, and how large the field is."""
+        from fieldkit.ledger.sites import site_of
         from fieldkit.plan.day import day_of
 
-        season = self._season
-        self.ask(lambda: day_of(self.desk.ledger, season), partial(self._ask_day, season), "day")
+        ledger, season, name = self.desk.ledger, self._season, self._decision.plan.site
+        self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
 
-    def _ask_day(self, season: int, day: "Day") -> None:
+    def _ask_day(self, season: int, known: "tuple[Day, Site]") -> None:
         from fieldkit.plan.day import read_part
 
-        site, system = self._decision.site, self.desk.settings.units
+        (day, site), system = known, self.desk.settings.units
         title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
         form = Form(title, contest_form.questions(site), texts, units, read_part)
-        self.app.push_screen(form, partial(self._have_day, season, day))
+        self.app.push_screen(form, partial(self._have_day, season, known))
 
-    def _have_day(self, season: int, known: "Day", values: dict[str, object] | None) -> None:
+    def _have_day(self, season: int, known: "tuple[Day, Site]", values: dict[str, object] | None) -> None:
         if values is None:
             return
-        before = self._decision.site
-        day, site = contest_form.answered(values, before)
-        self._view = 2 if day != known and self._view == 0 else self._view
+        day, site = contest_form.answered(values, known[1])
+        self._view = 2 if day != known[0] and self._view == 0 else self._view
 
         def work() -> None:
             from fieldkit.ledger.sites import put_site
             from fieldkit.plan.day import keep_day
 
             keep_day(self.desk.ledger, season, day)
-            if site != before:
+            if site != known[1]:
                 put_site(self.desk.ledger, site)
 
-        self._decision = replace(self._decision, site=site)
         self.change(work, lambda _: self.field_app.changed())
 
     def copied(self) -> str:

@@ -76,8 +76,8 @@ class AddScreen(PageScreen):
         super().__init__()
         self._touched: set[str] = set()
         self._units: dict[str, str] = {}
-        self._said = Answered(Flight(), {})
-        self._before: list[Flight] = []
+        self._said = Answered(Flight(), {}, {})
+        self._usual: dict[str, float] = {}
         self._writing = self._dirty = False
 
     def on_mount(self) -> None:
@@ -122,7 +122,7 @@ class AddScreen(PageScreen):
             unread = [name for name in READ if name not in self._touched]
             self.set_focus(self.field((named or unread or READ)[0]).line)
         self._look()
-        self._ask_before()
+        self._ask_usual()
 
     def _fill(self, texts: Mapping[str, str]) -> None:
         """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
@@ -166,14 +166,14 @@ class AddScreen(PageScreen):
 
     def _read(self) -> Answered:
         units = {name: self.unit(question) for name, question in BY_NAME.items()}
-        return answered({name: self.field(name).answer for name in BY_NAME}, units, self._before)
+        return answered({name: self.field(name).answer for name in BY_NAME}, units, self._usual)
 
-    def _ask_before(self) -> None:
+    def _ask_usual(self) -> None:
         """Look up what this rocket flew on this motor, beside which a slip shows."""
-        self.ask(partial(self._draft.before, self._said.flight), self._known_before, "before")
+        self.ask(partial(self._draft.usual, self._said.flight), self._know_usual, "usual")
 
-    def _known_before(self, flights: list[Flight]) -> None:
-        self._before = flights
+    def _know_usual(self, usual: dict[str, float]) -> None:
+        self._usual = usual
         self._look()
 
     def _in_hand(self) -> None:
@@ -210,7 +210,7 @@ class AddScreen(PageScreen):
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """The field in hand is shown large."""
-        self._look()
+        self._in_hand()
         event.widget.scroll_visible(animate=False)
 
     def action_go_on(self) -> None:
@@ -238,7 +238,7 @@ class AddScreen(PageScreen):
         if question.name in ("rocket", "config"):
             self._offer_again()
         if question.name == "motor" and event.value:
-            self._ask_before()
+            self._ask_usual()
             self.ask(partial(self._draft.motor_trouble, event.value), self._say_motor, "motor")
 
     def _say_motor(self, trouble: str) -> None:
@@ -252,7 +252,7 @@ class AddScreen(PageScreen):
     def _offered(self, offers: dict[str, str]) -> None:
         self._fill(offers)
         self._look()
-        self._ask_before()
+        self._ask_usual()
 
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:

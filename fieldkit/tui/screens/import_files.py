@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.containers import Horizontal, VerticalScroll
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
@@ -17,6 +17,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.dialogs import AskText
+from fieldkit.tui.hanging import stacked
 from fieldkit.tui.import_look import (
     UP,
     Look,
@@ -29,6 +30,7 @@ from fieldkit.tui.import_look import (
     store,
     told,
     what_it_brings,
+    what_it_holds,
 )
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
@@ -44,8 +46,9 @@ class ImportScreen(PageScreen):
     TITLE = "Import"
     ABOUT = Help(
         "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
-        "what it was recognised as, how many flights it would bring, and each row that would be left out, with the "
-        "reason. Enter stores it. What is in the ledger already changes nothing, so a file may be imported twice.",
+        "what it was recognised as, how many flights it would bring, each row that would be left out, with the "
+        "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
+        "nothing, so a file may be imported twice.",
         (
             ("format", "The parser that recognised the file, by what is in it. f names another one."),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
@@ -73,10 +76,9 @@ class ImportScreen(PageScreen):
     ImportScreen #where { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     ImportScreen #files { width: 34; }
     ImportScreen.-wide #files { width: 60; }
-    ImportScreen #look { width: 1fr; border-left: solid $border-blurred; }
-    ImportScreen #said { height: auto; max-height: 60%; padding: 0 1; margin-bottom: 1; }
-    ImportScreen #rows { height: 1fr; padding: 0 1; }
-    ImportScreen #rejected { height: auto; }
+    ImportScreen #look { width: 1fr; padding: 0 1; border-left: solid $border-blurred; }
+    ImportScreen #said { height: auto; margin-bottom: 1; }
+    ImportScreen #more { height: auto; }
     ImportScreen.-narrow #split { layout: vertical; }
     ImportScreen.-narrow #files { width: 1fr; height: 7; }
     """
@@ -92,10 +94,9 @@ class ImportScreen(PageScreen):
         yield Static("", id="where")
         with Horizontal(id="split"):
             yield Table(id="files", empty="nothing here", enter="Store")
-            with Vertical(id="look"):
+            with VerticalScroll(id="look"):
                 yield Static("", id="said")
-                with VerticalScroll(id="rows"):
-                    yield Static("", id="rejected")
+                yield Static("", id="more")
 
     def on_mount(self) -> None:
         """Keys go to the files."""
@@ -132,7 +133,7 @@ class ImportScreen(PageScreen):
         table.enter = "Open" if is_folder else "Store"
         self.query_one(KeyBar).follow()
         self._look = None
-        self.query_one("#rejected", Static).update("")
+        self.query_one("#more", Static).update("")
         if is_folder:
             self.query_one("#said", Static).update("Enter opens the folder")
             return
@@ -142,7 +143,8 @@ class ImportScreen(PageScreen):
     def _examined(self, look: Look) -> None:
         self._look = look
         self.query_one("#said", Static).update(what_it_brings(look, self._reading.given))
-        self.query_one("#rejected", Static).update(left_out(look))
+        parts = (left_out(look), what_it_holds(look, self.desk.settings.units))
+        self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
 
     @on(Table.Chosen, "#files")
     def _chosen(self) -> None:
@@ -240,7 +242,7 @@ class ImportScreen(PageScreen):
 
     def copied(self) -> str:
         """What the file would bring."""
-        return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#rejected"))
+        return "\n".join(str(self.query_one(name, Static).content) for name in ("#said", "#more"))
 
 
 PAGE = Page(3, "Import", ImportScreen)

@@ -27,6 +27,7 @@ from fieldkit.tui.loop_words import (
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
+from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.loop.diagnose import Diagnosis
@@ -74,8 +75,6 @@ class LoopScreen(PageScreen):
     ]
     DEFAULT_CSS = """
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
-    LoopScreen #tabs { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
-        link-background: $panel; }
     LoopScreen #panels { height: 1fr; }
     LoopScreen .panel { display: none; height: 1fr; padding: 0 1; }
     LoopScreen .panel.-front { display: block; }
@@ -106,7 +105,7 @@ class LoopScreen(PageScreen):
         from fieldkit.tui.plots import Plot
 
         yield Static("reading the ledger ...", id="what")
-        yield Static("", id="tabs")
+        yield TabLine(PANELS, "screen.panel", id="tabs")
         with Container(id="panels"):
             with VerticalScroll(id="p-Verdict", classes="panel"):
                 yield Static("l looks for what the model lacks", id="verdict")
@@ -212,13 +211,9 @@ class LoopScreen(PageScreen):
 
     def _front(self) -> None:
         """The panel in front, and the focus in it."""
-        parts = []
         for number, name in enumerate(PANELS):
-            here = number == self._panel
-            self.query_one(f"#p-{name}").set_class(here, "-front")
-            mark = f"[b reverse] {name} [/]" if here else f"[@click=screen.panel({number})] {name} [/]"
-            parts.append(Content.from_markup(mark))
-        self.query_one("#tabs", Static).update(Content("").join(parts))
+            self.query_one(f"#p-{name}").set_class(number == self._panel, "-front")
+        self.query_one(TabLine).front(self._panel)
         target = {"Ranking": "#ranking", "Versions": "#versions", "Residuals": None}.get(PANELS[self._panel], "")
         if target is None:
             self.set_focus(None)

@@ -279,8 +279,8 @@ class NextScreen(PageScreen):
             self.complain(str(error))
 
     def _keep_plan(self, plan: Flight) -> None:
-        texts = plan_texts(plan)
-        self.ask(lambda: self.desk.ledger.keep_draft(DRAFT, texts), lambda _: self.reload(), "keep-plan")
+        texts, name = plan_texts(plan), f"{plan.rocket} {plan.config}".strip()
+        self.change(lambda: self.desk.ledger.change_draft(DRAFT, texts, "plan", name), lambda _: self.reload())
 
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:

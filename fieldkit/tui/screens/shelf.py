@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, ClassVar
 from textual import on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
-from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
@@ -34,6 +33,7 @@ from fieldkit.tui.shelf_lists import (
     sites_listed,
 )
 from fieldkit.tui.table import Table
+from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
@@ -81,8 +81,6 @@ class ShelfScreen(PageScreen):
         Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
     ]
     DEFAULT_CSS = """
-    ShelfScreen #kinds { height: 1; padding: 0 1; background: $panel; link-style: none; link-color: $foreground;
-        link-background: $panel; }
     ShelfScreen #search { height: 1; }
     ShelfScreen #search Static { width: auto; padding: 0 1; }
     ShelfScreen #search Input { width: 1fr; }
@@ -96,7 +94,7 @@ class ShelfScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The names of the lists, a search, the list."""
-        yield Static("", id="kinds")
+        yield TabLine(KINDS, "screen.kind")
         with Horizontal(id="search"):
             yield Static("/")
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
@@ -142,11 +140,7 @@ class ShelfScreen(PageScreen):
 
     def _show(self) -> None:
         """The list in front."""
-        parts = []
-        for number, name in enumerate(KINDS):
-            here = f"[b reverse] {name} [/]" if number == self._kind else f"[@click=screen.kind({number})] {name} [/]"
-            parts.append(Content.from_markup(here))
-        self.query_one("#kinds", Static).update(Content(" ").join(parts))
+        self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
         heads, keys, cells = self._list()
         table = self.query_one(Table)
@@ -220,11 +214,11 @@ class ShelfScreen(PageScreen):
         site = site_form.answered(was, values, texts, system)
 
         def work() -> int:
-            from fieldkit.ledger.sites import put_site
+            from fieldkit.ledger.sites import SITES, with_site
 
-            if site != was:
-                put_site(self.desk.ledger, site, was.name)
-            return self.desk.ledger.edit_all(place.ids, was.name, **changes) if changes and place.ids else 0
+            ledger = self.desk.ledger
+            beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}
+            return ledger.edit_all(place.ids, was.name, beside, **changes)
 
         if changes or site != was:
             self.change(work, partial(self._changed, was.name))
@@ -250,7 +244,9 @@ class ShelfScreen(PageScreen):
             self.change(work, partial(self._changed, what))
 
     def _changed(self, what: str, count: int) -> None:
-        self.tell(f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed")
+        self.tell(
+            f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back"
+        )
         self.field_app.changed()
 
     def _change_setting(self, name: str) -> None:
