@@ -5,7 +5,7 @@ import sys
 try:
     from select import POLLERR, POLLHUP, poll
 except ImportError:  # Windows, which ends the app itself when its console closes
-    poll = None  # type: ignore[assignment]
+    poll = None  # type: ignore[assignment,misc]
 
 
 def terminal() -> int | None:
