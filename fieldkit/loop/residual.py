@@ -185,7 +185,7 @@ def columns_of(diagnosis: Diagnosis) -> dict[str, Array]:
     numbers = {column.header: recorded(flights, column.name) for column in CONDITIONS}
     speed = np.exp(diagnosis.base.fit.tangent.values[:, 1])
     return numbers | {
-        "flight_number": np.arange(len(flights), dtype=float),
+        "flight_number": np.arange(1.0, len(flights) + 1),
         "hour": np.array(hours, float),
         "expected_top_speed_mps": speed,
     }

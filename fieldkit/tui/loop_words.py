@@ -134,13 +134,22 @@ def _version(version: "Version", system: str) -> tuple[str, ...]:
 
 def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:
     """Points about a line of no error."""
-    plt.scatter([x for x, _ in points], [y for _, y in points], marker="●", color=ink.mark)
+    across, up = zip(*points, strict=True)
+    plt.scatter(across, up, marker="●", color=ink.mark)
     plt.hline(0.0, color=ink.line)
-    low, high = math.floor(min(y for _, y in points)), math.ceil(max(y for _, y in points))
-    plt.yticks(list(range(min(low, -1), max(high, 1) + 1)))
+    low, high = min(math.floor(min(up)), -1), max(math.ceil(max(up)), 1)
+    plt.yticks(list(range(low, high + 1)))
+    plt.ylim(low - 0.4, high + 0.4)  # a label in the last row would run into those below it
     if ticks:
         plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
         plt.xlim(-0.5, len(ticks) - 0.5)
+    elif all(float(x).is_integer() for x in across):
+        first, last = int(min(across)), int(max(across))
+        plt.xticks(list(range(first, last + 1, max(1, math.ceil((last - first) / TICKS)))))
+
+
+TICKS = 6
+"""Labels below an axis of whole numbers, at most but one. [1]"""
 
 
 def _lean(value: float, largest: float) -> str:

@@ -48,10 +48,7 @@ def axis(found: Findings) -> Axis:
 
 
 def _numbered(found: Findings, name: str) -> Axis:
-    values = columns_of(found.diagnosis)[name]
-    if name == "flight_number":
-        values = values + 1
-    return Axis(TITLES.get(name, name.replace("_", " ")), values)
+    return Axis(TITLES.get(name, name.replace("_", " ")), columns_of(found.diagnosis)[name])
 
 
 def _grouped(found: Findings, per: str) -> Axis:
