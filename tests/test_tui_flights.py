@@ -168,8 +168,10 @@ async def test_a_damaged_ledger_is_a_notice_and_not_a_crash(tmp_path: Path) -> N
 async def test_beside_the_table_stand_the_cd_of_its_build_and_the_climb_of_its_log(file: Path) -> None:
     with Ledger.open(file) as ledger:
         bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
-    async with opened(file, (160, 50)) as pilot:
+    async with opened(file) as pilot:
         await press(pilot, "slash", *typed("comet"), "enter")
+        assert "Readouts" not in shown(pilot)
+        await pilot.resize_terminal(160, 50)  # the terminal grows while the page is open
         for _ in range(100):  # the log is read once the cursor rests
             if "altitude [m]" in shown(pilot):
                 break

@@ -212,9 +212,9 @@ class FlightsScreen(PageScreen):
         self.app.push_screen(FlightScreen(message.key))
 
     def on_resize(self, _event: events.Resize) -> None:
-        """Columns are chosen by the width."""
+        """Columns are chosen by the width, and whether there is room for the card."""
         if self._rows:
-            self._refill()
+            self.call_later(self._refill)  # once the screen knows how wide it is called
 
     def action_filter(self) -> None:
         """Type what to look for."""
