@@ -124,8 +124,7 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     yield ""
     yield fill(
         f"And all {len(forecasts)} flights that had at least one clean flight of their rocket before them, "
-        "forecast from "
-        "those, next to three simpler ways (`fieldkit score`):",
+        "forecast from those, next to four simpler ways (`fieldkit score`):",
         118,
     )
     yield ""
