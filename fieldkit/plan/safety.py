@@ -124,7 +124,7 @@ def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> L
     needed = max(fixed.value, times.value * (wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
     chance = float(np.mean(speeds < needed))
-    text = f"{three(speeds)[1]:.1f} m/s, wanted at least {needed:.1f} m/s{why}; chance of less {chance:.0%}"
+    text = f"{speed(three(speeds)[1])}, wanted at least {speed(needed)}{why}; chance of less {chance:.0%}"
     return Line("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
 
 
@@ -160,11 +160,11 @@ def _angle(angle: float | None, limits: Limits) -> Line:
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> Line:
     source = f"ceiling of {site.name}" if site.name else "ceiling as given"
     high = three(heights)[2]
-    text = f"95 % stay below {high:.0f} m ({high / FOOT:.0f} ft) above the pad"
+    text = f"95 % stay below {length(high)} above the pad"
     if site.ceiling is None:
         return Line("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
     verdict: Verdict = "ok" if high <= site.ceiling else "unsafe"
-    return Line("ceiling", verdict, f"{text}; ceiling {site.ceiling:.0f} m ({site.ceiling / FOOT:.0f} ft)", source)
+    return Line("ceiling", verdict, f"{text}; ceiling {length(site.ceiling)}", source)
 
 
 def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
@@ -175,15 +175,15 @@ def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
     if said.plan.wind is not None:
         away = np.abs(landing(said, _speeds(said, fall)))
         _, usual, reach = three(away)
-        far = f"lands {usual:.0f} m from the pad, 95 % within {reach:.0f} m"
+        far = f"lands {length(usual)} from the pad, 95 % within {length(reach)}"
     needed = max(2 * reach, share.value * three(said.true_apogee)[2])
-    text = f"{far}; a field {needed:.0f} m across is wanted"
+    text = f"{far}; a field {length(needed)} across is wanted"
     if site.size is None:
         return Line("field size", "unknown", f"{text}, its size is not given", share.source)
     verdict: Verdict = "ok" if site.size >= needed else "caution"
     if verdict == "ok" and said.plan.wind is None:
         verdict = "unknown"
-    return Line("field size", verdict, f"{text}, this one is {site.size:.0f} m", share.source)
+    return Line("field size", verdict, f"{text}, this one is {length(site.size)}", share.source)
 
 
 def _speeds(said: Prediction, fall: Fall) -> Float[Array, "draw"]:
@@ -205,8 +205,8 @@ def _ejection(said: Prediction, limits: Limits) -> Line:
     fired = np.isfinite(said.eject_speed)
     crashed = float(np.mean(~fired & (said.true_apogee > 0)))
     chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
-    text = f"{three(said.eject_speed)[1]:.0f} m/s; " if fired.any() else ""
-    text += f"chance of more than {limit.value:.0f} m/s {chance:.0%}"
+    text = f"{speed(three(said.eject_speed)[1], 0)}; " if fired.any() else ""
+    text += f"chance of more than {speed(limit.value, 0)} {chance:.0%}"
     text += f", {crashed:.0%} reach the ground first" if crashed >= 0.01 else ""
     return Line("ejection speed", by_chance(chance), text, limit.source)
 
@@ -214,7 +214,7 @@ def _ejection(said: Prediction, limits: Limits) -> Line:
 def _temperature(plan: Flight, limits: Limits) -> Line:
     cold, hot = limits["motor_cold"], limits["motor_hot"]
     value = motor_temperature(plan)
-    between = f"certified near 21 °C, flown from {_celsius(cold.value)} to {_celsius(hot.value)}"
+    between = f"certified near 21 °C (70 °F), flown from {_celsius(cold.value)} to {_celsius(hot.value)}"
     if value is None:
         return Line("motor temperature", "unknown", f"not given; {between}", hot.source)
     verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"
@@ -222,7 +222,18 @@ def _temperature(plan: Flight, limits: Limits) -> Line:
 
 
 def _celsius(value: float) -> str:
-    return f"{value - ZERO_CELSIUS:.0f} °C"
+    celsius = value - ZERO_CELSIUS
+    return f"{celsius:.0f} °C ({celsius * 1.8 + 32:.0f} °F)"
+
+
+def length(metres: float) -> str:
+    """In both units, as every line has it: `284 m (932 ft)`."""
+    return f"{metres:.0f} m ({metres / FOOT:.0f} ft)"
+
+
+def speed(value: float, digits: int = 1) -> str:
+    """Of a rocket, in both units: `13.4 m/s (44 ft/s)`."""
+    return f"{value:.{digits}f} m/s ({value / FOOT:.0f} ft/s)"
 
 
 def _class(motor: Motor, dry_mass: float, limits: Limits) -> Line:

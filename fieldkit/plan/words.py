@@ -13,6 +13,7 @@ from fieldkit.plan.ballast import Ballast, Goal
 from fieldkit.plan.contest import Outlook, Season
 from fieldkit.plan.delay import Delay, Delays, Drill
 from fieldkit.plan.quantiles import three
+from fieldkit.plan.safety import length, speed
 from fieldkit.simulator.field import RAIL_LENGTH
 from fieldkit.units import FOOT
 
@@ -24,8 +25,8 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[
     """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
     starts from where the rocket has one among `starts`."""
     yield f"  air       {air_of(plan).words()}"
-    wind, length, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in ACTING)
-    rail = f"a rail of {length or f'{RAIL_LENGTH:g} m, as none was given,'}"
+    wind, rod, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in ACTING)
+    rail = f"a rail of {rod or f'{RAIL_LENGTH:g} m, as none was given,'}"
     yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail} {f'at {angle}' if angle else 'upright'}"
     start = start_among(starts, plan)
     if start is not None and start.cd:
@@ -49,18 +50,18 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest with its maker's tool."
-    yield f"  Too fast is over {fast:.0f} m/s. That delays stray by up to 20 % or 1.5 s (NFPA 1125) is reckoned with."
+    yield f"  Too fast is over {speed(fast, 0)}. That delays stray by up to 20 % or 1.5 s (NFPA 1125) is reckoned with."
 
 
 def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
     """The mass to fly, what it brings beside what today's does, and what can be met where the target cannot."""
     said = best.forecast
     p05, p50, p95 = best.apogee
-    yield f"{_named(said)}, target {_both(goal.target)}"
+    yield f"{_named(said)}, target {length(goal.target)}"
     yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'take off'} {abs(best.add) * 1e3:.0f} g"
-    yield f"  apogee    {_both(p50)} as the altimeter will show it"
-    yield f"  90 %      between {_both(p05)} and {_both(p95)}"
-    yield f"  true      {_both(three(said.true_apogee)[1])} above the pad"
+    yield f"  apogee    {length(p50)} as the altimeter will show it"
+    yield f"  90 %      between {length(p05)} and {length(p95)}"
+    yield f"  true      {length(three(said.true_apogee)[1])} above the pad"
     yield f"  within {goal.within / FOOT:.0f} ft  {best.there.chance:.0%} ({best.today.chance:.0%} without change)"
     yield f"  mean miss {best.there.error / FOOT:.0f} ft ({best.today.error / FOOT:.0f} ft without change)"
     if best.there.points is not None and best.today.points is not None:
@@ -70,7 +71,7 @@ def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
     if not best.met:
-        least, most = (_both(height) for height in best.reach)
+        least, most = (length(height) for height in best.reach)
         yield f"  Out of reach: with these masses the altimeter will show from {least} to {most} in the middle."
 
 
@@ -91,7 +92,7 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
     low, middle, high = (height / FOOT for height in three(said.apogee))
     aimed = f"target {rule.target / FOOT:.0f} ft"
     yield f"  apogee    {middle:.0f} ft shown, 90 % between {low:.0f} and {high:.0f}, {aimed}"
-    yield f"  true      {_both(three(said.true_apogee)[1])} above the pad"
+    yield f"  true      {length(three(said.true_apogee)[1])} above the pad"
     low, middle, high = three(ahead.duration.ravel())
     opens, closes = rule.window
     yield f"  duration  {middle:.1f} s, 90 % between {low:.1f} and {high:.1f}, window {opens:g} to {closes:g} s"
@@ -125,7 +126,3 @@ def _descent(timed: int) -> str:
 def _named(said: Prediction) -> str:
     name = " ".join(part for part in (said.plan.rocket, said.plan.config) if part)
     return f"{name} on {said.found.motor.maker} {said.found.motor.designation}"
-
-
-def _both(height: float) -> str:
-    return f"{height:.0f} m ({height / FOOT:.0f} ft)"
