@@ -38,7 +38,9 @@ def read(log: bytes) -> list[Found]:
     table = read_columns(log, CHANNELS, after=head.row, separator=head.separator, widths={2})
     notes = list(table.found)
     heard = ~np.isnan(table.values["altitude"])
+    time, height = table.values["time"], table.values["altitude"]
     if not heard.all():
+        time, height = time[heard], height[heard]
         lost = table.rows[~heard]
         notes.append(Note(f"is the first of {len(lost)} lines that were no number and are left out", int(lost[0])))
     stated: dict[str, object] = {}
@@ -47,14 +49,16 @@ def read(log: bytes) -> list[Found]:
         stated["date_time"] = datetime.fromisoformat(began).replace(tzinfo=None) if began else None
     except ValueError:
         notes.append(DamagedLog(f"found {shown(began)}, expected a date and time", row=2))
-    time, height = table.values["time"][heard], table.values["altitude"][heard]
     if len(height) > 1 and abs(height[0]) > ON_PAD >= abs(height[1]):
         stated["site_elevation"] = float(height[0])
         time, height = time[1:], height[1:]
     if not len(height):
         raise DamagedLog("found no sample, expected rows of seconds,feet", row=head.row)
-    order = np.argsort(time, kind="stable")
-    series = Series(time=time[order] - time.min(), altitude=height[order])
+    del table
+    if (time[1:] < time[:-1]).any():
+        order = np.argsort(time, kind="stable")
+        time, height = time[order], height[order]
+    series = Series(time=time - time[0], altitude=height)
     return [Reading(stated, series=series, device="PerfectFlite StratoLogger"), *notes]
 
 
