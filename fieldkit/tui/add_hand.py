@@ -1,9 +1,11 @@
 """The field in hand of the page Add: its number in large digits, what it means, what the figures say together."""
 
 from collections.abc import Iterable
+from typing import Self
 
 from textual.containers import Horizontal
 from textual.content import Content
+from textual.geometry import Region
 from textual.widget import Widget
 from textual.widgets import Digits, Static
 
@@ -12,6 +14,14 @@ from fieldkit.measures import spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.add_form import Answered, summary, together
 from fieldkit.tui.fields import Field
+
+
+class Big(Digits):
+    """Digits in a place of their own size, whatever they are: a key lays nothing out anew."""
+
+    def refresh(self, *regions: Region, repaint: bool = True, layout: bool = False, recompose: bool = False) -> Self:
+        """Paint them; a layout that they ask for is left out."""
+        return super().refresh(*regions, repaint=repaint, recompose=recompose)
 
 
 class Hand(Horizontal):
@@ -25,7 +35,7 @@ class Hand(Horizontal):
 
     def compose(self) -> Iterable[Widget]:
         """The digits and the words."""
-        yield Digits("", id="big")
+        yield Big("", id="big")
         yield Static("", id="says")
 
     def show(self, field: Field, said: Answered, unit: str, system: str) -> None:

@@ -14,6 +14,7 @@ from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Container
+from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
@@ -70,6 +71,7 @@ class PageScreen(Screen[None]):
     LETTERS: ClassVar[tuple[str, ...]] = ()
     """Actions whose keys are letters while something is typed. They are taken before any other key is looked at, so
     that what is typed ahead goes where they lead."""
+    focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # what has or had it is painted anew by itself
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
     BINDINGS: ClassVar[list[BindingType]] = [
