@@ -24,6 +24,7 @@ from fieldkit.recording.measure import (
     NO_LIFTOFF,
     NO_PAD,
 )
+from fieldkit.recording.numbers import local_slopes, typical_line
 from fieldkit.recording.records import Climb
 from fieldkit.standard_air import GRAVITY, height_pressure, pressure_height
 from tests.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
@@ -472,3 +473,17 @@ def test_a_spike_at_either_end_of_a_log_is_a_spike(place: int) -> None:
     height = series.altitude.copy()
     height[place] = 5000.0
     assert abs(off(measure((replace(series, altitude=height),)), truth, "apogee")) < 1.0
+
+
+@pytest.mark.parametrize("size", [9, 40])
+def test_slopes_and_lines_are_those_of_scipy(size: int) -> None:
+    from scipy.signal import savgol_filter
+    from scipy.stats import theilslopes
+
+    rng = np.random.default_rng(size)
+    x, y = np.sort(rng.uniform(0, 9, size)), rng.normal(size=size).cumsum()
+    x[3] = x[4]
+    slope, intercept, *_ = theilslopes(y, x)
+    assert typical_line(x, y) == pytest.approx((slope, intercept))
+    whole = savgol_filter(y, 5, 2, deriv=1, delta=0.2)
+    np.testing.assert_allclose(local_slopes(y, 5, 0.2), whole[2:-2], atol=1e-12)

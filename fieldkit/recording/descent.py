@@ -6,7 +6,7 @@ import numpy as np
 
 from fieldkit.recording.ascent import Ascent
 from fieldkit.recording.channels import Heights, Push
-from fieldkit.recording.numbers import mad_sd, median_step
+from fieldkit.recording.numbers import local_slopes, mad_sd, median_step, typical_line
 from fieldkit.recording.outline import Outline
 from fieldkit.recording.records import Event, Figure
 from fieldkit.shapes import Array, Float
@@ -56,14 +56,13 @@ def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
         return None
     step = median_step(time)
     even = np.arange(time[0], time[-1], max(step, 0.05))
-    from scipy.signal import savgol_filter
-
     width = max(5, round(0.8 / (even[1] - even[0]))) | 1
     if even.size < 2 * width:
         return None
-    speed = savgol_filter(np.interp(even, time, height), width, 2, deriv=1, delta=even[1] - even[0])
-    after = even > apogee.time
-    fall, when = -speed[after], even[after]
+    speed = local_slopes(np.interp(even, time, height), width, even[1] - even[0])
+    middle = even[width // 2 : -(width // 2)]
+    after = middle > apogee.time
+    fall, when = -speed[after], middle[after]
     steady = float(np.median(fall[-len(fall) // 3 :]))
     fastest = int(np.argmax(fall))
     blur = 3 * track.noise / (width * (even[1] - even[0]))
@@ -82,8 +81,6 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
 
     The descent's last line, by the Theil-Sen estimator, is cut with the level that follows it.
     """
-    from scipy.stats import theilslopes
-
     time, calm, height = track.time, seen.calm, track.height
     fall = np.flatnonzero(time > apogee)
     if fall.size < 8:
@@ -109,7 +106,7 @@ def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None,
     if last.sum() < 4:
         return Event(about, 1.0, track.source), level
     every = max(1, last.sum() // 200)
-    slope, middle, *_ = theilslopes(height[last][::every], time[last][::every])
+    slope, middle = typical_line(time[last][::every], height[last][::every])
     moment = (level - middle) / slope if slope < -0.3 else about
     moment = float(np.clip(moment, about - 2, about + 1))
     return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
