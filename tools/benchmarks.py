@@ -86,7 +86,7 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
         yield from ("", f"## {said.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
-        yield from ("| what | seconds | beside it | rate, each second |", "|---|---|---|---|")
+        yield from ("| what | seconds | beside it | rate, each second; how soon |", "|---|---|---|---|")
         yield from (_line(row) for row in kept["benchmarks"] if row.keys() & {"ratio", *RATES})
 
 
@@ -101,9 +101,15 @@ def _line(row: dict[str, Any]) -> str:
         ", ".join(filter(None, (group or what.replace("_", " "), given))),
         f"{row['min_s']:.3g}",
         f"{row['ratio']:,.{0 if row['ratio'] > 99 else 2}f} × {row['beside']}" if "ratio" in row else "",
-        ", ".join(f"{row[key]:,} {unit}" for key, unit in RATES.items() if key in row),
+        ", ".join([*_within(row), *(f"{row[key]:,} {unit}" for key, unit in RATES.items() if key in row)]),
     ]
     return f"| {' | '.join(cells)} |"
+
+
+def _within(row: dict[str, Any]) -> Iterator[str]:
+    """How soon so many of the rounds were over, where a benchmark tells."""
+    shares = {key: value for key, value in row.items() if key.startswith("within_")}
+    yield from (f"{key.split('_')[1]} within {value:g} ms" for key, value in shares.items())
 
 
 def main() -> int:
