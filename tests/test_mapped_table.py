@@ -183,7 +183,9 @@ def test_a_stated_unit_that_the_pressure_contradicts_is_refused_and_may_be_insis
     with pytest.raises(DamagedLog, match=r"shows to be in m; write --map 'altitude=#2 \[m\]'"):
         found(log)
     assert top(found(log, read_choice(["altitude=#2 [m]"]))[0][0]) == pytest.approx(285, abs=0.2)
-    assert top(found(log, read_choice(["altitude=#2 [ft]"]))[0][0]) == pytest.approx(285 * FOOT, abs=0.2)
+    (insisted,), line = found(log, read_choice(["altitude=#2 [ft]"]))
+    assert top(insisted) == pytest.approx(285 * FOOT, abs=0.2)
+    assert "in ft (as you chose, though the pressure beside it shows m)" in line
 
 
 def test_an_unknown_unit_is_never_taken_for_another() -> None:

@@ -42,8 +42,8 @@ def units_of(
             units[name] = Unit(1.0), "clock", ""
         elif pick.unit and (unit := unit_named(QUANTITIES[name.rstrip("?")], pick.unit)):
             units[name] = unit, pick.unit, ""
-    if "altitude" in units and not by_channel["altitude"].chosen:
-        _refuse_contradiction(by_channel["altitude"], units["altitude"][0], values)
+    if "altitude" in units:
+        units["altitude"] = _beside_pressure(by_channel["altitude"], units["altitude"], values)
     settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
     for name, one in settled.items():
         units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
@@ -64,15 +64,22 @@ def units_of(
     return units, left_out
 
 
-def _refuse_contradiction(pick: Pick, unit: Unit, values: Mapping[str, Float[Array, "row"]]) -> None:
-    """Raise DamagedLog for a height whose stated unit is not the one that the pressure shows."""
+def _beside_pressure(
+    pick: Pick, stated: tuple[Unit, str, str], values: Mapping[str, Float[Array, "row"]]
+) -> tuple[Unit, str, str]:
+    """The unit of heights as stated. Where the pressure shows another, it is said if the flyer chose the one stated,
+    else DamagedLog is raised."""
+    unit, name, _ = stated
     shows = height_unit_by_pressure(values)
-    if shows and not 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
-        raise DamagedLog(
-            f"found heights in {shown(pick.unit)} that the pressure beside them shows to be in {shows}; "
-            f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
-            column=pick.name,
-        )
+    if not shows or 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
+        return stated
+    if pick.chosen:
+        return unit, name, f"as you chose, though the pressure beside it shows {shows}"
+    raise DamagedLog(
+        f"found heights in {shown(pick.unit)} that the pressure beside them shows to be in {shows}; "
+        f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
+        column=pick.name,
+    )
 
 
 def _usual(name: str) -> str:
