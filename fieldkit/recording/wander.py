@@ -22,7 +22,7 @@ _STUDENT = 4.0
 _RAM = 0.006
 """Error of the pressure in a fast airframe, as a part of the dynamic pressure. [1]
 
-In four logs with an accelerometer beside the barometer the heights in boost were off by 0.006 to 0.03 of v²/2g.
+A judgement: in logs with an accelerometer beside the barometer heights in boost were off by at least so much of v²/2g.
 """
 _LASTING = 0.3
 """How long such an error stays alike. [s]"""
