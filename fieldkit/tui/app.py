@@ -11,6 +11,7 @@ from typing import Any, ClassVar
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
+from textual.widget import AwaitMount
 from textual.widgets import Input
 
 from fieldkit.errors import BadValue, FieldkitError
@@ -66,6 +67,7 @@ class FieldkitApp(App[None]):
         self.notices: list[Notice] = []
         self._opened: dict[str, PageScreen] = {}
         self.revision = self.look = 0
+        self._hides = True
         self.animation_level = "none"
         for theme in THEMES.values():
             self.register_theme(theme)
@@ -91,6 +93,16 @@ class FieldkitApp(App[None]):
             self._opened[name] = pages()[name].screen()
             self._opened[name]._css_update_count = self._css_update_count
         return self._opened[name]
+
+    def switch_mode(self, mode: str) -> AwaitMount:
+        """Bring a page to the front: at once where it was drawn before, for Textual would hide any for a while."""
+        self._hides = mode not in self._opened or not self._opened[mode].size
+        return super().switch_mode(mode)
+
+    def delay_update(self, delay: float = 0.05) -> None:
+        """Hide what changes until it is laid out, where there is something to hide."""
+        if self._hides:
+            super().delay_update(delay)
 
     def settled(self) -> None:
         """The flights have been read. In the midst of a key the collector would look through them all, which takes a
