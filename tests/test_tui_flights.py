@@ -82,6 +82,29 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "✗" in shown(pilot)
 
 
+async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "end", "up", "enter", "y", "escape", "escape")
+        second = pilot.app.clipboard
+        await hurry(pilot, "down", "enter", "escape", "up", "up", "enter")
+        await press(pilot, "y", "escape")
+        third, said = pilot.app.clipboard, words(pilot)
+        assert second.startswith("2 · Astra")
+        assert third.startswith("3 · Astra")
+        assert "83.4" in second
+        assert "83.4" not in third
+        assert third.count("Cd  ") == third.count("alpha  ") == 1
+        assert "3 · Astra" in said
+        assert "2 · Astra" not in said
+
+
+async def test_a_flight_opens_in_the_colours_chosen_since_the_last_one(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "escape", "T", "enter")
+        assert pilot.app.theme == "sun"
+        assert pilot.app.screen.styles.background.rgb == (255, 255, 255)
+
+
 async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
     from fieldkit.intake import bring_in
     from tests.pressing import ROOT

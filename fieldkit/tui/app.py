@@ -2,6 +2,7 @@
 
 import asyncio
 import gc
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -30,6 +31,9 @@ WAIT, MOST_WAITS = 0.005, 6000
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
+
+YIELD = 0.0005
+"""How long a worker may hold the interpreter while a key waits for it; Python's own 5 ms add up within a key. [s]"""
 
 ALONE = 1.0
 """How often it is looked whether the terminal is still there. [s]"""
@@ -78,6 +82,8 @@ class FieldkitApp(App[None]):
         for name in pages():
             self.add_mode(name, partial(self._page, name))
         self.switch_mode(next(iter(pages())))
+        if self._stays:
+            sys.setswitchinterval(YIELD)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(ALONE, partial(self._leave_if_gone, held))
 
@@ -120,6 +126,10 @@ class FieldkitApp(App[None]):
                 await asyncio.sleep(PAUSE)
                 await self._init_mode(name)
                 await self._opened[name].draw_ahead(PAUSE)
+            for screen in self._opened[name].above():
+                if not screen.is_running:
+                    await self._get_screen(screen)[1]
+                    await screen.draw_ahead(PAUSE)
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""

@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from textual.content import Content
 from textual.widgets import Static
@@ -113,20 +114,23 @@ class KeyBar(Static):
             self.refresh(layout=True)
 
     def _lines(self) -> list[list[Content]]:
-        """Key and word, never apart; those that work everywhere stand last."""
+        """Key and word, never apart, a word once; those that work everywhere stand last."""
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         lines: list[list[Content]] = [[]]
-        room = width = max(20, (self.container_size or self.app.size).width - 2)
+        room = width = max(20, self.size.width or self.app.size.width - 2)
+        said = set[str]()
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
             key = self.app.get_key_display(binding)
             word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
             word = word or binding.description
-            label = f"[b $footer-key-foreground]{_escaped(key)}[/] {word}"
+            if word in said:
+                continue
+            said.add(word)
             room -= len(key) + len(word) + 3
             if room < -2 and lines[-1]:
                 lines.append([])
                 room = width - len(key) - len(word) - 3
-            lines[-1].append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
+            lines[-1].append(_label(key, word, binding.key))
         return lines
 
 
@@ -134,5 +138,8 @@ EVERYWHERE = ("Undo", "Copy", "Help", "Quit")
 """Keys that work on every page; they stand behind those of the page."""
 
 
-def _escaped(key: str) -> str:
-    return key.replace("[", r"\[")
+@cache
+def _label(shown: str, word: str, key: str) -> Content:
+    """A key as it is shown and its word, which press it where they are clicked."""
+    escaped = shown.replace("[", r"\[")
+    return Content.from_markup(f"[@click=app.press({key!r})][b $footer-key-foreground]{escaped}[/] {word}[/]")

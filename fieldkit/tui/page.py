@@ -90,6 +90,7 @@ class PageScreen(Screen[None]):
         super().__init__()
         self._seen = (-1, -1)
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._due: list[Callable[[], None]] = []
 
     @property
     def ready(self) -> bool:
@@ -147,6 +148,17 @@ class PageScreen(Screen[None]):
             if widget.size:
                 widget.render_lines(widget.size.region)
 
+    def above(self) -> Iterable["PageScreen"]:
+        """Screens that are opened from this page again and again, and are worth being made ready."""
+        return ()
+
+    def begin_anew(self) -> None:
+        """Reload when the screen next comes to the front, in the colours of now."""
+        self._seen = (-1, -1)
+        if self.is_mounted and self._css_update_count != self.app._css_update_count:
+            self.app.stylesheet.update(self)
+            self._css_update_count = self.app._css_update_count
+
     def refresh_if_changed(self) -> None:
         """Reload where the ledger has changed since the last time, redraw where only the settings have."""
         before, self._seen = self._seen, (self.field_app.revision, self.field_app.look)
@@ -154,6 +166,17 @@ class PageScreen(Screen[None]):
             self.reload()
         elif before != self._seen:
             self.redraw()
+
+    def soon(self, show: Callable[[], None]) -> None:
+        """Show something once the key that asks for it is answered; keys that ask for it before that ask once."""
+        if show not in self._due:
+            self._due.append(show)
+            self.call_after_refresh(self._show_due)
+
+    def _show_due(self) -> None:
+        due, self._due = self._due, []
+        for show in due:
+            show()
 
     def changed_for_others(self) -> None:
         """This page has changed the ledger in a way that only others have to look at anew."""

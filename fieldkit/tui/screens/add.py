@@ -30,6 +30,13 @@ from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
 
+class SaveButton(Button):
+    """The button behind the ten readouts."""
+
+    enter = "Save"
+    """What Enter does, for the key bar."""
+
+
 class AddScreen(PageScreen):
     """The form: set-up above, the field in hand large, the ten readouts, the rest below."""
 
@@ -50,7 +57,7 @@ class AddScreen(PageScreen):
         Binding("ctrl+j", "go_on", show=False, priority=True),  # Enter, typed before the app had taken the terminal
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
-        Binding("ctrl+n", "anew", "Start anew", key_display="^N"),
+        Binding("ctrl+n", "anew", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
@@ -79,6 +86,7 @@ class AddScreen(PageScreen):
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
         self._writing = self._dirty = False
+        self._held: Field | None = None
 
     def on_mount(self) -> None:
         """The flight that is typed here."""
@@ -94,7 +102,7 @@ class AddScreen(PageScreen):
             with Vertical(id="readouts"):
                 for name in READ:
                     yield Field(BY_NAME[name])
-                yield Button("Save this flight", id="save", compact=True)
+                yield SaveButton("Save this flight", id="save", compact=True)
             with Vertical(id="more"):
                 for name in MORE:
                     yield Field(BY_NAME[name])
@@ -178,14 +186,19 @@ class AddScreen(PageScreen):
 
     def _in_hand(self) -> None:
         """The field in hand, large, with what it means and what the figures say together."""
-        field = self.focused.parent if self.focused is not None else None
-        for one in self.query(Field):
-            one.set_class(one is field, "-hand")
+        left, self._held = self._held, self._field_of(self.focused)
+        for one in (left, self._held):
+            if one is not None:
+                one.set_class(one is self._held, "-hand")
         hand, system = self.query_one(Hand), self.desk.settings.units
-        if isinstance(field, Field):
-            hand.show(field, self._said, self.unit(field.question), system)
+        if self._held is not None:
+            hand.show(self._held, self._said, self.unit(self._held.question), system)
         else:
             hand.rest(self._said, system)
+
+    def _field_of(self, widget: Widget | None) -> Field | None:
+        """The field that a line belongs to."""
+        return widget.parent if widget is not None and isinstance(widget.parent, Field) else None
 
     def _keep(self) -> None:
         """Keep the draft; what is typed while it is being written is written after."""
@@ -209,9 +222,9 @@ class AddScreen(PageScreen):
             self._keep()
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """The field in hand is shown large."""
-        self._in_hand()
-        event.widget.scroll_visible(animate=False)
+        """The field in hand is shown large, once the cursor stands in it."""
+        self.soon(self._in_hand)
+        event.widget.scroll_visible(animate=False, immediate=True)
 
     def action_go_on(self) -> None:
         """To the next field; after the tenth readout comes the button that saves."""

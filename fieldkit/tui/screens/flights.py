@@ -1,7 +1,7 @@
 """Flights: the ledger as a table, newest first; filter as you type, sort by any column, open one with Enter."""
 
 from collections.abc import Iterable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
@@ -25,6 +25,7 @@ from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.inference.flights import Inferred
+    from fieldkit.tui.flight_screen import FlightScreen
 
 FEW = 200
 """Flights whose drag and thrust are worked out together, so that others need not wait for it."""
@@ -173,6 +174,10 @@ class FlightsScreen(PageScreen):
         return self._rows.get(self.query_one(Table).current)
 
     @on(Table.Moved)
+    def _moved(self) -> None:
+        """First the cursor, then the card beside it."""
+        self.soon(self._beside)
+
     def _beside(self) -> None:
         """The card of the flight under the cursor, where it is in sight; its log once the cursor rests."""
         if self._rest is not None:
@@ -207,9 +212,21 @@ class FlightsScreen(PageScreen):
 
     @on(Table.Chosen)
     def _open(self, message: Table.Chosen) -> None:
+        self._flight.turn_to(message.key)
+        self.app.push_screen(self._flight)
+
+    @cached_property
+    def _flight(self) -> "FlightScreen":
+        """The screen of a flight, one for all of them: to build it takes longer than a key may."""
         from fieldkit.tui.flight_screen import FlightScreen
 
-        self.app.push_screen(FlightScreen(message.key))
+        screen = FlightScreen()
+        self.app.install_screen(screen, "flight")
+        return screen
+
+    def above(self) -> Iterable[PageScreen]:
+        """That of a flight."""
+        return (self._flight,)
 
     def on_resize(self, _event: events.Resize) -> None:
         """Columns are chosen by the width, and whether there is room for the card."""

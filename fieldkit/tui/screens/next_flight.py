@@ -207,7 +207,7 @@ class NextScreen(PageScreen):
         heads = next_words.full_heads(system) if self._everything() else next_words.BRIEF
         self.query_one(Table).show(heads, self._ordered(), self._cells)
         self.query_one("#count", Static).update(Content(self._counted()))
-        self._show_card()
+        self.soon(self._show_card)
 
     def _counted(self) -> str:
         """How many motors there are, how many fit, and how many forecasts are still to come: `12 of 57 fit · m`."""
@@ -218,6 +218,10 @@ class NextScreen(PageScreen):
         return f"{fit}{every} fit" + (f", {left} to do" if left > 0 else "") + f" · {unit}"
 
     @on(Table.Moved)
+    def _moved(self) -> None:
+        """First the cursor, then the card beside it."""
+        self.soon(self._show_card)
+
     def _show_card(self) -> None:
         """The forecast of the motor under the cursor, from what is known already."""
         one, card = self._known.get(self.query_one(Table).current), self.query_one(ForecastCard)
@@ -302,6 +306,7 @@ class NextScreen(PageScreen):
 
     def copied(self) -> str:
         """The forecast as text."""
+        self._show_card()
         return self.query_one(ForecastCard).text
 
 
