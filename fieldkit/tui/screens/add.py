@@ -114,15 +114,25 @@ class AddScreen(PageScreen):
         ahead = self.field(READ[0]).typed
         self._fill({**begun.offers, **begun.draft})
         self._touched |= begun.draft.keys() & BY_NAME.keys()
-        if begun.draft:
+        if begun.draft and not self._draft.shown:
             self.tell("a flight was typed halfway: it goes on here; ^N starts anew")
+        self._draft.shown = True
         first = self.field(READ[0]).line
         if self.focused is first and not ahead:
-            named = [name for name in SETUP[:3] if not self.field(name).line.value]
-            unread = [name for name in READ if name not in self._touched]
-            self.set_focus(self.field((named or unread or READ)[0]).line)
+            self._to_first()
         self._look()
         self._ask_usual()
+
+    def came(self) -> None:
+        """Keys go where typing goes on."""
+        if not isinstance(self.focused, Input):
+            self._to_first()
+
+    def _to_first(self) -> None:
+        """To the first line that is asked and empty: what the flight was, else the first readout not typed."""
+        named = [name for name in SETUP[:3] if not self.field(name).line.value]
+        unread = [name for name in READ if not self.field(name).line.value]
+        self.set_focus(self.field((named or unread or READ)[0]).line)
 
     def _fill(self, texts: Mapping[str, str]) -> None:
         """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
@@ -214,9 +224,9 @@ class AddScreen(PageScreen):
         event.widget.scroll_visible(animate=False)
 
     def action_go_on(self) -> None:
-        """To the next field; after the tenth readout comes the button that saves."""
+        """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
         if isinstance(self.focused, Button):
-            self.action_save()
+            self.action_save() if self._touched else self._to_first()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
             self.set_focus(self.query_one("#save", Button))
         else:
@@ -266,13 +276,19 @@ class AddScreen(PageScreen):
             return
         self.tell(f"added as flight {saved.id}; u takes it back" if saved.id else "it is in the ledger already")
         self._clear()
+        self.set_focus(self.query_one("#save", Button))  # from it u takes back, and a digit is a page
         self.field_app.changed()
 
     def action_anew(self) -> None:
-        """Forget what was typed."""
+        """Put away what was typed; undo brings it back."""
         self._clear()
         self.set_focus(self.field(READ[0]).line)
-        self.ask(self._draft.forget, lambda _: self.reload(), "anew")
+        self.change(self._draft.forget, self._forgotten)
+
+    def _forgotten(self, any_was: bool) -> None:
+        if any_was:
+            self.tell("begun anew; ^Z brings back what was typed")
+        self.reload()
 
     def _clear(self) -> None:
         self._touched, self._writing, self._dirty = set(), False, False
