@@ -146,6 +146,7 @@ class Draft:
         """Keep what was typed of the `flight`-th flight."""
         from fieldkit.form import DRAFT, UNITS
 
+        self._desk.wake()
         with self._lock:
             if flight != self.flight:
                 return

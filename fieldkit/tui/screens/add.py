@@ -1,6 +1,8 @@
 """Add: the ten readouts as the altimeter shows them; every key is kept, odd figures are noted and never refused."""
 
+from asyncio import wrap_future
 from collections.abc import Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import partial
 from typing import ClassVar
 
@@ -11,6 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Button, Input
 
 from fieldkit.entry import QUESTIONS, Question
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.measures import unit_of
 from fieldkit.tui.add_form import (
@@ -78,11 +81,17 @@ class AddScreen(PageScreen):
         self._units: dict[str, str] = {}
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
-        self._writing = self._dirty = False
+        self._unkept = ""
+        self._pen = ThreadPoolExecutor(1, "draft")
+        """Writes keys down at once, whatever other workers are busy with."""
 
     def on_mount(self) -> None:
         """The flight that is typed here."""
         self._draft = Draft(self.desk)
+
+    def on_unmount(self) -> None:
+        """The last key is kept as well."""
+        self._pen.shutdown()
 
     def body(self) -> Iterable[Widget]:
         """The form."""
@@ -156,8 +165,8 @@ class AddScreen(PageScreen):
         field = event.input.parent
         if isinstance(field, Field):
             self._touched.add(field.question.name)
-            self._look()
             self._keep()
+            self._look()
 
     def _look(self) -> None:
         """Read all answers into a flight and note what cannot be read or looks odd."""
@@ -198,13 +207,19 @@ class AddScreen(PageScreen):
             hand.rest(self._said, system)
 
     def _keep(self) -> None:
-        """Keep the draft; what is typed while it is being written is written after."""
-        if self._writing:
-            self._dirty = True
-            return
-        self._writing, self._dirty = True, False
-        work = partial(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
-        self.ask(work, self._kept, "draft")
+        """Keep the draft; one that still waits to be written makes room for it."""
+        kept = self._pen.submit(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
+        self.run_worker(partial(self._kept, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _kept(self, kept: Future[None]) -> None:
+        """Say once why keys cannot be kept, where they cannot."""
+        before, self._unkept = self._unkept, ""
+        try:
+            await wrap_future(kept)
+        except FieldkitError as error:
+            self._unkept = str(error)
+            if self._unkept != before:
+                self.complain(f"what is typed cannot be kept: {error}")
 
     def _answers(self) -> dict[str, str]:
         """What was typed, units and all."""
@@ -212,11 +227,6 @@ class AddScreen(PageScreen):
 
         texts = {name: self.field(name).answer for name in BY_NAME if name in self._touched}
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
-
-    def _kept(self, _: None) -> None:
-        self._writing = False
-        if self._dirty:
-            self._keep()
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
         """The field in hand is shown large."""
@@ -291,7 +301,7 @@ class AddScreen(PageScreen):
         self.reload()
 
     def _clear(self) -> None:
-        self._touched, self._writing, self._dirty = set(), False, False
+        self._touched = set()
         with self.prevent(Input.Changed):
             for name in BY_NAME:
                 self.field(name).fill("")
