@@ -173,6 +173,8 @@ class FieldkitApp(App[None]):
             if not isinstance(self.screen, PageScreen) or self.screen.ready:
                 break
             await asyncio.sleep(WAIT)
+        if isinstance(self.screen, PageScreen):
+            self.screen.came()
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""

@@ -126,6 +126,9 @@ class PageScreen(Screen[None]):
         """Show the same in other units, colours or against another target, at once where nothing has to be read."""
         self.reload()
 
+    def came(self) -> None:
+        """Called when a key, a click or the palette has asked for the page, which is in front and ready."""
+
     def copied(self) -> str:
         """What `y` copies: a line or a figure as text."""
         return ""
