@@ -134,7 +134,11 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
         return Content.assemble(*parts, ("\nEnter keeps it until the rocket has flown", "b"))
     if receipt is None:
-        parts += [("\n✗ ", "b $error"), printable(shortened(look.trouble)), "\n\nf names the parser to read it with, m says what the columns of a table are"]
+        parts += [
+            ("\n✗ ", "b $error"),
+            printable(shortened(look.trouble)),
+            "\n\nf names the parser to read it with, m says what the columns of a table are",
+        ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
     parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]

@@ -14,7 +14,7 @@ SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g":
 
 
 def readout(flight: Flight, column: Column, system: str) -> str:
-    """A readout, and its standard deviation where it was measured in a log: `162.8 ± 1 m`; empty where there is none."""
+    """A readout, with its standard deviation where it was measured in a log: `162.8 ± 1 m`; empty without one."""
     value = flight.number(column.name)
     sd = _figure(flight.extra.get(column.sd_header, ""))
     if value is None or sd is None:
@@ -28,7 +28,11 @@ def readout(flight: Flight, column: Column, system: str) -> str:
 def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
     """The extra columns of a flight, name and value; standard deviations stand behind what they are of."""
     left = {name: text for name, text in extra.items() if name not in {c.sd_header for c in READOUTS}}
-    lines = [(f"{c.title}, stated", _stated(c, left.pop(c.stated_header), system)) for c in READOUTS if c.stated_header in left]
+    lines = [
+        (f"{c.title}, stated", _stated(c, left.pop(c.stated_header), system))
+        for c in READOUTS
+        if c.stated_header in left
+    ]
     time, spread = (left.pop(name, "") for name in TIME_TO_APOGEE)
     if time:
         lines.append(("Time to apogee", f"{time}{f' ± {spread}' if spread else ''} s"))
