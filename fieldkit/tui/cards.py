@@ -68,3 +68,4 @@ def as_text(title: str, pairs: Pairs) -> str:
 
 APOGEE = BY_NAME["apogee"]
 """The column that most of the app is about."""
+DRY_MASS, DIAMETER, ELEVATION = (BY_NAME[name] for name in ("dry_mass", "diameter", "site_elevation"))
