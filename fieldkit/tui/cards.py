@@ -8,6 +8,7 @@ from fieldkit.entry import answer_text
 from fieldkit.flight import BY_NAME, CONDITIONS, KNOWN_TAGS, READOUTS, SETUP, Column, Flight
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
+from fieldkit.tui import logged
 from fieldkit.tui.hanging import Hanging
 
 Pairs = Sequence[tuple[str, str]]
@@ -32,13 +33,13 @@ def columns(flight: Flight, wanted: Iterable[Column], system: str) -> list[tuple
 
 def readouts(flight: Flight, system: str) -> list[tuple[str, str]]:
     """The ten readouts in the altimeter's order; what was not recorded is a dash."""
-    return [(c.title, measure(c, flight.number(c.name), system) or "–") for c in READOUTS]
+    return [(c.title, logged.readout(flight, c, system) or "–") for c in READOUTS]
 
 
 def circumstances(flight: Flight, system: str) -> list[tuple[str, str]]:
     """Set-up and conditions as far as they were recorded, and what was noted."""
     texts = [("Site", flight.site), ("Notes", flight.notes), ("Log", flight.log)]
-    return columns(flight, (*SETUP, *CONDITIONS), system) + [(n, v) for n, v in texts if v] + list(flight.extra.items())
+    return columns(flight, (*SETUP, *CONDITIONS), system) + [(n, v) for n, v in texts if v]
 
 
 def heading(flight: Flight, id: str) -> str:
@@ -67,3 +68,4 @@ def as_text(title: str, pairs: Pairs) -> str:
 
 APOGEE = BY_NAME["apogee"]
 """The column that most of the app is about."""
+DRY_MASS, DIAMETER, ELEVATION = (BY_NAME[name] for name in ("dry_mass", "diameter", "site_elevation"))

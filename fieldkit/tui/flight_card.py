@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
-from fieldkit.tui import cards
+from fieldkit.tui import cards, logged
 from fieldkit.tui.flight_rows import Row
 from fieldkit.tui.hanging import Hanging, stacked
 from fieldkit.tui.log_plot import Drawn, draw_trace
@@ -57,7 +57,7 @@ class FlightCard(VerticalScroll):
         if log is None or trace is None or len(trace.time) < 2:
             self._plot("climb", "", None)
         else:
-            self._plot("climb", trace.title, partial(draw_trace, trace, log.events))
+            self._plot("climb", trace.title, partial(draw_trace, trace, log.events, log.span))
 
     def _plot(self, name: str, title: str, draw: Any) -> None:
         from fieldkit.tui.plots import Plot
@@ -81,6 +81,8 @@ def _figures(row: Row, system: str) -> Iterable[Hanging]:
 
 def _setup(row: Row, system: str) -> Iterable[Hanging]:
     yield cards.lines("Set-up and conditions", cards.circumstances(row.flight, system), 20)
+    if row.flight.extra:
+        yield cards.lines("Also on record", logged.beside(row.flight.extra, system), 20)
 
 
 def _draw_course(row: Row, known: Sequence[Row], plt: Any, ink: Any) -> None:

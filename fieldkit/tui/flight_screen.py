@@ -14,7 +14,7 @@ from textual.widgets import Static
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.measures import measure, number
 from fieldkit.safe_text import printable
-from fieldkit.tui import cards
+from fieldkit.tui import cards, logged
 from fieldkit.tui.flight_facts import Foretold, foretold, or_why, said_by
 from fieldkit.tui.hanging import hanging, stacked
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
@@ -65,6 +65,7 @@ class FlightScreen(PageScreen):
     FlightScreen #figures { width: 38; height: auto; }
     FlightScreen #pictures { width: 1fr; height: auto; }
     FlightScreen #all Static { height: auto; margin-bottom: 1; }
+    FlightScreen #all #doubts.-none { display: none; }
     FlightScreen Plot { height: 7; margin-bottom: 1; }
     FlightScreen.-tall Plot { height: 11; }
     FlightScreen #hills { height: auto; }
@@ -115,7 +116,7 @@ class FlightScreen(PageScreen):
                         with Vertical():
                             yield Static(id=f"{name}-title")
                             yield Plot(id=name)
-                yield Static(id="doubts")
+                yield Static(id="doubts", classes="-none")
                 with Vertical(id="log"):
                     yield Static(id="log-title")
                     for name in TRACES:
@@ -142,6 +143,8 @@ class FlightScreen(PageScreen):
             cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
             cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: it teaches the model"]),
         ]
+        if flight.extra:
+            blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))
         self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
         self.query_one("#figures", Static).update(stacked(blocks))
         self.ask(or_why(partial(hills, flight, self.desk)), self._have_said, "said")
@@ -158,12 +161,13 @@ class FlightScreen(PageScreen):
             plot.display = trace is not None
             if trace is not None and isinstance(log, Drawn) and len(trace.time) > 1:
                 plot.border_title = Content(trace.title)
-                plot.show(partial(draw_trace, trace, log.events))
+                plot.show(partial(draw_trace, trace, log.events, log.span))
         if isinstance(log, str):
             title.update(Content(printable(log)))
             return
-        marks = "  ".join(f"{name} {time:.2f} s" for name, time in sorted(log.events.items(), key=lambda one: one[1]))
-        title.update(Content.assemble(("Log", "b $primary"), printable(f"  {log.device}\n{marks}")))
+        events = sorted(log.events.items(), key=lambda one: one[1])
+        marks = ", ".join(f"{name} {time:.2f} s" for name, time in events)
+        title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
         self._text.append(f"Log  {marks}")
 
     def _have_said(self, said: "Hills | str") -> None:
@@ -178,7 +182,9 @@ class FlightScreen(PageScreen):
             self.query_one(f"#{name}-title", Static).update(Content(title).stylize("bold"))
             self.query_one(f"#{name}", Plot).show(draw)
             self._text.append(title)
-        self.query_one("#doubts", Static).update(hanging(f"! {line}" for line in said.warnings))
+        doubts = self.query_one("#doubts", Static)
+        doubts.set_class(not said.warnings, "-none")
+        doubts.update(hanging(f"! {line}" for line in said.warnings))
 
     def _have_forecast(self, said: Foretold | str) -> None:
         place = self.query_one("#forecast", Static)
@@ -194,7 +200,7 @@ class FlightScreen(PageScreen):
         parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
         if flown is not None:
             inside = "inside" if said.low <= flown <= said.high else "outside"
-            off = number(cards.APOGEE, abs(flown - said.middle), system)
+            off = measure(cards.APOGEE, abs(flown - said.middle), system)
             way = "higher" if flown >= said.middle else "lower"
             parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
         parts.append(("\n" + interval_bar(said.low, said.middle, said.high, flown, 36), "$accent"))

@@ -10,7 +10,7 @@ from textual.widgets import Digits, Static
 from fieldkit.measures import number
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
-from fieldkit.tui import cards, next_words
+from fieldkit.tui import cards, motor_rows, next_words
 from fieldkit.tui.hanging import hanging, stacked
 
 if TYPE_CHECKING:
@@ -70,5 +70,5 @@ class ForecastCard(VerticalScroll):
 
         marks = [(settings.target, "◎")] if settings.target else []
         marks += [(float(place), "") for place in said.apogee_quantiles()]
-        spell = next_words.whole
+        spell = motor_rows.whole
         self.query_one(Plot).show(draw_density(said.apogee, marks, lambda height: spell(height, settings.units)))

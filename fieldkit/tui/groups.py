@@ -14,20 +14,23 @@ NUMBERS = ("dry_mass", "diameter", "site_elevation")
 
 @dataclass(frozen=True, slots=True)
 class Group:
-    """Flights that name the same thing: one build of a rocket, or one site. `last` is the latest of them."""
+    """Flights that name the same thing: one build of a rocket, or one site, in the order flown; `last` is the latest of
+    them, with the last known numbers."""
 
     names: tuple[str, ...]
     ids: tuple[str, ...]
     last: Flight
+    flights: tuple[Flight, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """A launch site that flights name or that was saved, with the `ids` of its flights and the `last` of them."""
+    """A launch site that flights name or that was saved, with its flights, their `ids` and the `last` of them."""
 
     site: "Site"
     ids: tuple[str, ...]
     last: Flight
+    flights: tuple[Flight, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,7 +51,8 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
     found = []
     for key, members in groups.items():
         known = {c: next((v for _, f in reversed(members) if (v := f.number(c)) is not None), None) for c in NUMBERS}
-        found.append(Group(key, tuple(id for id, _ in members), members[-1][1].with_changes(**known)))
+        named, flown = zip(*members, strict=True)
+        found.append(Group(key, named, flown[-1].with_changes(**known), flown))
     order = {id: place for place, id in enumerate(ids)}
     return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
 
@@ -64,5 +68,5 @@ def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[Place, ...
         group = flown.get(name, Group((name,), (), Flight(site=name)))
         site = saved.get(name, Site(name))
         elevation = group.last.site_elevation if site.elevation is None else site.elevation
-        found.append(Place(replace(site, elevation=elevation), group.ids, group.last))
+        found.append(Place(replace(site, elevation=elevation), group.ids, group.last, group.flights))
     return tuple(found)

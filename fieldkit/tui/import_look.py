@@ -10,7 +10,7 @@ from textual.content import Content
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.safe_text import printable
-from fieldkit.tui import cards
+from fieldkit.tui import cards, logged
 from fieldkit.tui.bars import shortened
 from fieldkit.tui.design_look import SUFFIX, design_at
 from fieldkit.tui.hanging import Hanging
@@ -134,7 +134,11 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
         parts += [f"\n{printable(shortened(line))}" for line in look.words]
         return Content.assemble(*parts, ("\nEnter keeps it until the rocket has flown", "b"))
     if receipt is None:
-        parts += [("\n✗ ", "b $error"), printable(shortened(look.trouble)), "\n\nf names the parser to read it with"]
+        parts += [
+            ("\n✗ ", "b $error"),
+            printable(shortened(look.trouble)),
+            "\n\nf names the parser to read it with, m says what the columns of a table are",
+        ]
         return Content.assemble(*parts)
     parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
     parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
@@ -153,6 +157,7 @@ def what_it_holds(look: Look, system: str) -> Hanging:
     if len(look.flights) == 1:
         flight = look.flights[0]
         figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]
+        figures += logged.beside(flight.extra, system)
         return cards.lines(cards.heading(flight, flight.flight_id) or "One flight", figures, 20)
     named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MOST]]
     width = min(max((len(name) for name, _ in named), default=0), WIDE)

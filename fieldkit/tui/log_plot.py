@@ -27,6 +27,12 @@ class Drawn:
     traces: dict[str, Trace]
     events: dict[str, float]
 
+    @property
+    def span(self) -> tuple[float, float]:
+        """From the first sample to the last, whatever the channel: one axis for all. [s]"""
+        ends = [(trace.time[0], trace.time[-1]) for trace in self.traces.values() if trace.time]
+        return min((first for first, _ in ends), default=0.0), max((last for _, last in ends), default=0.0)
+
 
 TRACES = ("altitude", "speed", "acceleration")
 """What is drawn of a log, from top to bottom."""
@@ -69,15 +75,18 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
     return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
 
 
-def draw_trace(trace: Trace, events: dict[str, float], plt: Any, ink: Any) -> None:
-    """A channel against time, with a line at each event; its name stands below."""
+def draw_trace(trace: Trace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
+    """A channel against the time of the whole log, with a line at each event; its name stands below."""
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
-    inside = {name: time for name, time in events.items() if trace.time[0] <= time <= trace.time[-1]}
+    first, last = span
+    inside = {name: time for name, time in events.items() if first <= time <= last}
     low, high = min(trace.values), max(trace.values)
     for time in inside.values():
         plt.plot([time, time], [low, high], marker="│", color=ink.mark)
-    ends = {f"{trace.time[-1]:.0f} s": trace.time[-1]}
-    at = sorted((time, name) for name, time in {**inside, **ends}.items())
-    labels = spaced(at, trace.time[0], trace.time[-1], ink.width)
+    ends = {f"{last:.0f} s": last}
+    named = sorted((time, name) for name, time in {**inside, **ends}.items())
+    labels = spaced(named, first, last, ink.width)
     plt.xticks(list(labels), list(labels.values()))
-    plt.yfrequency(3)
+    plt.xlim(first, last)
+    at = (low, (low + high) / 2, high)
+    plt.yticks(at, [f"{value:7.1f}" for value in at])  # as wide as each other, so that times stand below each other

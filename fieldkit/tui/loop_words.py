@@ -13,9 +13,12 @@ from fieldkit.tui import cards
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
+    from fieldkit.loop.candidates import Place
     from fieldkit.loop.diagnose import Diagnosis
     from fieldkit.loop.findings import Compared, Findings
 
+EVEN = 0.5
+"""A log Bayes factor below which nobody would bet. [1]"""
 PLAIN = 0
 """The number of the model without anything added."""
 Parts = list[str | tuple[str, str]]
@@ -79,40 +82,79 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
     usable.sort(key=lambda name: order.get(name, len(order)))
     name = usable[turn % len(usable)]
     pattern = next((row for row in found.patterns if row.against == name), None)
-    tested = f"statistic {pattern.statistic:+.2f}, p {pattern.p:.2f} corrected" if pattern else "too few values to test"
+    tested = "too few values to test"
+    if pattern is not None:
+        seen = "they go together" if pattern.p < TELLING else "no pattern"
+        tested = f"{seen}, p {pattern.p:.2f}"
     ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
     places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
     points = [(float(x), float(y)) for x, y in zip(places, off, strict=True) if np.isfinite(x + y)]
     return f"residual / expected scatter, against {name.replace('_', ' ')}: {tested}", points, ticks
 
 
-def fingerprint(found: "Findings", turn: int) -> Content:
-    """The fingerprint of the residual beside that of an effect."""
+def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:
+    """The fingerprint of the residual beside that of an effect; bars are shorter where it is `narrow`."""
     if not found.fingerprints:
         return Content("no effect to compare with")
     trial, marks = found.fingerprints[turn % len(found.fingerprints)]
     largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
-    parts: Parts = [(printable(str(trial.candidate.place)), "b $primary")]
-    parts.append(f"\n{'in expected scatter':22}{'it would leave':^19}{'there was':^19}")
+    name, cells = (20, 3) if narrow else (22, 5)
+    wide = 9 + 2 * cells
+    parts: Parts = [(printable(in_place(trial.candidate.place)), "b $primary")]
+    parts.append(f"\n{'in expected scatter':{name}}{'it would leave':^{wide}}{'there was':^{wide}}")
     for mark in marks:
         title = BY_NAME[mark.readout].title
         if mark.found != mark.found:
-            parts.append(f"\n{title:22}{'not recorded':^38}")
+            parts.append(f"\n{title:{name}}{'not recorded':^{2 * wide}}")
             continue
         alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
-        parts.append(f"\n{title:22}{_lean(mark.expected, largest)}{_lean(mark.found, largest)} {alike}")
+        leans = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
+        parts.append(f"\n{title:{name}}{''.join(leans)} {alike}")
     return Content.assemble(*parts)
 
 
+def in_place(place: "Place") -> str:
+    """What could be missing, and where it would act, in words: `a weak or strong motor of F24`."""
+    from fieldkit.simulator.effect import effects
+
+    effect = effects().get(place.effect)
+    return str(place).replace(place.effect, effect.title, 1) if effect is not None else str(place)
+
+
 def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
-    """Effects by where they would act, best first: the place, the evidence, the strength."""
+    """Effects by where they would act, best first: in words, the evidence, the strength."""
     rows: dict[str, tuple[str, ...]] = {}
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
-            place = str(item.best.candidate.place)
-            rows[place] = (place, f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g} {item.best.unit}")
+            place = item.best.candidate.place
+            rows[str(place)] = (in_place(place), f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g}")
     return rows
+
+
+def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
+    """What stands behind a row of the ranking: what the effect is, how strong, how sure, and what would tell."""
+    from fieldkit.simulator.effect import effects
+
+    item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
+    place, (mean, sd) = item.best.candidate.place, item.best.strength()
+    effect = effects().get(place.effect)
+    words = in_place(place)
+    parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
+    parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
+    parts.append(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}")
+    parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
+    parts.append(f"\nto tell   {effect.tell_apart}" if effect is not None else "")
+    return Content.assemble(*parts)
+
+
+def _odds(log_bayes: float) -> str:
+    """A log Bayes factor as a flyer would bet: `20 to 1 for it`."""
+    if abs(log_bayes) < EVEN:
+        return "these flights say nothing either way"
+    odds = math.exp(min(abs(log_bayes), 20.0))
+    said = "more than 1000" if odds > 1000 else f"{odds:.2g}" if odds < 10 else f"{odds:.0f}"
+    return f"{said} to 1 {'for' if log_bayes > 0 else 'against'} it"
 
 
 def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[str, ...]]:
@@ -148,13 +190,15 @@ def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt
         plt.xticks(list(range(first, last + 1, max(1, math.ceil((last - first) / TICKS)))))
 
 
+TELLING = 0.05
+"""A corrected p below which a pattern is spoken of. [1]"""
 TICKS = 6
 """Labels below an axis of whole numbers, at most but one. [1]"""
 
 
-def _lean(value: float, largest: float) -> str:
-    """A figure with a bar to the left or the right of zero, 19 cells wide."""
-    cells = round(abs(value) / (largest or 1.0) * 5)
-    left = ("█" * cells).rjust(5) if value < 0 else " " * 5
-    right = ("█" * cells).ljust(5) if value >= 0 else " " * 5
+def _lean(value: float, largest: float, most: int) -> str:
+    """A figure with a bar of at most so many cells to the left or the right of zero."""
+    cells = round(abs(value) / (largest or 1.0) * most)
+    left = ("█" * cells).rjust(most) if value < 0 else " " * most
+    right = ("█" * cells).ljust(most) if value >= 0 else " " * most
     return f"{value:+6.2f} {left}│{right} "

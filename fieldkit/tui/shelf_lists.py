@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from fieldkit.entry import Question, answer_text
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.measures import measure
-from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui import cards
 from fieldkit.tui.groups import Group, Kept, Place
@@ -17,6 +16,8 @@ if TYPE_CHECKING:
 
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
+NORMAL, WIDE = 70, 96
+"""Cells from which a table has room for more columns."""
 
 
 class Listed(NamedTuple):
@@ -27,71 +28,84 @@ class Listed(NamedTuple):
     cells: Cells
 
 
-def motors_listed(found: "Sequence[Motor]", wide: bool) -> Listed:
+def motors_listed(found: "Sequence[Motor]", width: int) -> Listed:
     """The motors that a search found."""
     from fieldkit.motors.motor import delays_text
 
-    heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 6, True), Head("avg N", 5, True)]
-    heads += [Head("burn s", 6, True), Head("grams", 6, True)] if wide else []
-    heads += [Head("delays", 18 if wide else 12), Head("", 14 if wide else 5)]
+    wide = width >= WIDE
+    heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 7, True), Head("avg N", 6, True)]
+    heads += [Head("burn s", 6, True), Head("grams", 7, True)] if wide else []
+    heads += [Head("delays s", 22 if wide else 12), Head("", 14 if wide else 5)]
 
     def cells(motor: "Motor") -> list[str]:
         gone = "" if motor.available else "no longer made" if wide else "gone"
-        figures = [f"{motor.burn_time:.3g}", f"{motor.loaded_mass * 1e3:.4g}"] if wide else []
-        first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:g}", f"{motor.total_impulse:.4g}"]
-        return [*first, f"{motor.average_thrust:.3g}", *figures, delays_text(motor.delays), gone]
+        figures = [f"{motor.burn_time:.2f}", f"{motor.loaded_mass * 1e3:.1f}"] if wide else []
+        first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:.0f}", f"{motor.total_impulse:.1f}"]
+        return [*first, f"{motor.average_thrust:.1f}", *figures, delays_text(motor.delays), gone]
 
     return Listed(heads, found, cells)
 
 
-def builds_listed(kept: Kept, system: str) -> Listed:
-    """The builds of the rockets that flights name."""
+def builds_listed(kept: Kept, system: str, width: int) -> Listed:
+    """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
+    narrow = width < NORMAL
 
     def cells(group: Group) -> list[str]:
         numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
-        return [*group.names, *numbers, str(len(group.ids)), group.last.motor]
+        return [*group.names, *numbers, str(len(group.ids)), group.last.motor][: 5 if narrow else 6]
 
-    heads = [Head("rocket", 0), Head("config", 10), Head("dry mass", 9, True), Head("diameter", 9, True)]
-    return Listed([*heads, Head("flights", 7, True), Head("last motor", 14)], kept.builds, cells)
+    heads = [Head("rocket", 0), Head("config", 8), Head("dry mass", 9, True), Head("diameter", 9, True)]
+    heads += [Head("flights", 7, True), Head("last motor", 14)][: 1 if narrow else 2]
+    return Listed(heads, kept.builds, cells)
 
 
-def sites_listed(kept: Kept, system: str) -> Listed:
+def sites_listed(kept: Kept, system: str, width: int) -> Listed:
     """The sites that flights name or that were saved, with what safety lines ask of them."""
+    narrow = width < NORMAL
 
     def cells(place: Place) -> list[str]:
         site = place.site
         numbers = [measure(cards.APOGEE, height, system) for height in (site.elevation, site.size, site.ceiling)]
-        return [site.name, *numbers, str(len(place.ids)), answer_text(place.last, "date_time")[:10]]
+        return [site.name, *numbers, str(len(place.ids)), answer_text(place.last, "date_time")[:10]][
+            : 5 if narrow else 6
+        ]
 
     heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
-    return Listed([*heads, Head("flights", 7, True), Head("last", 10)], kept.sites, cells)
+    heads += [Head("flights", 7, True), Head("last", 10)][: 1 if narrow else 2]
+    return Listed(heads, kept.sites, cells)
 
 
-def settings_listed(settings: Settings, ledger: str, wide: bool) -> Listed:
+def settings_listed(settings: Settings, ledger: str) -> Listed:
     """What was chosen, and where things are kept."""
     from fieldkit.places import motor_folder, settings_file
 
     target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
     ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]
     rows = {
-        "units": (settings.units, "SI, US, or mixed: feet and grams"),
-        "theme": (settings.theme, "field, sun, night or terminal"),
-        "target": (target, "what motors are compared against"),
-        "rail": (", ".join(end for end in ends if end) or "none", "yours, for plans that name none"),
-        "ledger": (ledger, "where flights are kept: --ledger, FIELDKIT_LEDGER"),
-        "own motors": (str(motor_folder()), "your .eng and .rse files"),
-        "settings": (str(settings_file()), "where these choices are kept"),
+        "units": settings.units,
+        "theme": settings.theme,
+        "target": target,
+        "rail": ", ".join(end for end in ends if end) or "none",
+        "ledger": ledger,
+        "own motors": str(motor_folder()),
+        "settings": str(settings_file()),
     }
-    heads = [Head("setting", 10), Head("is", 0)] + ([Head("means", 52)] if wide else [])
-    return Listed(heads, list(rows), lambda name: (name, *rows[name][: 2 if wide else 1]))
+    return Listed([Head("setting", 10), Head("is", 0)], list(rows), lambda name: (name, rows[name]))
 
 
-def on_record(motor: "Motor") -> tuple[tuple[str, str], ...]:
-    """What is known of a motor, name and value."""
-    from fieldkit.motors import describe
-
-    facts = [(name.replace("_", " "), _said(value)) for name, value in describe(motor).items()]
-    return tuple((name, printable(value)) for name, value in facts if value)
+MEANS = {
+    "units": "SI: metres and grams. US: feet and ounces. mixed: feet and grams. Enter takes the next; so does N on any "
+    "page.",
+    "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colours. Enter "
+    "takes the next; so does T on any page.",
+    "target": "The apogee that motors are compared against on the page Next, where g sets it as well.",
+    "rail": "Length and tilt of the rail or rod you usually have, for plans that name none.",
+    "ledger": "The file in which your flights are kept. It is not changed here: fieldkit --ledger FILE opens another, "
+    "or FIELDKIT_LEDGER names it.",
+    "own motors": "The folder of your own .eng and .rse files; i on the list Motors puts one there.",
+    "settings": "The file in which these choices are kept.",
+}
+"""Of each setting, what it is and how it is changed."""
 
 
 def answer_of(flight: Flight, question: Question, system: str) -> str:
@@ -107,10 +121,3 @@ def same(flight: Flight, name: str, value: object, text: str, system: str) -> bo
     if column is None:
         return bool(getattr(flight, name) == value)
     return measure(column, value if isinstance(value, float) else None, system) == text
-
-
-def _said(value: object) -> str:
-    """A fact as text; long lists are left to the command."""
-    if isinstance(value, list | tuple):
-        return ", ".join(map(str, value)) if len(value) <= 12 else f"{len(value)} entries"
-    return "" if value is None else str(value)

@@ -20,11 +20,13 @@ from fieldkit.safe_text import printable
 
 @dataclass(frozen=True, slots=True)
 class Head:
-    """A column: its heading, its width in cells (0: what is left over), numbers to the right."""
+    """A column: its heading, its width in cells (0: what is left over), numbers to the right; of what is too long the
+    beginning is shown, or its `tail`."""
 
     title: str
     width: int
     right: bool = False
+    tail: bool = False
 
 
 Cells = Callable[[Any], Sequence[str]]
@@ -174,7 +176,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
     def _strip(self, mark: str, cells: Sequence[str], style: Style) -> Strip:
         parts = [mark]
         for head, width, cell in zip(self.heads, self.widths(), cells, strict=True):
-            parts.append(fitted(printable(cell), width, head.right) + " ")
+            parts.append(fitted(printable(cell), width, head.right, head.tail) + " ")
         text = set_cell_size("".join(parts), self.size.width)
         return Strip([Segment(text, style)], self.size.width)
 
@@ -224,8 +226,10 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         self.refresh(Region(0, 0, *self.size))
 
 
-def fitted(text: str, width: int, right: bool) -> str:
-    """A text in a width, cut with an ellipsis where it is too long."""
-    text = set_cell_size(text, width - 1) + "…" if cell_len(text) > width else text
+def fitted(text: str, width: int, right: bool, tail: bool = False) -> str:
+    """A text in a width, cut with an ellipsis where it is too long: at its end, or before its `tail`."""
+    if cell_len(text) > width:
+        cut = set_cell_size(text[::-1] if tail else text, width - 1)
+        text = "…" + cut[::-1] if tail else cut + "…"
     blank = " " * (width - cell_len(text))
     return blank + text if right else text + blank

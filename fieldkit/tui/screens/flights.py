@@ -31,6 +31,8 @@ FEW = 200
 """Flights whose drag and thrust are worked out together, so that others need not wait for it."""
 REST = 0.15
 """How long the cursor stays on a flight before its log is read. [s]"""
+NONE_YET = "no flights yet; a adds one, 3 imports a file"
+NOT_FOUND = "no flight holds all of these words; / changes them"
 
 
 class FlightsScreen(PageScreen):
@@ -114,7 +116,6 @@ class FlightsScreen(PageScreen):
         self._rows = {row.id: row for row in rows}
         self._hay = {row.id: haystack(row) for row in rows}
         self._asked = {row.id for row in rows if row.drag is not None}
-        self.query_one(Table).empty = "no flights yet; a adds one, 3 imports a file"
         self._refill()
         self._infer()
         self.field_app.settled()
@@ -160,7 +161,11 @@ class FlightsScreen(PageScreen):
         system = self.desk.settings.units
         shown = self._shown()
         arrow = "▼" if self._down else "▲"
-        heads = [Head(c.title + (arrow if n == self._sort else ""), c.width, c.right) for n, c in enumerate(shown)]
+        heads = [
+            Head(c.title + (arrow if n == self._sort else ""), c.width, c.right, tail=c.title == "id")
+            for n, c in enumerate(shown)
+        ]
+        self.query_one(Table).empty = NOT_FOUND if words else NONE_YET
         self.query_one(Table).show(
             heads,
             [row.id for row in self._sorted(rows)],

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
-from textual.containers import Container, VerticalScroll
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
@@ -15,25 +14,15 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.loop_look import Standing, look, standing_of
-from fieldkit.tui.loop_words import (
-    PLAIN,
-    draw_points,
-    fingerprint,
-    ranking_rows,
-    residual_points,
-    verdict,
-    version_rows,
-)
+from fieldkit.tui.loop_panels import PANELS, Panels
+from fieldkit.tui.loop_words import PLAIN
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
-from fieldkit.tui.table import Head, Table
+from fieldkit.tui.table import Table
 from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
-    from fieldkit.loop.diagnose import Diagnosis
     from fieldkit.loop.findings import Findings
-
-PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
 
 
 class LoopScreen(PageScreen):
@@ -48,12 +37,20 @@ class LoopScreen(PageScreen):
         "Under Versions, Enter predicts with another model from now on; u takes that back as well.",
         (
             ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
-            ("Residuals", "Each flight less its forecast, in units of its expected scatter, against what c chooses."),
+            (
+                "Residuals",
+                "Each flight less its forecast, in units of its expected scatter, against what c chooses. p is the "
+                "chance of such a pattern where there is none, corrected for how many columns were tried.",
+            ),
             (
                 "Fingerprint",
                 "What an effect (e chooses) would leave in each readout, and what was there: alike or not.",
             ),
-            ("Ranking", "Effects by evidence: +3 is twenty to one for it, 0 says nothing, below 0 speaks against it."),
+            (
+                "Ranking",
+                "Effects by evidence: +3 is twenty to one for it, 0 says nothing, below 0 speaks against it. Below "
+                "them the one under the cursor at length; Enter shows its fingerprint.",
+            ),
             ("Versions", "Models kept for this rocket, what each added, and the one in use. 0 is the plain model."),
         ),
         (
@@ -76,10 +73,6 @@ class LoopScreen(PageScreen):
     DEFAULT_CSS = """
     LoopScreen #what { height: 1; padding: 0 1; background: $panel; text-wrap: nowrap; text-overflow: ellipsis; }
     LoopScreen #panels { height: 1fr; }
-    LoopScreen .panel { display: none; height: 1fr; padding: 0 1; }
-    LoopScreen .panel.-front { display: block; }
-    LoopScreen .panel Static { height: auto; }
-    LoopScreen #p-Residuals Static { text-style: bold; }
     LoopScreen.-wide #tabs { display: none; }
     LoopScreen.-wide #panels { layout: grid; grid-size: 2 3; grid-rows: 2fr 2fr 1fr; }
     LoopScreen.-wide .panel { display: block; border: round $border-blurred; border-title-color: $foreground; }
@@ -97,32 +90,21 @@ class LoopScreen(PageScreen):
         super().__init__()
         self._standing: Standing | None = None
         self._rocket: str | None = None
-        self._found: Findings | None = None
         self._panel, self._against, self._effect = 0, 0, 0
 
     def body(self) -> Iterable[Widget]:
         """What is at hand, the names of the panels, the panels."""
-        from fieldkit.tui.plots import Plot
-
         yield Static("reading the ledger ...", id="what")
         yield TabLine(PANELS, "screen.panel", id="tabs")
-        with Container(id="panels"):
-            with VerticalScroll(id="p-Verdict", classes="panel"):
-                yield Static("l looks for what the model lacks", id="verdict")
-            with Container(id="p-Residuals", classes="panel"):
-                yield Static("", id="against")
-                yield Plot(id="residuals")
-            with VerticalScroll(id="p-Fingerprint", classes="panel"):
-                yield Static("", id="marks")
-            with Container(id="p-Ranking", classes="panel"):
-                yield Table(id="ranking", empty="l looks for what may be missing", enter="Print")
-            with Container(id="p-Versions", classes="panel"):
-                yield Table(id="versions", enter="Use it")
+        yield Panels()
+
+    @property
+    def panels(self) -> Panels:
+        """What was found, as far as anything was."""
+        return self.query_one(Panels)
 
     def on_mount(self) -> None:
-        """The titles of the panels, where all are in sight."""
-        for name in PANELS:
-            self.query_one(f"#p-{name}").border_title = name
+        """The first panel."""
         self._front()
 
     def reload(self) -> None:
@@ -133,8 +115,7 @@ class LoopScreen(PageScreen):
         """The same in other units."""
         if self._standing is not None:
             self._show_versions(self._standing)
-        if self._found is not None:
-            self._show_verdict(self._found)
+        self.panels.show_verdict(self.desk.settings.units)
 
     def _have(self, standing: Standing | None) -> None:
         if standing is None:
@@ -142,9 +123,8 @@ class LoopScreen(PageScreen):
             self.query_one("#what", Static).update("no flights yet; 2 adds one, 3 imports a file")
             return
         before = self._standing
-        if self._found is not None and before is not None and before.flights != standing.flights:
-            self._found = None
-            self.query_one("#verdict", Static).update("the flights have changed: l looks anew")
+        if self.panels.found is not None and before is not None and before.flights != standing.flights:
+            self.panels.forget("the flights have changed: l looks anew")
         self._show_versions(standing)
 
     def _show_versions(self, standing: Standing) -> None:
@@ -154,9 +134,7 @@ class LoopScreen(PageScreen):
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
         model = f"version {used}" if used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
-        rows = version_rows(standing.versions, self.desk.settings.units)
-        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("unseen flights", 18, True), Head("", 8)]
-        self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
+        self.panels.show_versions(standing, self.desk.settings.units)
 
     def action_look(self) -> None:
         """Look for what is missing, and show how far that is; nothing is changed."""
@@ -173,52 +151,18 @@ class LoopScreen(PageScreen):
     @on(Told)
     def _told(self, message: Told) -> None:
         """How far it is."""
-        if self._found is None or message.share < 1:
-            bar = "█" * round(message.share * 24)
-            self.query_one("#verdict", Static).update(Content(f"looking: {printable(message.text)}\n[{bar:24}]"))
+        self.panels.share(message.text, message.share)
 
     def _looked(self, found: "Findings") -> None:
-        self._found, self._effect = found, 0
-        self._panel = 0
-        self._show_verdict(found)
-        self._show_residuals()
-        self._show_marks()
-        self._show_ranking(found.diagnosis)
+        self._effect = self._panel = 0
+        self.panels.show(found, self.desk.settings.units)
+        self.panels.show_residuals(self._against)
         self._front()
-
-    def _show_verdict(self, found: "Findings") -> None:
-        self.query_one("#verdict", Static).update(verdict(found, self.desk.settings.units))
-
-    def _show_residuals(self) -> None:
-        """Residuals against a column, flight by flight."""
-        from fieldkit.tui.plots import Plot
-
-        if self._found is None:
-            return
-        said, points, ticks = residual_points(self._found, self._against)
-        self.query_one("#against", Static).update(Content(said))
-        self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
-
-    def _show_marks(self) -> None:
-        """The fingerprint of the residual beside that of an effect."""
-        text = fingerprint(self._found, self._effect) if self._found is not None else ""
-        self.query_one("#marks", Static).update(text)
-
-    def _show_ranking(self, diagnosis: "Diagnosis") -> None:
-        rows = ranking_rows(diagnosis)
-        heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 38)]
-        self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
 
     def _front(self) -> None:
         """The panel in front, and the focus in it."""
-        for number, name in enumerate(PANELS):
-            self.query_one(f"#p-{name}").set_class(number == self._panel, "-front")
         self.query_one(TabLine).front(self._panel)
-        target = {"Ranking": "#ranking", "Versions": "#versions", "Residuals": None}.get(PANELS[self._panel], "")
-        if target is None:
-            self.set_focus(None)
-        else:
-            self.set_focus(self.query_one(target or f"#p-{PANELS[self._panel]}"))
+        self.set_focus(self.panels.front(self._panel))
 
     def action_panel(self, panel: int) -> None:
         """Another panel."""
@@ -232,13 +176,27 @@ class LoopScreen(PageScreen):
     def action_covariate(self) -> None:
         """Residuals against the next column."""
         self._against += 1
-        self._show_residuals()
+        self.panels.show_residuals(self._against)
         self.action_panel(PANELS.index("Residuals"))
 
     def action_effect(self) -> None:
         """The fingerprint of the next effect."""
         self._effect += 1
-        self._show_marks()
+        self._show_effect()
+
+    @on(Table.Chosen, "#ranking")
+    def _effect_chosen(self, message: Table.Chosen) -> None:
+        """The fingerprint of the effect under the cursor."""
+        found = self.panels.found
+        drawn = [str(trial.candidate.place) for trial, _ in found.fingerprints] if found is not None else []
+        if message.key not in drawn:
+            self.complain("no fingerprint of it: they are drawn of the likeliest effects alone")
+            return
+        self._effect = drawn.index(message.key)
+        self._show_effect()
+
+    def _show_effect(self) -> None:
+        self.panels.show_marks(self._effect)
         self.action_panel(PANELS.index("Fingerprint"))
 
     def action_rocket(self) -> None:
@@ -246,18 +204,17 @@ class LoopScreen(PageScreen):
         if self._standing is not None and len(self._standing.rockets) > 1:
             rockets = self._standing.rockets
             self._rocket = rockets[(rockets.index(self._standing.rocket) + 1) % len(rockets)]
-            self._found = None
-            self.query_one("#verdict", Static).update("l looks for what the model lacks")
+            self.panels.forget()
             self.reload()
 
     def action_accept(self) -> None:
         """Predict with what was found."""
-        if self._found is None:
+        found = self.panels.found
+        if found is None:
             self.complain("nothing to accept yet: l looks for what is missing, and Verdict shows how far it is")
             return
         from fieldkit.loop.closing import adopt
 
-        found = self._found
         plain = self._standing is None or self._standing.plain
         if plain and not found.diagnosis.accepted and found.unexplained is None:
             self.complain("nothing to accept: the plain model stands")
@@ -270,7 +227,7 @@ class LoopScreen(PageScreen):
 
     def action_decline(self) -> None:
         """Leave the model as it is."""
-        if self._found is not None:
+        if self.panels.found is not None:
             self.tell("declined: the model stays as it is")
 
     @on(Table.Chosen, "#versions")
@@ -293,11 +250,12 @@ class LoopScreen(PageScreen):
 
     def copied(self) -> str:
         """The report as `fieldkit loop` prints it, or the version under the cursor."""
-        if self._found is None or PANELS[self._panel] == "Versions":
+        found = self.panels.found
+        if found is None or PANELS[self._panel] == "Versions":
             return self.query_one("#versions", Table).current_text()
         from fieldkit.loop.words import report
 
-        return "\n".join(report(self._found))
+        return "\n".join(report(found))
 
 
 PAGE = Page(5, "Loop", LoopScreen)

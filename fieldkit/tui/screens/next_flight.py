@@ -2,8 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from math import inf
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
@@ -12,14 +11,15 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, Flight
-from fieldkit.measures import spelled, unit_of
-from fieldkit.tui import cards, next_words
-from fieldkit.tui.fields import Form, Line
+from fieldkit.flight import Flight
+from fieldkit.tui import next_words
+from fieldkit.tui.fields import Line
 from fieldkit.tui.forecast_card import ForecastCard
-from fieldkit.tui.next_plan import DRAFT, PLAN, QUESTIONS, Plan, plan_texts, planned, read_plan
+from fieldkit.tui.motor_list import MotorList
+from fieldkit.tui.motor_rows import listed
+from fieldkit.tui.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.plan_form import ask_plan
 from fieldkit.tui.table import Table
 
 if TYPE_CHECKING:
@@ -27,12 +27,10 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
     from fieldkit.plan.guide import Choice
 
-AT_ONCE = 40
-"""Motors forecast together: the first are in sight before the others are worked out."""
+ROOMY = 150
+"""Columns of a screen with room for every figure beside the card."""
 DRAWS = 400
 """Flights flown for each motor: the hill is drawn of them. [1]"""
-MOST = 200
-"""Motors that a search forecasts; a longer word narrows it."""
 
 
 class NextScreen(PageScreen):
@@ -94,10 +92,7 @@ class NextScreen(PageScreen):
 
     def __init__(self) -> None:
         super().__init__()
-        self._plan: Plan | None = None
-        self._known: dict[Any, Choice] = {}
-        self._motors: list[Motor] = []
-        self._fitting = True
+        self._motors = MotorList()
 
     def body(self) -> Iterable[Widget]:
         """The plan in a line, a search, the motors, the forecast."""
@@ -120,14 +115,14 @@ class NextScreen(PageScreen):
 
     def redraw(self) -> None:
         """Other units or another target leave the forecasts as they are: they are sorted and written at once."""
-        if self._plan is None:
+        if self._motors.plan is None:
             self.reload()
             return
-        self._show_plan(self._plan)
+        self._show_plan(self._motors.plan)
         self._refill()
 
     def _have_plan(self, plan: Plan | None) -> None:
-        self._plan, self._known = plan, {}
+        self._motors.plan, self._motors.known = plan, {}
         if plan is None:
             self.query_one("#plan", Static).update("no flights yet; 2 adds one, 3 imports a file, p plans without")
             return
@@ -146,26 +141,17 @@ class NextScreen(PageScreen):
 
     def _search_now(self) -> None:
         """Look up the motors and forecast those that are not known yet."""
-        self.ask(partial(self._find, self.query_one(Input).value), self._found, "find")
-
-    def _find(self, text: str) -> "list[Motor]":
-        """All that a text finds, what fits first; without a text, and until f asks for all, only what fits."""
-        found, plan = self.desk.motors.search(text), self._plan
-        if plan is None:
-            return found
-        if self._fitting and not text.strip():
-            return [motor for motor in found if plan.wanted.fits(motor)]
-        return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
+        text = self.query_one(Input).value
+        self.ask(lambda: self._motors.find(self.desk.motors, text), self._found, "find")
 
     def _found(self, motors: "list[Motor]") -> None:
-        self._motors = motors
+        self._motors.found = motors
         self._refill()
         self._forecast()
 
     def _forecast(self) -> None:
-        """The next few motors without a forecast, in the order shown."""
-        plan = self._plan
-        waiting = [motor for motor in self._motors[:MOST] if motor not in self._known][:AT_ONCE]
+        """The next few motors without a forecast."""
+        plan, waiting = self._motors.plan, self._motors.waiting()
         if plan is None or not waiting:
             return
 
@@ -177,45 +163,18 @@ class NextScreen(PageScreen):
         self.ask(work, self._have, "forecast")
 
     def _have(self, found: "Sequence[Choice]") -> None:
-        self._known |= {one.motor: one for one in found}
+        self._motors.known |= {one.motor: one for one in found}
         self._refill()
         self._forecast()
 
-    def _everything(self) -> bool:
-        """Whether there is room for all columns."""
-        return self.has_class("-comparing") or self.size.width >= 150
-
-    def _cells(self, motor: "Motor") -> list[str]:
-        row = next_words.Row(motor, self._fits(motor), self._known.get(motor), self.desk.settings)
-        return row.full() if self._everything() else row.brief()
-
-    def _fits(self, motor: "Motor") -> bool:
-        return self._plan is None or self._plan.wanted.fits(motor)
-
-    def _ordered(self) -> "list[Motor]":
-        """What fits first; the nearest to the target before others, without one those flown last."""
-        target, known = self.desk.settings.target, self._known
-        if target is not None:
-            places = {motor: abs(one.apogee - target) for motor, one in known.items()}
-        else:
-            places = {motor: place for place, motor in enumerate(self._plan.flown if self._plan else ())}
-        return sorted(self._motors, key=lambda motor: (not self._fits(motor), places.get(motor, inf)))
-
     def _refill(self) -> None:
         """The motors in their order, those not forecast yet last."""
-        system = self.desk.settings.units
-        heads = next_words.full_heads(system) if self._everything() else next_words.BRIEF
-        self.query_one(Table).show(heads, self._ordered(), self._cells)
-        self.query_one("#count", Static).update(Content(self._counted()))
+        settings, table = self.desk.settings, self.query_one(Table)
+        brief = not self.has_class("-comparing") and self.size.width < ROOMY
+        heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
+        table.show(heads, self._motors.ordered(settings.target), cells)
+        self.query_one("#count", Static).update(Content(self._motors.counted(settings.units)))
         self.soon(self._show_card)
-
-    def _counted(self) -> str:
-        """How many motors there are, how many fit, and how many forecasts are still to come: `12 of 57 fit · m`."""
-        fit = sum(map(self._fits, self._motors))
-        left = min(len(self._motors), MOST) - sum(motor in self._known for motor in self._motors)
-        every = "" if fit == len(self._motors) else f" of {len(self._motors)}"
-        unit = spelled(unit_of(cards.APOGEE, self.desk.settings.units))
-        return f"{fit}{every} fit" + (f", {left} to do" if left > 0 else "") + f" · {unit}"
 
     @on(Table.Moved)
     def _moved(self) -> None:
@@ -224,11 +183,11 @@ class NextScreen(PageScreen):
 
     def _show_card(self) -> None:
         """The forecast of the motor under the cursor, from what is known already."""
-        one, card = self._known.get(self.query_one(Table).current), self.query_one(ForecastCard)
-        if one is None or self._plan is None:
+        one, card = self._motors.known.get(self.query_one(Table).current), self.query_one(ForecastCard)
+        if one is None or self._motors.plan is None:
             card.clear()
         else:
-            card.show(self._plan, one, self.desk.settings)
+            card.show(self._motors.plan, one, self.desk.settings)
 
     def action_search(self) -> None:
         """Type a motor's name."""
@@ -236,22 +195,22 @@ class NextScreen(PageScreen):
 
     def action_fitting(self) -> None:
         """Only what fits, or everything."""
-        self._fitting = not self._fitting
+        self._motors.fitting = not self._motors.fitting
         self._search_anew()
 
     def action_compare(self) -> None:
         """All figures instead of the card, and back."""
         self.toggle_class("-comparing")
-        self._refill()
+        self.call_after_refresh(self._refill)  # once the table is as wide as it will be
 
     def on_resize(self, _event: events.Resize) -> None:
         """A wide screen has room for everything."""
-        if self._plan is not None:
-            self._refill()
+        if self._motors.plan is not None:
+            self.call_after_refresh(self._refill)
 
     def action_build(self) -> None:
         """The next rocket and configuration that have flown."""
-        build = self._plan.next_build() if self._plan is not None else None
+        build = self._motors.plan.next_build() if self._motors.plan is not None else None
         if build is not None:
             self._keep_plan(build)
 
@@ -261,26 +220,15 @@ class NextScreen(PageScreen):
         from fieldkit.tui.decisions import Decision
         from fieldkit.tui.plan_screen import PlanScreen
 
-        plan, motor = self._plan, self.query_one(Table).current
+        plan, motor = self._motors.plan, self.query_one(Table).current
         if plan is not None and motor is not None:
-            one = self._known.get(motor)
+            one = self._motors.known.get(motor)
             full = plan.full.with_changes(motor=label(motor), delay=one.delay if one else None)
             self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor)))
 
     def action_plan(self) -> None:
         """Change the plan."""
-        plan = self._plan.flight if self._plan is not None else Flight()
-        system = self.desk.settings.units
-        units = {name: unit_of(BY_NAME[name], system) for name in PLAN}
-        self.app.push_screen(Form("The plan", QUESTIONS, plan_texts(plan, system), units), self._planned)
-
-    def _planned(self, values: dict[str, object] | None) -> None:
-        if values is None:
-            return
-        try:
-            self._keep_plan(planned(values))
-        except BadValue as error:
-            self.complain(str(error))
+        ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
         texts, name = plan_texts(plan), f"{plan.rocket} {plan.config}".strip()
@@ -289,7 +237,7 @@ class NextScreen(PageScreen):
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:
         """Keep the forecast of the motor under the cursor, made with care."""
-        one = self._known.get(self.query_one(Table).current)
+        one = self._motors.known.get(self.query_one(Table).current)
         if one is None:
             return
 

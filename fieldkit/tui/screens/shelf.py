@@ -2,36 +2,23 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
-from textual import on
+from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal
+from textual.containers import Container, Horizontal
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from fieldkit.entry import Question
-from fieldkit.flight import BY_NAME
-from fieldkit.measures import measure, unit_of
 from fieldkit.settings import THEMES, UNITS
-from fieldkit.tui import site_form
+from fieldkit.tui import motor_facts, shelf_card
 from fieldkit.tui.bars import KeyBar
-from fieldkit.tui.dialogs import AskText
-from fieldkit.tui.fields import Form, Line
-from fieldkit.tui.groups import Group, Kept, Place, grouped, placed
+from fieldkit.tui.fields import Line
+from fieldkit.tui.groups import Kept, grouped, placed
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.shelf_lists import (
-    RAIL,
-    Listed,
-    answer_of,
-    builds_listed,
-    motors_listed,
-    on_record,
-    same,
-    settings_listed,
-    sites_listed,
-)
+from fieldkit.tui.shelf_card import ShelfCard
+from fieldkit.tui.shelf_forms import ask_motors, ask_rail, change_build, change_site
+from fieldkit.tui.shelf_lists import MEANS, Listed, builds_listed, motors_listed, settings_listed, sites_listed
 from fieldkit.tui.table import Table
 from fieldkit.tui.tabs import TabLine
 
@@ -39,13 +26,6 @@ if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
-
-BUILD = (
-    Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
-    Question("config", "Configuration", "The name of this build."),
-    Question("dry_mass", "Dry mass", f"{BY_NAME['dry_mass'].help} Changes every flight of this build."),
-    Question("diameter", "Diameter", f"{BY_NAME['diameter'].help} Changes every flight of this build."),
-)
 
 
 class ShelfScreen(PageScreen):
@@ -84,6 +64,15 @@ class ShelfScreen(PageScreen):
     ShelfScreen #search { height: 1; }
     ShelfScreen #search Static { width: auto; padding: 0 1; }
     ShelfScreen #search Input { width: 1fr; }
+    ShelfScreen #split { layout: vertical; }
+    ShelfScreen ShelfCard { height: 2fr; border-top: solid $border-blurred; }
+    ShelfScreen.-motors ShelfCard { display: none; }
+    ShelfScreen.-settings Table { height: 8; }
+    ShelfScreen.-short.-normal ShelfCard Plot, ShelfScreen.-short.-narrow ShelfCard Plot { height: 8; }
+    ShelfScreen.-wide #split { layout: horizontal; }
+    ShelfScreen.-wide Table { height: 1fr; }
+    ShelfScreen.-wide ShelfCard { display: block; width: 62; height: 1fr; border-top: none;
+        border-left: solid $border-blurred; }
     """
 
     def __init__(self) -> None:
@@ -98,7 +87,9 @@ class ShelfScreen(PageScreen):
         with Horizontal(id="search"):
             yield Static("/")
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
-        yield Table(empty="nothing here yet", enter="Change")
+        with Container(id="split"):
+            yield Table(empty="nothing here yet", enter="Change")
+            yield ShelfCard()
 
     def on_mount(self) -> None:
         """Keys go to the table."""
@@ -142,24 +133,52 @@ class ShelfScreen(PageScreen):
         """The list in front."""
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
+        self.set_class(self._kind == 0, "-motors")
+        self.set_class(self._kind == 3, "-settings")
         heads, keys, cells = self._list()
         table = self.query_one(Table)
         table.enter = ("About it", "Change", "Change", "Change")[self._kind]
         table.show(heads, keys, cells)
         self.query_one(KeyBar).follow()
+        self._beside()
+
+    @on(Table.Moved)
+    def _beside(self) -> None:
+        """What is known of the row under the cursor, where there is room for it."""
+        if self._kind == 0 and not self.has_class("-wide"):
+            return
+        kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.desk.settings.units
+        self.ask(partial(self._facts, kind, key, system), self.query_one(ShelfCard).show, "card")
+
+    def _facts(self, kind: str, key: Any, system: str) -> shelf_card.Facts:
+        if key is None:
+            return shelf_card.Facts(())
+        match kind:
+            case "Motors":
+                return shelf_card.of_motor(key)
+            case "Rockets":
+                return shelf_card.of_build(key, system)
+            case "Sites":
+                return shelf_card.of_site(key, system)
+            case _:
+                return shelf_card.of_setting(key, MEANS[key])
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """Columns are chosen by the width, and whether there is room for the card."""
+        self.call_later(self._show)  # once the screen knows how wide it is called
 
     def _list(self) -> Listed:
         """The list in front, as wide as there is room for."""
-        desk, wide = self.desk, self.size.width >= 100
+        desk, width = self.desk, self.query_one(Table).size.width
         match KINDS[self._kind]:
             case "Motors":
-                return motors_listed(self._found, wide)
+                return motors_listed(self._found, width)
             case "Rockets":
-                return builds_listed(self._kept, desk.settings.units)
+                return builds_listed(self._kept, desk.settings.units, width)
             case "Sites":
-                return sites_listed(self._kept, desk.settings.units)
+                return sites_listed(self._kept, desk.settings.units, width)
             case _:
-                return settings_listed(desk.settings, desk.name, wide)
+                return settings_listed(desk.settings, desk.name)
 
     def action_kind(self, kind: int) -> None:
         """Another list."""
@@ -179,75 +198,22 @@ class ShelfScreen(PageScreen):
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
-        (self._about_motor, self._change_build, self._change_site, self._change_setting)[self._kind](message.key)
+        match KINDS[self._kind]:
+            case "Motors":
+                self._about_motor(message.key)
+            case "Rockets":
+                change_build(self, message.key)
+            case "Sites":
+                change_site(self, message.key)
+            case _:
+                self._change_setting(message.key)
 
     def _about_motor(self, motor: "Motor") -> None:
         from fieldkit.tui.dialogs import HelpScreen
 
         text = f"{motor.maker} {motor.designation}"
-        about = Help("What is on record of this motor.", on_record(motor), (f"fieldkit motors {text} --json",))
+        about = Help("What is on record of this motor.", motor_facts.facts(motor), (f"fieldkit motors {text} --json",))
         self.app.push_screen(HelpScreen(text, about, (), "On record"))
-
-    def _change_build(self, group: Group) -> None:
-        self._edit(group, BUILD, " ".join(name for name in group.names if name))
-
-    def _change_site(self, place: Place) -> None:
-        """A form over a site: name and elevation are those of its flights, the rest is kept beside them."""
-        system, site = self.desk.settings.units, place.site
-        elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
-        texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
-        form = Form(
-            f"{site.name}: {len(place.ids)} flights",
-            site_form.QUESTIONS,
-            texts,
-            site_form.units(system),
-            site_form.read,
-        )
-        self.app.push_screen(form, partial(self._site_edited, place, texts))
-
-    def _site_edited(self, place: Place, texts: dict[str, str], values: dict[str, object] | None) -> None:
-        if values is None:
-            return
-        system, was = self.desk.settings.units, place.site
-        flown = {"site": values["site"], "site_elevation": values["site_elevation"]}
-        changes = {name: new for name, new in flown.items() if not same(place.last, name, new, texts[name], system)}
-        site = site_form.answered(was, values, texts, system)
-
-        def work() -> int:
-            from fieldkit.ledger.sites import SITES, with_site
-
-            ledger = self.desk.ledger
-            beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}
-            return ledger.edit_all(place.ids, was.name, beside, **changes)
-
-        if changes or site != was:
-            self.change(work, partial(self._changed, was.name))
-
-    def _edit(self, group: Group, questions: Sequence[Question], what: str) -> None:
-        """A form over a group; what is changed there is changed in every flight of it."""
-        system = self.desk.settings.units
-        texts = {question.name: answer_of(group.last, question, system) for question in questions}
-        units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
-        title = f"{what}: {len(group.ids)} flights"
-        self.app.push_screen(Form(title, questions, texts, units), partial(self._edited, group, what, texts))
-
-    def _edited(self, group: Group, what: str, texts: dict[str, str], values: dict[str, object] | None) -> None:
-        if values is None:
-            return
-        changes = {
-            name: value
-            for name, value in values.items()
-            if not same(group.last, name, value, texts[name], self.desk.settings.units)
-        }
-        if changes:
-            work = partial(self.desk.ledger.edit_all, group.ids, what, **changes)
-            self.change(work, partial(self._changed, what))
-
-    def _changed(self, what: str, count: int) -> None:
-        self.tell(
-            f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back"
-        )
-        self.field_app.changed()
 
     def _change_setting(self, name: str) -> None:
         settings = self.desk.settings
@@ -258,42 +224,13 @@ class ShelfScreen(PageScreen):
         elif name == "target":
             self.field_app.ask_target()
         elif name == "rail":
-            self._ask_rail()
+            ask_rail(self)
         else:
             self.complain(f"{name} is not changed here; ? says how")
 
-    def _ask_rail(self) -> None:
-        """Length and tilt of the rail that is used where a plan names none."""
-        settings = self.desk.settings
-        questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
-        texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}
-        units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
-        self.app.push_screen(Form("Your usual rail", questions, texts, units), self._railed)
-
-    def _railed(self, values: dict[str, object] | None) -> None:
-        if values is not None:
-            self.field_app.choose("the usual rail is kept", **values)
-
     def action_import_motors(self) -> None:
         """Add the motors of a file."""
-        self.app.push_screen(AskText("Add motors", "", "The path of a .eng or .rse file."), self._import)
-
-    def _import(self, text: str | None) -> None:
-        if not text or not text.strip():
-            return
-
-        def work() -> "list[Motor]":
-            from fieldkit.motors.own import import_file
-            from fieldkit.places import motor_folder
-
-            return import_file(Path(text.strip()).expanduser(), motor_folder())
-
-        self.ask(work, self._imported, "import")
-
-    def _imported(self, motors: "list[Motor]") -> None:
-        self.desk.forget_motors()
-        self.tell(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
-        self.field_app.changed()
+        ask_motors(self)
 
     def copied(self) -> str:
         """The row under the cursor."""

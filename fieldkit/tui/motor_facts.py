@@ -1,0 +1,55 @@
+"""A motor in the words of a flyer, and its thrust curve as a plot."""
+
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.safe_text import printable
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+
+KINDS = {"SU": "single use", "reload": "reloadable", "hybrid": "hybrid"}
+
+
+def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
+    """What is on record of a motor, name and value with its unit."""
+    from fieldkit.motors.motor import delays_text
+
+    delays = delays_text(motor.delays)
+    pairs = (
+        ("maker", motor.maker),
+        ("designation", motor.designation),
+        (
+            "kind",
+            ", ".join(part for part in (KINDS.get(motor.kind, motor.kind), f"class {motor.impulse_class}") if part),
+        ),
+        ("diameter", f"{motor.diameter * 1e3:g} mm"),
+        ("length", f"{motor.length * 1e3:g} mm"),
+        ("total impulse", f"{motor.total_impulse:.1f} N s"),
+        ("average thrust", f"{motor.average_thrust:.1f} N"),
+        ("peak thrust", f"{motor.peak_thrust:.1f} N"),
+        ("burn time", f"{motor.burn_time:.2f} s above 5 % of the peak"),
+        ("loaded mass", f"{motor.loaded_mass * 1e3:.1f} g"),
+        ("propellant", " ".join((f"{motor.propellant_mass * 1e3:.1f} g", motor.propellant)).strip()),
+        ("after burnout", f"{motor.casing_mass * 1e3:.1f} g stay"),
+        ("delays", "none on record" if delays == "-" else f"{delays} s{'; P: plugged, no charge' * ('P' in delays)}"),
+        ("on sale", "yes" if motor.available else "no longer made"),
+        ("case", motor.case),
+        ("estimated", ", ".join(name.replace("_", " ") for name in motor.estimated)),
+        ("on the web", motor.url),
+        ("source", motor.source),
+    )
+    return tuple((name, printable(value)) for name, value in pairs if value)
+
+
+def draw_thrust(motor: "Motor", plt: Any, ink: Any) -> None:
+    """Thrust against time, and the average while it burns."""
+    plt.plot(motor.time.tolist(), motor.thrust.tolist(), marker="braille", color=ink.line)
+    start, end = motor.burning
+    plt.plot([start, end], [motor.average_thrust] * 2, marker="╌", color=ink.mark)
+    last = motor.thrust_end
+    plt.xlim(0, last)
+    plt.ylim(0, motor.peak_thrust * 1.05)
+    plt.xticks([0, last / 2, last], ["0", f"{last / 2:.2g}", f"{last:.2g} s"])
+    plt.yticks(
+        [0, motor.average_thrust, motor.peak_thrust], ["0", f"{motor.average_thrust:.3g}", f"{motor.peak_thrust:.3g}"]
+    )
