@@ -2,7 +2,7 @@
 
 from asyncio import wrap_future
 from collections.abc import Iterable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
 from typing import ClassVar
 
@@ -31,6 +31,9 @@ from fieldkit.tui.add_form import (
 from fieldkit.tui.add_hand import Hand
 from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
+
+AT_MOST = 0.02
+"""How long a key waits to be shown until it is kept: on most discs it is by then, and on none do keys wait longer. [s]"""
 
 
 class AddScreen(PageScreen):
@@ -165,8 +168,9 @@ class AddScreen(PageScreen):
         field = event.input.parent
         if isinstance(field, Field):
             self._touched.add(field.question.name)
-            self._keep()
+            kept = self._keep()
             self._look()
+            wait([kept], AT_MOST)
 
     def _look(self) -> None:
         """Read all answers into a flight and note what cannot be read or looks odd."""
@@ -206,10 +210,12 @@ class AddScreen(PageScreen):
         else:
             hand.rest(self._said, system)
 
-    def _keep(self) -> None:
+    def _keep(self) -> Future[None]:
         """Keep the draft; one that still waits to be written makes room for it."""
         kept = self._pen.submit(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
         self.run_worker(partial(self._kept, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
+
+        return kept
 
     async def _kept(self, kept: Future[None]) -> None:
         """Say once why keys cannot be kept, where they cannot."""
