@@ -23,6 +23,7 @@ from fieldkit.tui.bars import Notice, NoticeBar
 from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.hangup import gone, terminal
+from fieldkit.tui.keys import apart
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
@@ -279,4 +280,5 @@ class FieldkitApp(App[None]):
 
 def run(where: str | None) -> None:
     """Open the app on a ledger and stay until the flyer leaves."""
+    apart()
     FieldkitApp(where, stays=True).run()

@@ -2,7 +2,7 @@
 
 from asyncio import wrap_future
 from collections.abc import Iterable, Mapping
-from concurrent.futures import Future, ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
 from typing import ClassVar
 
@@ -32,12 +32,17 @@ from fieldkit.tui.add_hand import Hand
 from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
+AT_MOST = 0.02
+"""How long a key waits to be shown until it is kept: on most discs it is by then, and on none do keys wait longer. [s]"""
+
 
 class SaveButton(Button):
     """The button behind the ten readouts."""
 
-    enter = "Save"
-    """What Enter does, for the key bar."""
+    @property
+    def enter(self) -> str:
+        """What Enter does, for the key bar."""
+        return "Save" if isinstance(self.screen, AddScreen) and self.screen.typed else "Next flight"
 
 
 class AddScreen(PageScreen):
@@ -145,6 +150,11 @@ class AddScreen(PageScreen):
         if not isinstance(self.focused, Input):
             self._to_first()
 
+    @property
+    def typed(self) -> bool:
+        """Whether anything was typed that is not saved."""
+        return bool(self._touched)
+
     def _to_first(self) -> None:
         """To the first line that is asked and empty: what the flight was, else the first readout not typed."""
         named = [name for name in SETUP[:3] if not self.field(name).line.value]
@@ -173,8 +183,9 @@ class AddScreen(PageScreen):
         field = event.input.parent
         if isinstance(field, Field):
             self._touched.add(field.question.name)
-            self._keep()
+            kept = self._keep()
             self._look()
+            wait([kept], AT_MOST)
 
     def _look(self) -> None:
         """Read all answers into a flight and note what cannot be read or looks odd."""
@@ -219,10 +230,12 @@ class AddScreen(PageScreen):
         """The field that a line belongs to."""
         return widget.parent if widget is not None and isinstance(widget.parent, Field) else None
 
-    def _keep(self) -> None:
+    def _keep(self) -> Future[None]:
         """Keep the draft; one that still waits to be written makes room for it."""
         kept = self._pen.submit(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
         self.run_worker(partial(self._kept, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
+
+        return kept
 
     async def _kept(self, kept: Future[None]) -> None:
         """Say once why keys cannot be kept, where they cannot."""
@@ -249,7 +262,7 @@ class AddScreen(PageScreen):
     def action_go_on(self) -> None:
         """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
         if isinstance(self.focused, Button):
-            self.action_save() if self._touched else self._to_first()
+            self.action_save() if self.typed else self._to_first()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
             self.set_focus(self.query_one("#save", Button))
         else:
