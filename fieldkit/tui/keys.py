@@ -18,7 +18,7 @@ _read = XTermParser._sequence_to_key_events
 
 def apart() -> None:
     """Have the parser of every driver read Esc and a key as two keys."""
-    XTermParser._sequence_to_key_events = _two_keys  # type: ignore[method-assign]
+    XTermParser._sequence_to_key_events = _two_keys  # type: ignore[method-assign, assignment]
 
 
 def _two_keys(parser: XTermParser, sequence: str, alt: bool = False) -> Iterable[Key]:

@@ -33,7 +33,7 @@ from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
 AT_MOST = 0.02
-"""How long a key waits to be shown until it is kept: on most discs it is by then, and on none do keys wait longer. [s]"""
+"""How long a key waits at most to be shown until it is kept: on most discs it is by then. [s]"""
 
 
 class SaveButton(Button):
