@@ -98,6 +98,17 @@ async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> 
         assert "2 · Astra" not in said
 
 
+async def test_enter_typed_twice_opens_a_flight_once(file: Path) -> None:
+    async with opened(file) as pilot:
+        table = pilot.app.screen.query_one(Table)
+        table.action_choose()
+        table.action_choose()
+        await press(pilot, "_")
+        assert "12 · Astra" in words(pilot)
+        await press(pilot, "escape")
+        assert table_keys(pilot)
+
+
 async def test_a_flight_opens_in_the_colours_chosen_since_the_last_one(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "enter", "escape", "T", "enter")

@@ -9,6 +9,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
+from textual import events
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
@@ -29,6 +30,9 @@ from fieldkit.tui.themes import THEMES
 
 WAIT, MOST_WAITS = 0.005, 6000
 """How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
+
+MOST_TURNS = 200
+"""How often at most it is looked whether a key has reached all that it is for. [1]"""
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
@@ -87,6 +91,33 @@ class FieldkitApp(App[None]):
             sys.setswitchinterval(YIELD)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(ALONE, partial(self._leave_if_gone, held))
+
+    async def on_event(self, event: events.Event) -> None:
+        """One key after the other: the next is looked at when all have heard of the one before.
+
+        Textual hands a key down to the widget in focus, and does what it is bound to when it has come up again, behind
+        keys typed in the meantime. A key that a line would take as a letter is not bound while the line is in focus.
+        """
+        if not isinstance(event, events.Key) or event.is_forwarded:
+            await super().on_event(event)
+            return
+        key = event.key
+        if not (await self._check_bindings(key, priority=True) or await self._check_bindings(key)):
+            await super().on_event(event)
+        await self._heard()
+
+    async def _heard(self) -> None:
+        """Wait until messages have reached the widgets they are for, and a screen that was opened can take keys."""
+        for _ in range(MOST_TURNS):
+            pumps = (self.focused or self.screen).ancestors_with_self[:-1]
+            if all(pump._message_queue.empty() for pump in pumps):
+                break
+            await asyncio.sleep(0)
+        for _ in range(MOST_WAITS):
+            page = self.screen
+            if page.is_mounted and (page.ready if isinstance(page, PageScreen) else page._message_queue.empty()):
+                break
+            await asyncio.sleep(WAIT)
 
     def _leave_if_gone(self, held: int) -> None:
         """Leave where the terminal was closed: whatever was typed is kept already."""
@@ -170,10 +201,7 @@ class FieldkitApp(App[None]):
     async def action_page(self, name: str) -> None:
         """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
         await self.switch_mode(name)
-        for _ in range(MOST_WAITS):
-            if not isinstance(self.screen, PageScreen) or self.screen.ready:
-                break
-            await asyncio.sleep(WAIT)
+        await self._heard()
         if isinstance(self.screen, PageScreen):
             self.screen.came()
 

@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable
 from typing import Any, ClassVar
 
-from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -20,19 +19,12 @@ from fieldkit.tui.bars import KeyBar
 
 
 class Line(Input):
-    """A line in which a question mark asks for help, unless it `takes_marks`, and keys work in the order they came."""
+    """A line in which a question mark asks for help, unless it `takes_marks`."""
 
     def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
         super().__init__(text, select_on_focus=True, validate_on=(), **rest)
         self.takes_marks = takes_marks
         self.cursor_blink = False
-
-    async def _on_key(self, event: events.Key) -> None:
-        """Move and delete at once. Textual hands such keys up to the app, which lets the letters behind them pass."""
-        for binding in self._bindings.key_to_bindings.get(event.key, ()):
-            event.stop()
-            event.prevent_default()
-            await self.app.run_action(binding.action, self)
 
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
         """Whether a key is a letter here."""

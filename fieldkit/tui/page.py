@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 T = TypeVar("T")
 LEAVE_LINE = Binding("enter", "leave_line", show=False, priority=True)
-"""Enter in a search: taken before the keys behind it are looked at, so that they go to the table."""
+"""Enter in a search leads back to the table; the line itself would only say that it was pressed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +68,6 @@ class PageScreen(Screen[None]):
 
     ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
-    LETTERS: ClassVar[tuple[str, ...]] = ()
-    """Actions whose keys are letters while something is typed. They are taken before any other key is looked at, so
-    that what is typed ahead goes where they lead."""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # what has or had it is painted anew by itself
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
@@ -221,9 +218,7 @@ class PageScreen(Screen[None]):
         self.field_app.tell(text, error=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """While something is typed, letters are letters."""
-        if action in self.LETTERS and isinstance(self.focused, Input):
-            return False
+        """A line is left where one is being typed in."""
         if action == "leave_line":
             return isinstance(self.focused, Input)
         return super().check_action(action, parameters)

@@ -40,7 +40,6 @@ class FlightsScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Flights"
-    LETTERS = ("filter", "add")
     ABOUT = Help(
         "Every flight of your ledger, the newest first. Type / and any words to see only flights that hold them all "
         "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
@@ -63,11 +62,11 @@ class FlightsScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "filter", "Filter", key_display="/", priority=True),
+        Binding("slash", "filter", "Filter", key_display="/"),
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("a", "add", "Add", tooltip="Type a flight in", priority=True),
+        Binding("a", "add", "Add", tooltip="Type a flight in"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
     ]
     DEFAULT_CSS = """
@@ -217,6 +216,8 @@ class FlightsScreen(PageScreen):
 
     @on(Table.Chosen)
     def _open(self, message: Table.Chosen) -> None:
+        if self._flight in self.app.screen_stack:
+            return  # Enter was typed twice
         self._flight.turn_to(message.key)
         self.app.push_screen(self._flight)
 

@@ -38,7 +38,6 @@ class NextScreen(PageScreen):
 
     NAME = "next_flight"
     TITLE = "Next flight"
-    LETTERS = ("search",)
     ABOUT = Help(
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
@@ -66,7 +65,7 @@ class NextScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "search", "Motor", key_display="/", priority=True, tooltip="Search a motor"),
+        Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
