@@ -33,7 +33,8 @@ from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
 AT_MOST = 0.02
-"""How long a key waits to be shown until it is kept: on most discs it is by then, and on none do keys wait longer. [s]"""
+"""How long a key waits to be shown until it is kept: by then it is on most discs, and on no disc do keys wait longer.
+[s]"""
 
 
 class AddScreen(PageScreen):
@@ -53,7 +54,6 @@ class AddScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("ctrl+j", "go_on", show=False, priority=True),  # Enter, typed before the app had taken the terminal
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
         Binding("ctrl+n", "anew", "Start anew", key_display="^N"),
