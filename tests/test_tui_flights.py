@@ -149,6 +149,16 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
             assert ledger.flight("2").tags == ()
 
 
+@pytest.mark.parametrize("keys", [("x",), ("enter", "delete")], ids=["table", "flight"])
+async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str, ...]) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, *keys, "_")
+        assert "flight 12 taken out; u brings it back" in words(pilot)
+        assert "11 of 11" in shown(pilot)
+        await press(pilot, "u", "_")
+        assert "12 of 12" in shown(pilot)
+
+
 async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "t", "end", "enter", *typed("windy"), "enter")

@@ -8,7 +8,15 @@ from textual.events import Key
 
 from fieldkit.tui.keys import apart
 
-NAMES = {"\x1b": "escape", "\r": "enter", "\x1b[A": "up", "\x1b[B": "down", "\x7f": "backspace", ".": "full_stop"}
+NAMES = {
+    "\x1b": "escape",
+    "\r": "enter",
+    "\n": "enter",
+    "\x1b[A": "up",
+    "\x1b[B": "down",
+    "\x7f": "backspace",
+    ".": "full_stop",
+}
 NAMES |= {letter: letter for letter in "159abfuqT"}
 
 

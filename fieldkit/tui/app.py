@@ -170,10 +170,11 @@ class FieldkitApp(App[None]):
     def tell(self, text: str, *, error: bool = False) -> None:
         """Say something; what went wrong waits until it is read, what went right makes room for the next."""
         self.notices = [notice for notice in self.notices if notice.error]
-        if error:
-            self.notices.append(Notice(text, error))
-        else:
-            self.notices.insert(0, Notice(text))
+        notice = Notice(text, error)
+        if not error:
+            self.notices.insert(0, notice)
+        elif notice not in self.notices:
+            self.notices.append(notice)
         self._show_notices()
 
     def action_read(self) -> None:

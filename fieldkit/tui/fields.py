@@ -101,7 +101,6 @@ class Form(ModalScreen[dict[str, object] | None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Take it", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("ctrl+j", "go_on", show=False, priority=True),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "dismiss(None)", "Leave it"),

@@ -19,6 +19,7 @@ from fieldkit.tui.flight_facts import Foretold, foretold, or_why, said_by
 from fieldkit.tui.hanging import hanging, stacked
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.removal import remove
 from fieldkit.tui.report import ask_report
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ class FlightScreen(PageScreen):
             "fieldkit show FLIGHT",
             "fieldkit infer FLIGHT",
             "fieldkit edit FLIGHT apogee=281m",
+            "fieldkit remove FLIGHT",
             "fieldkit report FLIGHT --out card.html",
         ),
     )
@@ -56,6 +58,7 @@ class FlightScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
+        Binding("x,delete", "remove", "Remove", tooltip="Take this flight out; u brings it back", show=False),
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
     DEFAULT_CSS = """
@@ -125,6 +128,10 @@ class FlightScreen(PageScreen):
     def action_report(self) -> None:
         """Write the card of this flight."""
         ask_report(self, self._flight_id)
+
+    def action_remove(self) -> None:
+        """Take this flight out, and show those that are left."""
+        remove(self, self._flight_id, self.dismiss)
 
     def on_mount(self) -> None:
         """Keys scroll."""

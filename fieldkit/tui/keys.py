@@ -13,11 +13,14 @@ ESCAPE = "\x1b"
 OPENERS = "[]OPX^_\\"
 """What begins, or ends, a longer sequence behind Esc: an arrow, an answer of the terminal."""
 
+EARLY_ENTER = "\n"
+"""Enter, as a terminal hands it on that the app had not taken yet when it was pressed."""
+
 _read = XTermParser._sequence_to_key_events
 
 
 def apart() -> None:
-    """Have the parser of every driver read Esc and a key as two keys."""
+    """Have the parser of every driver read Esc and a key as two keys, and an early Enter as Enter."""
     XTermParser._sequence_to_key_events = _two_keys  # type: ignore[method-assign, assignment]
 
 
@@ -26,4 +29,5 @@ def _two_keys(parser: XTermParser, sequence: str, alt: bool = False) -> Iterable
     pair = len(sequence) == 2 and sequence[0] == ESCAPE and sequence[1] not in OPENERS
     if alt or pair:
         yield Key("escape", ESCAPE)
-    yield from _read(parser, sequence[-1] if pair else sequence)
+    key = sequence[-1] if pair else sequence
+    yield from _read(parser, "\r" if key == EARLY_ENTER else key)

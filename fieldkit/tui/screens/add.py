@@ -62,7 +62,6 @@ class AddScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("ctrl+j", "go_on", show=False, priority=True),  # Enter, typed before the app had taken the terminal
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
         Binding("ctrl+n", "anew", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),

@@ -20,6 +20,7 @@ from fieldkit.tui.flight_facts import or_why
 from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.log_plot import Drawn, drawn
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.removal import remove
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
 
@@ -56,6 +57,7 @@ class FlightsScreen(PageScreen):
             "fieldkit flights [--rocket R] [--tag T]",
             "fieldkit infer",
             "fieldkit tag FLIGHT TAG",
+            "fieldkit remove FLIGHT",
             "fieldkit undo",
             "fieldkit report DAY --out day.html",
         ),
@@ -68,6 +70,7 @@ class FlightsScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("a", "add", "Add", tooltip="Type a flight in"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
+        Binding("x,delete", "remove", "Remove", tooltip="Take this flight out; u brings it back", show=False),
     ]
     DEFAULT_CSS = """
     FlightsScreen #filter { height: 1; }
@@ -265,6 +268,12 @@ class FlightsScreen(PageScreen):
             from fieldkit.tui.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
+
+    def action_remove(self) -> None:
+        """Take the flight under the cursor out."""
+        row = self._row()
+        if row is not None:
+            remove(self, row.id)
 
     def action_report(self) -> None:
         """Write the report of the day of the flight under the cursor, or of the flight where no day is known."""
