@@ -31,11 +31,13 @@ class Interval:
 
 @dataclass(frozen=True)
 class Intervals(Visual):
-    """Lines of intervals and the scale below them; `marks` are places that all have in common, by their names."""
+    """A title, lines of intervals and the scale below them; `marks` are places that all have in common, by their
+    names."""
 
     rows: tuple[Interval, ...]
     spelled: Callable[[float], str]
     marks: Mapping[str, float]
+    title: str = ""
 
     def render_strips(self, width: int, height: int | None, style: Style, options: RenderOptions) -> list[Strip]:
         """The lines in a width."""
@@ -46,8 +48,8 @@ class Intervals(Visual):
         return container_width
 
     def get_height(self, rules: RulesMap, width: int) -> int:
-        """A line each, and the scale."""
-        return len(self.rows) + 1
+        """A line each, and the scale; the title may take several."""
+        return self._within(width).get_height(rules, width)
 
     def __str__(self) -> str:
         """As text, in a usual width."""
@@ -63,7 +65,8 @@ class Intervals(Visual):
             f"{name[:lead]:{lead}}  {bar(row, start, end, room, tuple(self.marks.values()))}"
             for name, row in zip(names, self.rows, strict=True)
         ]
-        return Content("\n".join([*lines, f"{'':{lead}}  {self._scale(start, end, room)}"]))
+        drawn = "\n".join([*lines, f"{'':{lead}}  {self._scale(start, end, room)}"])
+        return Content.assemble((f"{self.title}\n" * bool(self.title), "b $primary"), drawn)
 
     def _scale(self, start: float, end: float, room: int) -> str:
         """The first and the last value, and each mark that has room between them."""
