@@ -2,15 +2,19 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.measures import measure
+from fieldkit.tui import cards, decision_plots
+from fieldkit.tui.intervals import Intervals
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.ledger.sites import Site
     from fieldkit.loop.prediction import Prediction
+    from fieldkit.loop.rivals import Report
     from fieldkit.motors import Catalogue, Motor
     from fieldkit.plan.contest import Season
     from fieldkit.plan.day import Day
@@ -29,10 +33,16 @@ SCORED = 6
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line."""
+    """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line.
+
+    `title` is of its picture: intervals on one scale, or what `draw` draws.
+    """
 
     words: tuple[str, ...]
     beside: tuple[str, ...] = ()
+    title: str = ""
+    intervals: Intervals | None = None
+    draw: Any = None
 
     @property
     def text(self) -> str:
@@ -42,13 +52,14 @@ class Answer:
 
 @dataclass(frozen=True, slots=True)
 class Decision:
-    """A plan on a motor, and what its answers are worked out from."""
+    """A plan on a motor, and what its answers are worked out from; pictures are in the units of a `system`."""
 
     plan: Flight
     rocket: "Rocket"
     site: "Site"
     limits: "dict[str, Limit]"
     motor: "Motor"
+    system: str = "SI"
 
     def delay(self) -> Answer:
         """The delays on sale and those that the maker's tool drills."""
@@ -61,7 +72,8 @@ class Decision:
         tool = drill_of(self.motor, data_folder() / "drills.toml")
         takes_off = tool.takes_off if tool else ()
         judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off)
-        return Answer(tuple(delays_in_words(judged, fast, tool)), self._beside(judged.forecast))
+        words = tuple(delays_in_words(judged, fast, tool))
+        return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
 
     def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Answer:
         """The dry mass that best meets a target [m], or brings the fewest points of a season on its day."""
@@ -78,7 +90,8 @@ class Decision:
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
         more = allowed(rule, said.plan, said.found, day.length) if rule else ()
-        return Answer(tuple(ballast_in_words(best, goal)), self._beside(said, more))
+        answer = Answer(tuple(ballast_in_words(best, goal)), self._beside(said, more))
+        return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
 
     def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Answer:
         """The points to expect of a plan by a season's rule on a share of the parachute's area [1], the chance to
@@ -91,7 +104,8 @@ class Decision:
         ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
         said = ahead.forecast
         words = (*outlook_in_words(ahead, rule, area, day.cut), *self._scored(ledger, rule, day))
-        return Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
+        answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
+        return decision_plots.of_points(answer, ahead.points.ravel())
 
     def kept(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
@@ -105,12 +119,12 @@ class Decision:
             said = one.made.payload
             words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one)]
-        return Answer(tuple(words))
+        return decision_plots.of_kept(Answer(tuple(words)), found, self.system)
 
     def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """How good forecasts of this rocket are: of each flight from those before it."""
         from fieldkit.loop.desk import flown
-        from fieldkit.loop.fared import against_the_bar, errors, histogram
+        from fieldkit.loop.fared import against_the_bar, histogram
         from fieldkit.loop.forward import corrected_by_earlier, forward
         from fieldkit.loop.rivals import judged_report
 
@@ -119,9 +133,10 @@ class Decision:
         if not rows:
             return Answer(("Two clean flights with an apogee are needed: each is forecast from those before it.",))
         found = judged_report(rows)
-        words = [f"{len(rows)} flights of {rocket}, each forecast from the ones before it"]
-        said = [*errors(found), *against_the_bar(found), *histogram(found.calibration)]
-        return Answer((*words, *(f"  {line}" for line in said)))
+        words = (f"{len(rows)} flights of {rocket}, each forecast from the ones before it", "")
+        said = (*_missed(found, self.system), "", *against_the_bar(found))
+        answer = Answer((*words, *said), tuple(histogram(found.calibration)))
+        return decision_plots.of_forecasts(answer, rows, self.system)
 
     def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
         from fieldkit.plan.contest import declared_score, score
@@ -131,7 +146,7 @@ class Decision:
             return
         last = scored[-SCORED:]
         alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id} {own:.0f}' for one, own in last)}"
+        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in last)}"
         if alone:
             yield f"            for the height alone, no duration: {', '.join(alone)}"
         if not day.declared:
@@ -150,6 +165,19 @@ class Decision:
 
         lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
         return (*conditions_in_words(said.plan, self.rocket.starts), "", *told([*lines, *more]))
+
+
+def _missed(found: "Report", system: str) -> Iterator[str]:
+    """What each way of forecasting missed by, and the share of flights in the intervals, as a table."""
+    from fieldkit.loop.forward import tally
+
+    ways, inside = tally(found.rows)
+    yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
+    for way in ways:
+        mean = measure(cards.APOGEE, way.mae, system)
+        alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
+        yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
+    yield f"{inside:.0%} in the 90 % interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
 def rule_of(year: int) -> "Season":

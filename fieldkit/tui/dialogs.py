@@ -74,7 +74,10 @@ class AskText(ModalScreen[str | None]):
         padding: 0 1; }
     AskText Static { height: auto; }
     """
-    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Leave it")]
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter", "take", "Take it", key_display="Enter", priority=True),
+        Binding("escape", "dismiss(None)", "Leave it"),
+    ]
 
     def __init__(self, title: str, text: str, about: str = "") -> None:
         super().__init__()
@@ -89,9 +92,9 @@ class AskText(ModalScreen[str | None]):
             yield Line(printable(self._text))
             yield KeyBar()
 
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Enter takes the line."""
-        self.dismiss(event.value)
+    def action_take(self) -> None:
+        """Hand the line over."""
+        self.dismiss(self.query_one(Input).value)
 
 
 class AskYes(ModalScreen[bool]):

@@ -95,7 +95,7 @@ class Form(ModalScreen[dict[str, object] | None]):
     Form { align: center middle; background: $backdrop; }
     Form > Vertical { width: 94%; max-width: 84; height: auto; max-height: 94%; background: $surface;
         border: solid $border; padding: 0 1; }
-    Form VerticalScroll { height: auto; max-height: 55vh; }
+    Form VerticalScroll { height: auto; max-height: 60vh; }
     Form #help { height: 2; color: $foreground; margin-top: 1; }
     """
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -17,6 +17,7 @@ from fieldkit.safe_text import printable
 from fieldkit.tui import cards, logged
 from fieldkit.tui.flight_facts import Foretold, foretold, or_why, said_by
 from fieldkit.tui.hanging import hanging, stacked
+from fieldkit.tui.intervals import Interval, bar
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
 from fieldkit.tui.removal import remove
@@ -198,8 +199,6 @@ class FlightScreen(PageScreen):
         if isinstance(said, str) or self._flight is None:
             place.update(Content(f"no forecast: {printable(str(said))}"))
             return
-        from fieldkit.tui.plots import interval_bar
-
         system, flown = self.desk.settings.units, self._flight.apogee
         low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
         parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
@@ -210,7 +209,8 @@ class FlightScreen(PageScreen):
             off = measure(cards.APOGEE, abs(flown - said.middle), system)
             way = "higher" if flown >= said.middle else "lower"
             parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
-        parts.append(("\n" + interval_bar(said.low, said.middle, said.high, flown, 36), "$accent"))
+        row = Interval("", said.low, said.middle, said.high, flown)
+        parts.append(("\n" + bar(row, *row.ends, 36), "$accent"))
         content = Content.assemble(*parts)
         self._text.append(content.plain)
         place.update(content)

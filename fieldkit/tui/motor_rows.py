@@ -9,6 +9,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.measures import number, spelled, unit_of
 from fieldkit.settings import Settings
 from fieldkit.tui import cards
+from fieldkit.tui.intervals import Interval, bar
 from fieldkit.tui.motor_list import MotorList
 from fieldkit.tui.table import Cells, Head
 
@@ -117,13 +118,7 @@ def _bar(motors: MotorList, settings: Settings, width: int) -> Column:
 
     def text(one: "Choice") -> str:
         low, middle, high = (float(x) for x in one.prediction.apogee_quantiles())
-        line = [" "] * width
-        at = [min(width - 1, round(height / top * (width - 1))) for height in (low, middle, high)]
-        line[at[0] : at[2] + 1] = "─" * (at[2] - at[0] + 1)
-        line[at[0]], line[at[2]], line[at[1]] = "├", "┤", "●"
-        if target and target <= top:
-            line[round(target / top * (width - 1))] = "◎"
-        return "".join(line)
+        return bar(Interval("", low, middle, high), 0.0, top, width, (target,) if target else ())
 
     return Column(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
 

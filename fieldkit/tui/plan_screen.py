@@ -6,7 +6,8 @@ from functools import partial
 from typing import TYPE_CHECKING, ClassVar
 
 from textual.binding import Binding, BindingType
-from textual.containers import VerticalScroll
+from textual.containers import Container, VerticalScroll
+from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
@@ -85,9 +86,16 @@ class PlanScreen(PageScreen):
     ]
     DEFAULT_CSS = """
     PlanScreen VerticalScroll { padding: 0 1; }
+    PlanScreen #words { height: auto; layout: vertical; }
     PlanScreen #answer, PlanScreen #beside { height: auto; width: 1fr; }
     PlanScreen #beside { margin-top: 1; }
-    PlanScreen.-wide VerticalScroll { layout: horizontal; }
+    PlanScreen #picture { height: auto; margin-top: 1; display: none; }
+    PlanScreen #picture.-shown { display: block; }
+    PlanScreen #picture Static { height: auto; }
+    PlanScreen #title { text-style: bold; color: $primary; }
+    PlanScreen Plot { height: 10; }
+    PlanScreen.-tall Plot { height: 16; }
+    PlanScreen.-wide #words { layout: horizontal; }
     PlanScreen.-wide #beside { margin: 0 0 0 2; }
     """
 
@@ -98,11 +106,18 @@ class PlanScreen(PageScreen):
         self._said = Answer(())
 
     def body(self) -> Iterable[Widget]:
-        """The names of the answers, and the one in hand."""
+        """The names of the answers, and the one in hand with its picture."""
+        from fieldkit.tui.plots import Plot
+
         yield TabLine(VIEWS, "screen.view")
         with VerticalScroll():
-            yield Static("", id="answer")
-            yield Static("", id="beside")
+            with Container(id="words"):
+                yield Static("", id="answer")
+                yield Static("", id="beside")
+            with Container(id="picture"):
+                yield Static("", id="title")
+                yield Static("", id="intervals")
+                yield Plot()
 
     def on_mount(self) -> None:
         """Keys scroll the answer."""
@@ -118,13 +133,27 @@ class PlanScreen(PageScreen):
         self._said = answer
         for place, lines in (("#answer", answer.words), ("#beside", answer.beside)):
             self.query_one(place, Static).update(hanging(lines))
+        self.query_one("#beside").display = bool(answer.beside)
+        self._draw(answer)
+
+    def _draw(self, answer: Answer) -> None:
+        """What explains the answer, where there is something to draw."""
+        from fieldkit.tui.plots import Plot
+
+        self.query_one("#picture").set_class(bool(answer.title), "-shown")
+        self.query_one("#title", Static).update(Content(answer.title))
+        intervals, plot = self.query_one("#intervals", Static), self.query_one(Plot)
+        intervals.display, plot.display = answer.intervals is not None, answer.draw is not None
+        intervals.update(answer.intervals or "")
+        plot.show(answer.draw)
 
     def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.ledger.sites import site_of
         from fieldkit.plan.day import day_of
 
         ledger, plan = self.desk.ledger, self._decision.plan
-        decision, day = replace(self._decision, site=site_of(ledger, plan.site)), day_of(ledger, self._season)
+        day = day_of(ledger, self._season)
+        decision = replace(self._decision, site=site_of(ledger, plan.site), system=settings.units)
         if view == 0:
             return decision.delay()
         if view == 1:

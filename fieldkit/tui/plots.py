@@ -123,19 +123,3 @@ def draw_density(
         plt.xticks(list(labels), list(labels.values()))
 
     return draw
-
-
-def interval_bar(low: float, middle: float, high: float, flown: float | None, width: int) -> str:
-    """An interval drawn in a line: `├──●──┤`, and `✗` where the flight ended up."""
-    ends = [low, high] + ([flown] if flown is not None else [])
-    start, span = min(ends), (max(ends) - min(ends)) or 1.0
-
-    def place(value: float) -> int:
-        return round((value - start) / span * (width - 1))
-
-    line = [" "] * width
-    line[place(low) : place(high) + 1] = "─" * (place(high) - place(low) + 1)
-    line[place(low)], line[place(high)], line[place(middle)] = "├", "┤", "●"
-    if flown is not None:
-        line[place(flown)] = "✗"
-    return "".join(line)

@@ -1,46 +1,23 @@
 """Tags of a flight: a list that explains each, and what they do to Cd and the next forecast as soon as one changes."""
 
 from collections.abc import Iterable
-from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
-from textual import on
+from textual import events, on
 from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.flight import KNOWN_TAGS, Flight
-from fieldkit.measures import measure
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import Help, PageScreen
 from fieldkit.tui.table import Head, Table
-
-if TYPE_CHECKING:
-    from fieldkit.loop.prediction import Prediction
-
-OWN = "another ..."
-"""The row for a tag of one's own."""
-
-
-@dataclass(frozen=True, slots=True)
-class Shift:
-    """What is known of the rocket with the tags as they are: Cd, and the next flight on the same motor."""
-
-    forecast: "Prediction"
-
-    def lines(self, system: str) -> list[tuple[str, str]]:
-        """Cd, apogee and what they rest on."""
-        one = self.forecast
-        low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
-        return [
-            ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
-            ("next apogee", f"{middle}, 90 % between {low} and {high}"),
-            ("rests on", f"{one.rests_on} clean flights"),
-        ]
+from fieldkit.tui.tag_card import OWN, Shift, TagCard, meaning
 
 
 class TagScreen(PageScreen):
@@ -61,6 +38,10 @@ class TagScreen(PageScreen):
     ]
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
+    TagScreen #left { width: 1fr; }
+    TagScreen TagCard { width: 62; display: none; border-left: solid $border-blurred; }
+    TagScreen.-wide TagCard { display: block; }
+    TagScreen.-wide #means { display: none; }
     TagScreen Table { height: 1fr; min-height: 5; }
     TagScreen.-tall Table { height: 14; margin-bottom: 1; }
     TagScreen #means { height: auto; padding: 0 1; }
@@ -71,13 +52,18 @@ class TagScreen(PageScreen):
         super().__init__()
         self._flight_id, self._flight = id, flight
         self._before: Shift | None = None
+        self._now: Shift | None = None
+        self._bearers: dict[str, list[str]] = {}
 
     def body(self) -> Iterable[Widget]:
-        """The flight, the tags, the effect."""
+        """The flight, the tags, the effect; beside them, where there is room, the tag in hand."""
         yield Static(id="which")
-        yield Table(id="tags", enter="On/off")
-        yield Static(id="means")
-        yield Static("working out what the tags do ...", id="effect")
+        with Horizontal():
+            with Vertical(id="left"):
+                yield Table(id="tags", enter="On/off")
+                yield Static(id="means")
+                yield Static("working out what the tags do ...", id="effect")
+            yield TagCard()
 
     def on_mount(self) -> None:
         """The list is there before the first key can be; keys go to it."""
@@ -86,9 +72,19 @@ class TagScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight and what the model makes of the tags."""
-        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
+        self.ask(self._read, self._have)
 
-    def _have(self, flight: Flight) -> None:
+    def _read(self) -> tuple[Flight, dict[str, list[str]]]:
+        """The flight, and the flights of its rocket by the tags that they bear."""
+        flight = self.desk.ledger.flight(self._flight_id)
+        bearers: dict[str, list[str]] = {}
+        for one in self.desk.ledger.flights(flight.rocket):
+            for tag in one.tags:
+                bearers.setdefault(tag, []).append(one.flight_id)
+        return flight, bearers
+
+    def _have(self, read: tuple[Flight, dict[str, list[str]]]) -> None:
+        flight, self._bearers = read
         self._list(flight)
         self.ask(partial(self._shift, flight), self._have_shift, "effect")
 
@@ -96,11 +92,13 @@ class TagScreen(PageScreen):
         """The tags, with a mark at those that the flight bears."""
         self._flight = flight
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
-        own = (tag for tag in flight.tags if tag not in KNOWN_TAGS)
-        tags = dict(KNOWN_TAGS) | dict.fromkeys(own, "your own: it is kept, and the flight still teaches")
-        rows = {tag: ("[x]" if tag in flight.tags else "[ ]", tag, text) for tag, text in tags.items()}
-        rows[OWN] = ("", OWN, "type a tag of your own")
+        own = [tag for tag in flight.tags if tag not in KNOWN_TAGS]
+        rows = {
+            tag: ("" if tag == OWN else "[x]" if tag in flight.tags else "[ ]", tag, meaning(tag))
+            for tag in (*KNOWN_TAGS, *own, OWN)
+        }
         self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
+        self._moved()
 
     def _shift(self, flight: Flight) -> Shift:
         from fieldkit.loop.desk import predict_plans
@@ -110,7 +108,7 @@ class TagScreen(PageScreen):
         return Shift(forecast)
 
     def _have_shift(self, shift: Shift) -> None:
-        self._before = self._before or shift
+        self._before, self._now = self._before or shift, shift
         system = self.desk.settings.units
         before, now = self._before.lines(system), shift.lines(system)
         rows = [
@@ -121,11 +119,23 @@ class TagScreen(PageScreen):
         for name, text in rows:
             parts += ["\n", (f"{name:13}", "$text-muted"), (text, "b")]
         self.query_one("#effect", Static).update(Content.assemble(*parts))
+        self._beside()
+
+    def _beside(self) -> None:
+        """The same drawn, where there is room."""
+        if self.has_class("-wide") and self._before is not None and self._now is not None:
+            self.query_one(TagCard).show_shift(self._before, self._now, self.desk.settings.units)
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """There may be room now."""
+        self.call_later(self._beside)  # once the screen knows how wide it is called
 
     @on(Table.Moved)
-    def _moved(self, message: Table.Moved) -> None:
-        text = KNOWN_TAGS.get(message.key, "a tag of your own keeps the flight teaching")
-        self.query_one("#means", Static).update(Content(printable(f"{message.key}: {text}")))
+    def _moved(self) -> None:
+        """What the tag under the cursor means."""
+        tag = self.query_one(Table).current
+        self.query_one("#means", Static).update(Content(printable(f"{tag}: {meaning(tag)}")))
+        self.query_one(TagCard).show_tag(tag, tag in self._flight.tags, self._bearers.get(tag, []))
 
     @on(Table.Chosen)
     def action_toggle_tag(self) -> None:

@@ -1,0 +1,100 @@
+"""Intervals below each other on one scale, as wide as their place: `├──●──┤`, with marks on them."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from textual.content import Content
+from textual.css.styles import RulesMap
+from textual.strip import Strip
+from textual.style import Style
+from textual.visual import RenderOptions, Visual
+
+from fieldkit.safe_text import printable
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """What a line shows: its name, the 5 %, median and 95 %, and where it ended up, if that is known."""
+
+    name: str
+    low: float
+    middle: float
+    high: float
+    flown: float | None = None
+
+    @property
+    def ends(self) -> tuple[float, float]:
+        """The least and the greatest of all that is marked."""
+        marked = [self.low, self.high] + ([self.flown] if self.flown is not None else [])
+        return min(marked), max(marked)
+
+
+@dataclass(frozen=True)
+class Intervals(Visual):
+    """A title, lines of intervals and the scale below them; `marks` are places that all have in common, by their
+    names."""
+
+    rows: tuple[Interval, ...]
+    spelled: Callable[[float], str]
+    marks: Mapping[str, float]
+    title: str = ""
+
+    def render_strips(self, width: int, height: int | None, style: Style, options: RenderOptions) -> list[Strip]:
+        """The lines in a width."""
+        return self._within(width).render_strips(width, height, style, options)
+
+    def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
+        """All there is."""
+        return container_width
+
+    def get_height(self, rules: RulesMap, width: int) -> int:
+        """A line each, and the scale; the title may take several."""
+        return self._within(width).get_height(rules, width)
+
+    def __str__(self) -> str:
+        """As text, in a usual width."""
+        return self._within(76).plain
+
+    def _within(self, width: int) -> Content:
+        names = [printable(row.name) for row in self.rows]
+        lead = min(max(map(len, names), default=0), width // 3)
+        room = max(10, width - lead - 3)
+        ends = [end for row in self.rows for end in row.ends] + list(self.marks.values())
+        start, end = min(ends), max(ends)
+        lines = [
+            f"{name[:lead]:{lead}}  {bar(row, start, end, room, tuple(self.marks.values()))}"
+            for name, row in zip(names, self.rows, strict=True)
+        ]
+        drawn = "\n".join([*lines, f"{'':{lead}}  {self._scale(start, end, room)}"])
+        return Content.assemble((f"{self.title}\n" * bool(self.title), "b $primary"), drawn)
+
+    def _scale(self, start: float, end: float, room: int) -> str:
+        """The first and the last value, and each mark that has room between them."""
+        line = f"{self.spelled(start):{room}}"
+        last = self.spelled(end)
+        line = line[: room - len(last)] + last
+        for name, value in self.marks.items():
+            text = f"{name} {self.spelled(value)}"
+            at = min(max(0, _cell(value, start, end, room) - len(text) // 2), room - len(text))
+            if not line[max(0, at - 1) : at + len(text) + 1].strip():
+                line = line[:at] + text + line[at + len(text) :]
+        return line
+
+
+def bar(row: Interval, start: float, end: float, width: int, marks: tuple[float, ...] = ()) -> str:
+    """An interval on a scale from `start` to `end`: `├──●──┤`, `◎` at the marks and `✗` where it ended up."""
+    line = [" "] * width
+    low, middle, high = (_cell(value, start, end, width) for value in (row.low, row.middle, row.high))
+    line[low : high + 1] = "─" * (high - low + 1)
+    line[low], line[high], line[middle] = "├", "┤", "●"
+    for mark in marks:
+        if start <= mark <= end:
+            at = _cell(mark, start, end, width)
+            line[at] = "◎" if line[at] != "●" else "◉"
+    if row.flown is not None:
+        line[_cell(row.flown, start, end, width)] = "✗"
+    return "".join(line)
+
+
+def _cell(value: float, start: float, end: float, width: int) -> int:
+    return min(width - 1, max(0, round((value - start) / ((end - start) or 1.0) * (width - 1))))
