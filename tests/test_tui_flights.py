@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from fieldkit.flight import TAGS, Flight
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
+from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
 
@@ -45,6 +47,22 @@ async def test_a_filter_narrows_while_it_is_typed_and_takes_any_words(file: Path
         await press(pilot, *typed("x"))
         assert table_keys(pilot) == []
         assert "0 of 12" in shown(pilot)
+
+
+async def test_in_a_filter_letters_and_the_slash_are_letters(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "slash", *typed("a/b"), "left", "backspace", "slash")
+        assert pilot.app.screen.query_one(Input).value == "a/b"
+
+
+async def test_the_line_of_keys_keeps_its_height_when_a_search_is_typed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4")
+        table, keys = pilot.app.screen.query_one(Table), pilot.app.screen.query_one(KeyBar)
+        before = (table.region, keys.region)
+        await press(pilot, "slash")
+        assert (table.region, keys.region) == before
+        assert "Enter Done" in str(keys.content)
 
 
 async def test_any_column_sorts_by_key_and_by_mouse(file: Path) -> None:

@@ -95,6 +95,10 @@ class KeyBar(Static):
     MOST = 4
     """Lines; `max-height` says the same."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._most = (0, 0)
+
     def on_mount(self) -> None:
         """Follow the focus: what can be pressed depends on it."""
         self.follow()  # so that the first layout has room for it and is the last
@@ -105,19 +109,28 @@ class KeyBar(Static):
         self.follow()
 
     def follow(self) -> None:
-        """Show what can be pressed now; the page is laid out anew only where that takes other lines than it has."""
-        lines = self._lines()
-        text = Content("\n").join(Content("  ").join(line) for line in lines)
+        """Show what can be pressed now. The lines that were taken once are kept: a page that grew and shrank with the
+        focus would jump under the eyes, and be laid out anew for it."""
+        lines, room = self._lines(), self._room()
+        width, most = self._most
+        most = min(self.MOST, max(len(lines), most if width == room else 0))
+        if self.size:
+            self._most = (room, most)
+        text = Content("\n").join([*(Content("  ").join(line) for line in lines), *[Content()] * (most - len(lines))])
         if text.plain != str(self.content):
             self.update(text, layout=False)
-        if self.size and self.size.height != min(len(lines), self.MOST):
+        if self.size and self.size.height != most:
             self.refresh(layout=True)
+
+    def _room(self) -> int:
+        """Cells of a line."""
+        return max(20, self.size.width or self.app.size.width - 2)
 
     def _lines(self) -> list[list[Content]]:
         """Key and word, never apart, a word once; those that work everywhere stand last."""
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         lines: list[list[Content]] = [[]]
-        room = width = max(20, self.size.width or self.app.size.width - 2)
+        room = width = self._room()
         said = set[str]()
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
             key = self.app.get_key_display(binding)

@@ -27,7 +27,8 @@ class Line(Input):
         self.cursor_blink = False
 
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
-        """Whether a key is a letter here."""
+        """Whether a key is a letter here; Textual knows the slash by no name."""
+        character = "/" if key == "slash" else character
         asks = character == "?" and not self.takes_marks
         return super().check_consume_key(key, character) and not asks
 

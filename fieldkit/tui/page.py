@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 T = TypeVar("T")
-LEAVE_LINE = Binding("enter", "leave_line", show=False, priority=True)
+LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search leads back to the table; the line itself would only say that it was pressed."""
 
 
