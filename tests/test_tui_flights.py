@@ -4,6 +4,7 @@ import asyncio
 from pathlib import Path
 
 import pytest
+from textual.events import AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -174,6 +175,19 @@ async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str,
         assert "flight 12 taken out; u brings it back" in words(pilot)
         assert "11 of 11" in shown(pilot)
         await press(pilot, "u", "_")
+        assert "12 of 12" in shown(pilot)
+
+
+async def test_what_another_program_does_to_the_ledger_is_seen(file: Path) -> None:
+    async with opened(file) as pilot:
+        with Ledger.open(file) as ledger:
+            ledger.remove("12")
+        await press(pilot, "6", "1")
+        assert "11 of 11" in shown(pilot)
+        with Ledger.open(file) as ledger:
+            ledger.undo()
+        pilot.app.post_message(AppFocus())
+        await calm(pilot)
         assert "12 of 12" in shown(pilot)
 
 

@@ -76,6 +76,7 @@ class FieldkitApp(App[None]):
         self.notices: list[Notice] = []
         self._opened: dict[str, PageScreen] = {}
         self.revision = self.look = 0
+        self._length: int | None = None
         self._hides = True
         self.animation_level = "none"
         for theme in THEMES.values():
@@ -145,6 +146,8 @@ class FieldkitApp(App[None]):
     def settled(self) -> None:
         """The flights have been read. In the midst of a key the collector would look through them all, which takes a
         tenth of a second where they are thousands; here it is told that they stay."""
+        if self._length is None:
+            self.look_round()
         if self._stays:
             gc.collect(1)
             gc.freeze()
@@ -193,7 +196,24 @@ class FieldkitApp(App[None]):
     def changed(self) -> None:
         """The ledger has changed: pages fill themselves anew."""
         self.revision += 1
+        self._length = None
         self._refresh_page()
+        self.look_round()
+
+    def look_round(self) -> None:
+        """Fill pages anew where another program has changed the ledger: a second app, a command."""
+        if isinstance(self.screen, PageScreen):
+            self.screen.ask(lambda: self.desk.ledger.length(), self._seen_round, "others")
+
+    def _seen_round(self, length: int) -> None:
+        before, self._length = self._length, length
+        if before not in (None, length):
+            self.revision += 1
+            self._refresh_page()
+
+    def on_app_focus(self) -> None:
+        """The flyer is back from another window."""
+        self.look_round()
 
     def _refresh_page(self) -> None:
         if isinstance(self.screen, PageScreen):
@@ -205,6 +225,7 @@ class FieldkitApp(App[None]):
         await self._heard()
         if isinstance(self.screen, PageScreen):
             self.screen.came()
+            self.look_round()
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
