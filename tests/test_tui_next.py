@@ -343,6 +343,13 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             assert "highest 123.4 m" in seen
             await press(pilot, "enter", "y")
             assert "1 imported" in words(pilot)
+            events[1:1] = [capture.Told(f"page {number} is read") for number in range(20)]
+            events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
+            events.remove(next(event for event in events if isinstance(event, capture.Progress)))
+            await press(pilot, "enter")
+            seen = words(pilot)
+            assert "nothing came" in seen, "the newest is in sight, however much was said before"
+            assert "highest" not in seen, "of the capture before"
 
 
 async def test_a_port_that_cannot_be_opened_is_a_notice(file: Path) -> None:
