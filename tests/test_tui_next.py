@@ -413,6 +413,13 @@ async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
         assert pilot.app.screen.query_one("#in-apogee", Input).value == "923"
 
 
+async def test_keys_that_are_ahead_of_the_plan_are_about_the_plan(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "4", "b", "p")
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
+        assert pilot.app.screen.query_one("#in-config", Input).value == "A", "b has gone on from B"
+
+
 async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file: Path) -> None:
     async with opened(file) as pilot:
         await hurry(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", "2")

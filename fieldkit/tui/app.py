@@ -25,11 +25,11 @@ from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.keys import apart
-from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.page import WAIT, PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
-WAIT, MOST_WAITS = 0.005, 6000
-"""How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
+MOST_WAITS = 6000
+"""How often at most a page that is opened is asked whether it can take keys."""
 
 MOST_TURNS = 200
 """How often at most it is looked whether a key has reached all that it is for. [1]"""

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 T = TypeVar("T")
+WAIT = 0.005
+"""How often it is asked whether something is there that keys wait for. [s]"""
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search leads back to the table; the line itself would only say that it was pressed."""
 
@@ -204,6 +206,11 @@ class PageScreen(Screen[None]):
                 answer(found)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
+
+    async def settled(self, *groups: str) -> None:
+        """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
+        while any(one.group in groups and one.node is self and not one.is_finished for one in self.workers):
+            await asyncio.sleep(WAIT)
 
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
         """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""

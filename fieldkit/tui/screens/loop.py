@@ -136,8 +136,9 @@ class LoopScreen(PageScreen):
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
         self.panels.show_versions(standing, self.desk.settings.units)
 
-    def action_look(self) -> None:
+    async def action_look(self) -> None:
         """Look for what is missing, and show how far that is; nothing is changed."""
+        await self.settled("ask")
         if self._standing is None:
             return
         rocket = self._standing.rocket
@@ -199,8 +200,9 @@ class LoopScreen(PageScreen):
         self.panels.show_marks(self._effect)
         self.action_panel(PANELS.index("Fingerprint"))
 
-    def action_rocket(self) -> None:
+    async def action_rocket(self) -> None:
         """The next rocket."""
+        await self.settled("ask")
         if self._standing is not None and len(self._standing.rockets) > 1:
             rockets = self._standing.rockets
             self._rocket = rockets[(rockets.index(self._standing.rocket) + 1) % len(rockets)]
