@@ -221,7 +221,6 @@ class NextScreen(PageScreen):
         from fieldkit.tui.plan_screen import PlanScreen
 
         await self.settled("change", "plan")
-
         plan, motor = self._motors.plan, self.query_one(Table).current
         if plan is not None and motor is not None:
             one = self._motors.known.get(motor)
