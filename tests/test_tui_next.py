@@ -276,8 +276,13 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
     async with opened(tmp_path / "ledger.db") as pilot:
-        await press(pilot, "5", "l")
+        await press(pilot, "5", "d")
+        assert "nothing to decline yet" in words(pilot)
+        await press(pilot, "l")
         assert "expected at least 4 to close the loop" in words(pilot)
+        assert "looking:" not in words(pilot)
+        await press(pilot, "ctrl+c")
+        assert "q leaves the app" in words(pilot)
 
 
 # Setup

@@ -243,6 +243,10 @@ class FieldkitApp(App[None]):
         """What a click on a key of the key bar does."""
         self.simulate_key(key)
 
+    def action_help_quit(self) -> None:
+        """What ^C does where nothing can be copied: it says how to leave."""
+        self.tell("q leaves the app; so does ^Q, from a field as well")
+
     def action_undo(self) -> None:
         """Take back the last change, whoever made it."""
         self._journal("undo", "undone")

@@ -13,6 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
+from fieldkit.tui.flight_facts import or_why
 from fieldkit.tui.loop_look import Standing, look, standing_of
 from fieldkit.tui.loop_panels import PANELS, Panels
 from fieldkit.tui.loop_words import PLAIN
@@ -144,7 +145,7 @@ class LoopScreen(PageScreen):
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
         self._tell_share("reading flights", 0.0)
-        self.ask(partial(look, self.desk, rocket, self._tell_share), self._looked, "look")
+        self.ask(or_why(partial(look, self.desk, rocket, self._tell_share)), self._looked, "look")
 
     def _tell_share(self, text: str, share: float) -> None:
         self.post_message(self.Told(text, share))
@@ -154,7 +155,14 @@ class LoopScreen(PageScreen):
         """How far it is."""
         self.panels.share(message.text, message.share)
 
-    def _looked(self, found: "Findings") -> None:
+    def _looked(self, found: "Findings | str") -> None:
+        """Show what was found, unless another rocket is in hand by now; or say why nothing could be."""
+        if isinstance(found, str):
+            self.panels.forget()
+            self.complain(found)
+            return
+        if found.rocket != self._rocket:
+            return
         self._effect = self._panel = 0
         self.panels.show(found, self.desk.settings.units)
         self.panels.show_residuals(self._against)
@@ -229,8 +237,10 @@ class LoopScreen(PageScreen):
 
     def action_decline(self) -> None:
         """Leave the model as it is."""
-        if self.panels.found is not None:
-            self.tell("declined: the model stays as it is")
+        found = self.panels.found is not None
+        self.tell(
+            "declined: the model stays as it is" if found else "nothing to decline yet: l looks for what is missing"
+        )
 
     @on(Table.Chosen, "#versions")
     def _use(self, message: Table.Chosen) -> None:
