@@ -215,6 +215,8 @@ async def test_y_copies_the_row_and_the_card(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "y")
         assert pilot.app.clipboard.startswith("id 12  date 2026-04-18  rocket Astra  cfg B  motor F39  apogee 198.1")
+        await press(pilot, "question_mark", "y", "escape")
+        assert "fieldkit remove FLIGHT" in pilot.app.clipboard
         await press(pilot, "enter", "y")
         assert "Apogee" in pilot.app.clipboard
         assert "alpha" in pilot.app.clipboard

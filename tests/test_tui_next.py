@@ -196,9 +196,12 @@ async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
+        assert "nothing here to copy" in words(pilot)
         await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
         assert "0 of 1 fit" in shown(pilot)
         assert "▸✗ AeroTech H128W" in shown(pilot)
+        await press(pilot, "c", "y", "c")
+        assert pilot.app.clipboard.startswith("motor ✗ AeroTech H128W")
         assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
 
 

@@ -248,6 +248,8 @@ class PageScreen(Screen[None]):
         if text:
             self.app.copy_to_clipboard(text)
             self.tell("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
+        else:
+            self.tell("there is nothing here to copy")
 
     def action_back(self) -> None:
         """Read a notice; else leave a field; else leave the screen, where it lies above a page."""

@@ -258,7 +258,9 @@ class NextScreen(PageScreen):
         self.changed_for_others()
 
     def copied(self) -> str:
-        """The forecast as text."""
+        """The forecast as text, or the row under the cursor where all are compared."""
+        if self.has_class("-comparing"):
+            return self.query_one(Table).current_text()
         self._show_card()
         return self.query_one(ForecastCard).text
 
