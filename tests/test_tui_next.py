@@ -122,6 +122,25 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert ledger.names("rocket")[0] == "Comet"
 
 
+async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Path) -> None:
+    folder = file.parent / "field"
+    for name, scale in (("a.csv", 1.0), ("b.csv", 1.02)):
+        rows = "".join(f"{n / 10:.1f},{scale * max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
+        (folder / name).write_text("time (s),altitude (m)\n" + rows)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "space", "down", "space", "down", "space")
+        assert "recognised as 2 files together" in told(pilot, "#said")
+        assert "+ a.csv" in shown(pilot)
+        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        brought = told(pilot, "#said")
+        assert "+ a.csv" not in shown(pilot)
+        assert "imported" in words(pilot), brought
+        await press(pilot, "up")
+        assert "1 there already" in told(pilot, "#said")
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
+
+
 async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
     for name in ("one.csv", "two.csv"):
