@@ -56,7 +56,8 @@ class HelpScreen(ModalScreen[None]):
 
     def action_copy(self) -> None:
         """Copy all of it as text, commands too."""
-        self.app.copy_to_clipboard("\n\n".join(str(part.content) for part in self.query("VerticalScroll Static")))
+        parts = self.query_one(VerticalScroll).query(Static)
+        self.app.copy_to_clipboard("\n\n".join(str(part.content) for part in parts))
 
     def action_scroll_by(self, lines: int) -> None:
         """Scroll the text."""
