@@ -103,7 +103,8 @@ def _rail(settings: Settings, *, wide: bool) -> Column:
     def text(one: "Choice") -> str:
         from fieldkit.loop.prediction import median
 
-        return number(column, median(one.prediction.rail_speed), settings.units)
+        speed = median(one.prediction.rail_speed)
+        return "" if speed is None else number(column, speed, settings.units)
 
     return Column(title, max(5, len(title)), text)
 
