@@ -141,6 +141,7 @@ async def calm(pilot: Pilot[None]) -> None:
         screen = pilot.app.screen
         busy = [worker for worker in pilot.app.workers if not worker.is_finished]
         due = isinstance(screen, PageScreen) and screen._seen != (pilot.app.revision, pilot.app.look)
+        due |= bool(pilot.app._batch_count)  # a new page is hidden until it is laid out
         quiet = 0 if busy or due or screen._callbacks or not _all_read(pilot) else quiet + 1
         if busy or due:
             await asyncio.sleep(0.005)

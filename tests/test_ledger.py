@@ -354,9 +354,26 @@ def test_a_draft_is_kept_until_it_is_dropped(ledger: Ledger) -> None:
     ledger.keep_draft("add", {"rocket": "Astra"})
     ledger.keep_draft("add", {"rocket": "Astra", "apogee": "923ft"})
     assert ledger.draft("add") == {"rocket": "Astra", "apogee": "923ft"}
-    ledger.drop_draft("add")
+    assert ledger.history() == [], "keys are kept beside the journal"
+    assert ledger.drop_draft("add")
+    assert not ledger.drop_draft("add")
     assert ledger.draft("add") is None
-    assert ledger.history() == []
+    ledger.undo()
+    assert ledger.draft("add") == {"rocket": "Astra", "apogee": "923ft"}
+    ledger.redo()
+    assert ledger.draft("add") is None
+
+
+def test_a_flight_that_is_taken_back_is_a_draft_again_unless_another_was_begun(ledger: Ledger) -> None:
     ledger.keep_draft("add", {"rocket": "Astra"})
     ledger.add([FIRST], draft="add")
     assert ledger.draft("add") is None
+    ledger.undo()
+    assert ledger.draft("add") == {"rocket": "Astra"}
+    ledger.redo()
+    assert ledger.draft("add") is None
+    assert ledger.flights()
+    ledger.keep_draft("add", {"rocket": "Comet"})
+    ledger.undo()
+    assert ledger.draft("add") == {"rocket": "Comet"}
+    assert not ledger.flights()

@@ -1,12 +1,16 @@
 """Typing a flight in on the screen: few keys, nothing lost, nothing refused before it is saved."""
 
+import asyncio
 from pathlib import Path
+from threading import Event
+from unittest.mock import patch
 
 import pytest
 
 from fieldkit.flight import READOUTS
 from fieldkit.form import DRAFT
 from fieldkit.ledger import Ledger
+from fieldkit.tui.add_form import Draft
 from fieldkit.tui.screens.add import AddScreen
 from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 
@@ -91,6 +95,47 @@ async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) ->
         assert screen.field("rocket").line.value == "Astra"
         with Ledger.open(file) as ledger:
             assert ledger.draft(DRAFT) is None
+        await press(pilot, "ctrl+z", "_")
+        assert screen.field("apogee").line.value == "923ft", "begun anew by a slip"
+
+
+async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_undo(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
+        assert "added as flight 13" in words(pilot)
+        assert "Enter types the next flight" in shown(pilot)
+        await press(pilot, "u", "_")
+        assert "undone: add 13" in words(pilot)
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("apogee").line.value == "932ft"
+        await press(pilot, "1", "2")
+        assert pilot.app.focused is screen.field("burn_time").line, "digits are not pages where one comes to type"
+        await press(pilot, "up", "up", "ctrl+u", *typed("923ft"), "ctrl+s", "enter", *typed("9"))
+        assert screen.field("apogee").line.value == "9"
+    with Ledger.open(file) as ledger:
+        assert [flight.apogee for flight in ledger.flights()[12:]] == [pytest.approx(281.33, abs=0.01)]
+
+
+async def test_what_is_typed_before_the_ledger_was_read_joins_the_draft(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        ledger.keep_draft(DRAFT, {"top_speed": "140mph"})
+    held, begin = Event(), Draft.begin
+    with patch.object(Draft, "begin", lambda self: (held.wait(), begin(self))[1]):
+        async with opened(file) as pilot:
+            for key in ("a", *typed("92")):
+                await pilot.app._press_keys([key])
+            for _ in range(1000):
+                with Ledger.open(file) as ledger:
+                    kept = ledger.draft(DRAFT) or {}
+                if kept.get("apogee") == "92m":
+                    break
+                await asyncio.sleep(0.005)
+            held.set()
+            assert kept == {"top_speed": "140mph", "apogee": "92m"}
+            await press(pilot, *typed("3ft"))
+    with Ledger.open(file) as ledger:
+        assert ledger.draft(DRAFT) == {"top_speed": "140mph", "apogee": "923ft"}
 
 
 async def test_another_rocket_suggests_other_answers(file: Path) -> None:

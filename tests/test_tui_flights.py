@@ -5,10 +5,12 @@ from pathlib import Path
 
 import pytest
 from textual.pilot import Pilot
+from textual.widgets import Input
 
 from fieldkit.flight import TAGS, Flight
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
+from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
 
@@ -47,6 +49,22 @@ async def test_a_filter_narrows_while_it_is_typed_and_takes_any_words(file: Path
         assert "0 of 12" in shown(pilot)
 
 
+async def test_in_a_filter_letters_and_the_slash_are_letters(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "slash", *typed("a/b"), "left", "backspace", "slash")
+        assert pilot.app.screen.query_one(Input).value == "a/b"
+
+
+async def test_the_line_of_keys_keeps_its_height_when_a_search_is_typed(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4")
+        table, keys = pilot.app.screen.query_one(Table), pilot.app.screen.query_one(KeyBar)
+        before = (table.region, keys.region)
+        await press(pilot, "slash")
+        assert (table.region, keys.region) == before
+        assert "Enter Done" in str(keys.content)
+
+
 async def test_any_column_sorts_by_key_and_by_mouse(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "s", "s", "s", "s")
@@ -82,6 +100,40 @@ async def test_a_flight_opens_with_readouts_posterior_and_forecast(file: Path) -
         assert "✗" in shown(pilot)
 
 
+async def test_a_flight_opened_after_another_shows_nothing_of_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "end", "up", "enter", "y", "escape", "escape")
+        second = pilot.app.clipboard
+        await hurry(pilot, "down", "enter", "escape", "up", "up", "enter")
+        await press(pilot, "y", "escape")
+        third, said = pilot.app.clipboard, words(pilot)
+        assert second.startswith("2 · Astra")
+        assert third.startswith("3 · Astra")
+        assert "83.4" in second
+        assert "83.4" not in third
+        assert third.count("Cd  ") == third.count("alpha  ") == 1
+        assert "3 · Astra" in said
+        assert "2 · Astra" not in said
+
+
+async def test_enter_typed_twice_opens_a_flight_once(file: Path) -> None:
+    async with opened(file) as pilot:
+        table = pilot.app.screen.query_one(Table)
+        table.action_choose()
+        table.action_choose()
+        await press(pilot, "_")
+        assert "12 · Astra" in words(pilot)
+        await press(pilot, "escape")
+        assert table_keys(pilot)
+
+
+async def test_a_flight_opens_in_the_colours_chosen_since_the_last_one(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "enter", "escape", "T", "enter")
+        assert pilot.app.theme == "sun"
+        assert pilot.app.screen.styles.background.rgb == (255, 255, 255)
+
+
 async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
     from fieldkit.intake import bring_in
     from tests.pressing import ROOT
@@ -113,6 +165,16 @@ async def test_a_tag_shows_what_it_does_at_once_and_undo_takes_it_back(file: Pat
         assert "rests on 8 clean flights now" not in words(pilot)
         with Ledger.open(file) as ledger:
             assert ledger.flight("2").tags == ()
+
+
+@pytest.mark.parametrize("keys", [("x",), ("enter", "delete")], ids=["table", "flight"])
+async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str, ...]) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, *keys, "_")
+        assert "flight 12 taken out; u brings it back" in words(pilot)
+        assert "11 of 11" in shown(pilot)
+        await press(pilot, "u", "_")
+        assert "12 of 12" in shown(pilot)
 
 
 async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:

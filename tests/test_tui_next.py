@@ -63,9 +63,11 @@ async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: P
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
         assert "no parser recognises this log" in told(pilot, "#said")
-        await press(pilot, "enter")
+        await press(pilot, "enter", "enter")
         assert "✗ error photo.jpg: no parser recognises this log" in words(pilot)
-        await press(pilot, "escape", "f", *typed("nonsense"), "enter")
+        await press(pilot, "escape")
+        assert "✗ error" not in words(pilot), "the same is to be read once"
+        await press(pilot, "f", *typed("nonsense"), "enter")
         assert "no parser is called 'nonsense'" in told(pilot, "#said")
 
 
@@ -111,6 +113,11 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert "logs/" in shown(pilot)
         await press(pilot, "o", "ctrl+u", *typed("nowhere"), "enter")
         assert "there is no such file or folder" in words(pilot)
+        await press(pilot, "escape", "o", "ctrl+u", *typed("logs/flight.pf2"), "enter", "backspace")
+        assert "logs/" in shown(pilot), "a path from here leads up as well"
+        (inner.parent / "new.pf2").write_bytes(b"put here meanwhile")
+        await press(pilot, "r")
+        assert "new.pf2" in shown(pilot)
     with Ledger.open(file) as ledger:
         assert ledger.names("rocket")[0] == "Comet"
 
@@ -121,9 +128,9 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         (file.parent / "field" / name).write_text("quux;frob\n" + rows)
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "would bring" not in told(pilot, "#said")
+        assert "is read with m, then time=its column; altitude=its column [m]" in told(pilot, "#said")
         await press(pilot, "m", *typed("time=quux;height=frob"), "enter")
-        assert "expected one of" in words(pilot)
+        assert "✗ error columns: found the channel 'height', expected one of" in words(pilot)
         await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
         assert "would bring 1 flight" in told(pilot, "#said")
         await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")

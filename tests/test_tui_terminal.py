@@ -40,11 +40,6 @@ class Terminal:
         """Send keys; a text that is no key's name is typed."""
         self.tmux("send-keys", *keys)
 
-    def escape(self) -> None:
-        """Press Escape, and wait until a terminal no longer takes it for the start of another key."""
-        self.press("Escape")
-        time.sleep(0.5)
-
     def screen(self) -> str:
         """The screen as it is."""
         return self.tmux("capture-pane", "-p")
@@ -83,9 +78,7 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     terminal.until("speed/(average")
     terminal.press("Enter")
     terminal.until("added as flight 13")
-    terminal.escape()
-    terminal.escape()
-    terminal.press("1")
+    terminal.press("Escape", "Escape", "1")
     terminal.until("▸13")
     terminal.press("t")
     terminal.until("With these tags")
@@ -93,10 +86,7 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
     terminal.until("[x] weak_launch")
     terminal.press("u")
     terminal.until("undone: tag 13 weak_launch")
-    terminal.escape()
-    terminal.escape()
-    terminal.until("13 of 13")
-    terminal.press("4")
+    terminal.press("Escape", "Escape", "4")
     terminal.until("on the altimeter")
     terminal.press("T")
     terminal.until("theme sun")

@@ -108,8 +108,10 @@ def _line(row: dict[str, Any]) -> str:
 
 def _within(row: dict[str, Any]) -> Iterator[str]:
     """How soon so many of the rounds were over, where a benchmark tells."""
-    shares = {key: value for key, value in row.items() if key.startswith("within_")}
-    yield from (f"{key.split('_')[1]} within {value:g} ms" for key, value in shares.items())
+    for key, value in row.items():
+        if key.startswith("within_"):
+            _, share, what, _ = key.split("_")
+            yield f"{share} {what} within {value:g} ms"
 
 
 def main() -> int:

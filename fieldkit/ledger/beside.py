@@ -80,7 +80,9 @@ class BesideFlights(OpenLedger):
         with self._reading() as connection:
             return drafts.draft(connection, name)
 
-    def drop_draft(self, name: str) -> None:
-        """Forget a draft, if there is one."""
-        with opening.writing(self._engine) as connection:
-            drafts.drop(connection, name)
+    def drop_draft(self, name: str) -> bool:
+        """Forget a draft, which `undo` brings back; False where there is none."""
+        with self._changing() as pen:
+            if dropped := drafts.put_away(pen, name):
+                pen.sign("drop", f"the draft of {name}")
+        return dropped

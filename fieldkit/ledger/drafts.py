@@ -28,6 +28,15 @@ def change(pen: Pen, name: str, content: Mapping[str, Any]) -> bool:
     return True
 
 
+def put_away(pen: Pen, name: str) -> bool:
+    """Forget a draft as a change that can be taken back, which leaves what was typed since as it is; False where there
+    is none."""
+    if draft(pen.connection, name) is None:
+        return False
+    pen.delete(drafts, drafts.c.name == name)
+    return True
+
+
 def draft(connection: Connection, name: str) -> dict[str, Any] | None:
     """The draft under a name, or None."""
     found = sound_rows(connection, select(drafts).where(drafts.c.name == name))

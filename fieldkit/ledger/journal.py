@@ -15,7 +15,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger import checksums
 from fieldkit.ledger.checksums import APART, CHECKSUM
 from fieldkit.ledger.rows import Row
-from fieldkit.ledger.tables import flights, journal, metadata, tags
+from fieldkit.ledger.tables import drafts, flights, journal, metadata, tags
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,11 +183,17 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
     for image in images:
         table = metadata.tables[image.table]
         if image.before is None:
-            connection.execute(insert(table).values(**(image.after or {})))
+            if table is not drafts or not _stands(connection, table, image.after or {}):
+                connection.execute(insert(table).values(**(image.after or {})))
         elif image.after is None:
             connection.execute(delete(table).where(_at(table, image.before)))
         else:
             connection.execute(update(table).where(_at(table, image.before)).values(**image.after))
+
+
+def _stands(connection: Connection, table: Table, row: Row) -> bool:
+    """Whether a row is there: keys are kept in a draft beside the journal, and what was typed last stays."""
+    return connection.scalar(select(func.count()).select_from(table).where(_at(table, row))) == 1
 
 
 def _at(table: Table, row: Row) -> ColumnElement[bool]:

@@ -39,21 +39,21 @@ class Ledger(FlightsOut, BesideFlights):
         A flight that is there already, as it is now or as it once came in, is a duplicate and changes
         nothing; so is one of the same bytes, whatever a newer parser reads in them. One that is there with
         other content, or cannot be kept, is a conflict. `renewals` are flights that further files came of.
-        `draft` is one that these flights finish, dropped
-        with them. A dry run says what would happen.
+        `draft` is one that these flights finish: it goes as they come, and comes back where they are taken back.
+        A dry run says what would happen.
         """
         original = None if log is None else Original.of(log)
         arrivals = [one if isinstance(one, Arrival) else Arrival(one, original, source) for one in flights]
         with self._changing(keep=not dry_run) as pen:
             renewed = [one.id for one in renewals if _renew(pen, one)]
             added = book.add(pen, arrivals)
+            if draft:
+                drafts.put_away(pen, draft)
             if added.new or renewed:
                 files = ", ".join(dict.fromkeys(Path(one.source).name for one in arrivals if one.source))
                 more = [f"further files of {_listed(renewed)}"] if renewed else []
                 what = [_listed(added.new) + (f" from {files}" if files else "")] if added.new else []
                 pen.sign(command, "; ".join(what + more))
-            if draft:
-                drafts.drop(pen.connection, draft)
         return added
 
     def edit(self, id: str, **changes: object) -> Flight:

@@ -107,16 +107,19 @@ class Draft:
     def __init__(self, desk: "Desk") -> None:
         self._desk = desk
         self._lock = Lock()
+        self._units: Mapping[str, str] = {}
         self.flight = 0
         """Counts the flights that were typed."""
+        self.shown = False
+        """Whether what the ledger held when the form was opened stands in it; until then it is kept as well."""
 
     def begin(self) -> Begun:
         """Take up what was typed halfway."""
         from fieldkit.form import DRAFT, UNITS
 
         ledger = self._desk.ledger
-        draft = ledger.draft(DRAFT) or {}
-        return Begun(draft, ledger.draft(UNITS) or {}, self.offers(draft))
+        draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
+        return Begun(draft, self._units, self.offers(draft))
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """What the last flight suggests, given what was answered."""
@@ -143,20 +146,24 @@ class Draft:
         """Keep what was typed of the `flight`-th flight."""
         from fieldkit.form import DRAFT, UNITS
 
+        self._desk.wake()
         with self._lock:
             if flight != self.flight:
                 return
-            self._desk.ledger.keep_draft(DRAFT, dict(answers))
-            if units:
-                self._desk.ledger.keep_draft(UNITS, dict(units))
+            ledger = self._desk.ledger
+            before = {} if self.shown else ledger.draft(DRAFT) or {}
+            ledger.keep_draft(DRAFT, {**before, **answers})
+            if units != self._units:
+                ledger.keep_draft(UNITS, dict(units))
+                self._units = units
 
-    def forget(self) -> None:
-        """Drop what was typed."""
+    def forget(self) -> bool:
+        """Drop what was typed, which undo brings back; False where nothing was."""
         from fieldkit.form import DRAFT
 
         with self._lock:
             self.flight += 1
-            self._desk.ledger.drop_draft(DRAFT)
+            return self._desk.ledger.drop_draft(DRAFT)
 
     def save(self, said: Answered) -> Saved:
         """Put the flight in the ledger, if all of it can be read and its motor is known."""

@@ -44,8 +44,10 @@ class Hand(Horizontal):
         self._say(_meaning(field.question, field.answer, said), said, system)
 
     def rest(self, said: Answered, system: str) -> None:
-        """No field: the flight in a line, and how it is saved."""
-        self.border_title = "Enter saves it"
+        """No field: the flight in a line, and what Enter does with it."""
+        self.border_title = "Enter saves it" if said.flight.readouts() else "Enter types the next flight"
+        self.border_subtitle = ""
+        self.query_one("#big", Digits).update("")
         self._say(summary(said.flight), said, system)
 
     def _say(self, first: str, said: Answered, system: str) -> None:

@@ -2,12 +2,14 @@
 
 import asyncio
 import gc
+import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
+from textual import events
 from textual.app import App, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
@@ -22,14 +24,21 @@ from fieldkit.tui.bars import Notice, NoticeBar
 from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.hangup import gone, terminal
+from fieldkit.tui.keys import apart
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
 WAIT, MOST_WAITS = 0.005, 6000
 """How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
 
+MOST_TURNS = 200
+"""How often at most it is looked whether a key has reached all that it is for. [1]"""
+
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
+
+YIELD = 0.0005
+"""How long a worker may hold the interpreter while a key waits for it; Python's own 5 ms add up within a key. [s]"""
 
 ALONE = 1.0
 """How often it is looked whether the terminal is still there. [s]"""
@@ -46,6 +55,10 @@ class FieldkitApp(App[None]):
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
+    CSS = """
+    CommandPalette { background: $backdrop; }
+    CommandPalette > .command-palette--help-text { text-style: not bold; }
+    """  # as bright as the rest: Textual dims what explains a command
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(1, 10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
@@ -78,8 +91,37 @@ class FieldkitApp(App[None]):
         for name in pages():
             self.add_mode(name, partial(self._page, name))
         self.switch_mode(next(iter(pages())))
+        if self._stays:
+            sys.setswitchinterval(YIELD)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(ALONE, partial(self._leave_if_gone, held))
+
+    async def on_event(self, event: events.Event) -> None:
+        """One key after the other: the next is looked at when all have heard of the one before.
+
+        Textual hands a key down to the widget in focus, and does what it is bound to when it has come up again, behind
+        keys typed in the meantime. A key that a line would take as a letter is not bound while the line is in focus.
+        """
+        if not isinstance(event, events.Key) or event.is_forwarded:
+            await super().on_event(event)
+            return
+        key = event.key
+        if not (await self._check_bindings(key, priority=True) or await self._check_bindings(key)):
+            await super().on_event(event)
+        await self._heard()
+
+    async def _heard(self) -> None:
+        """Wait until messages have reached the widgets they are for, and a screen that was opened can take keys."""
+        for _ in range(MOST_TURNS):
+            pumps = (self.focused or self.screen).ancestors_with_self[:-1]
+            if all(pump._message_queue.empty() for pump in pumps):
+                break
+            await asyncio.sleep(0)
+        for _ in range(MOST_WAITS):
+            page = self.screen
+            if page.is_mounted and (page.ready if isinstance(page, PageScreen) else page._message_queue.empty()):
+                break
+            await asyncio.sleep(WAIT)
 
     def _leave_if_gone(self, held: int) -> None:
         """Leave where the terminal was closed: whatever was typed is kept already."""
@@ -120,6 +162,10 @@ class FieldkitApp(App[None]):
                 await asyncio.sleep(PAUSE)
                 await self._init_mode(name)
                 await self._opened[name].draw_ahead(PAUSE)
+            for screen in self._opened[name].above():
+                if not screen.is_running:
+                    await self._get_screen(screen)[1]
+                    await screen.draw_ahead(PAUSE)
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
@@ -128,10 +174,11 @@ class FieldkitApp(App[None]):
     def tell(self, text: str, *, error: bool = False) -> None:
         """Say something; what went wrong waits until it is read, what went right makes room for the next."""
         self.notices = [notice for notice in self.notices if notice.error]
-        if error:
-            self.notices.append(Notice(text, error))
-        else:
-            self.notices.insert(0, Notice(text))
+        notice = Notice(text, error)
+        if not error:
+            self.notices.insert(0, notice)
+        elif notice not in self.notices:
+            self.notices.append(notice)
         self._show_notices()
 
     def action_read(self) -> None:
@@ -159,10 +206,9 @@ class FieldkitApp(App[None]):
     async def action_page(self, name: str) -> None:
         """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
         await self.switch_mode(name)
-        for _ in range(MOST_WAITS):
-            if not isinstance(self.screen, PageScreen) or self.screen.ready:
-                break
-            await asyncio.sleep(WAIT)
+        await self._heard()
+        if isinstance(self.screen, PageScreen):
+            self.screen.came()
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
@@ -260,11 +306,13 @@ class FieldkitApp(App[None]):
         for units in UNITS:
             yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
         for active in screen.active_bindings.values():
-            if active.enabled and active.binding.description:
-                label = active.binding.tooltip or active.binding.description
-                yield SystemCommand(label, f"Key {active.binding.key}", partial(self.action_press, active.binding.key))
+            binding = active.binding
+            if active.enabled and binding.description and (binding.show or binding.tooltip):
+                label, key = binding.tooltip or binding.description, self.get_key_display(binding)
+                yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
 
 
 def run(where: str | None) -> None:
     """Open the app on a ledger and stay until the flyer leaves."""
+    apart()
     FieldkitApp(where, stays=True).run()

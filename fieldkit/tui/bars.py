@@ -3,6 +3,7 @@
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cache
 
 from textual.content import Content
 from textual.widgets import Static
@@ -94,6 +95,10 @@ class KeyBar(Static):
     MOST = 4
     """Lines; `max-height` says the same."""
 
+    def __init__(self) -> None:
+        super().__init__()
+        self._most = (0, 0)
+
     def on_mount(self) -> None:
         """Follow the focus: what can be pressed depends on it."""
         self.follow()  # so that the first layout has room for it and is the last
@@ -104,29 +109,41 @@ class KeyBar(Static):
         self.follow()
 
     def follow(self) -> None:
-        """Show what can be pressed now; the page is laid out anew only where that takes other lines than it has."""
-        lines = self._lines()
-        text = Content("\n").join(Content("  ").join(line) for line in lines)
+        """Show what can be pressed now. The lines that were taken once are kept: a page that grew and shrank with the
+        focus would jump under the eyes, and be laid out anew for it."""
+        lines, room = self._lines(), self._room()
+        width, most = self._most
+        most = min(self.MOST, max(len(lines), most if width == room else 0))
+        if self.size:
+            self._most = (room, most)
+        text = Content("\n").join([*(Content("  ").join(line) for line in lines), *[Content()] * (most - len(lines))])
         if text.plain != str(self.content):
             self.update(text, layout=False)
-        if self.size and self.size.height != min(len(lines), self.MOST):
+        if self.size and self.size.height != most:
             self.refresh(layout=True)
 
+    def _room(self) -> int:
+        """Cells of a line."""
+        return max(20, self.size.width or self.app.size.width - 2)
+
     def _lines(self) -> list[list[Content]]:
-        """Key and word, never apart; those that work everywhere stand last."""
+        """Key and word, never apart, a word once; those that work everywhere stand last."""
         active = [one for one in self.screen.active_bindings.values() if one.binding.show and one.enabled]
         lines: list[list[Content]] = [[]]
-        room = width = max(20, (self.container_size or self.app.size).width - 2)
+        room = width = self._room()
+        said = set[str]()
         for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
             key = self.app.get_key_display(binding)
             word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
             word = word or binding.description
-            label = f"[b $footer-key-foreground]{_escaped(key)}[/] {word}"
+            if word in said:
+                continue
+            said.add(word)
             room -= len(key) + len(word) + 3
             if room < -2 and lines[-1]:
                 lines.append([])
                 room = width - len(key) - len(word) - 3
-            lines[-1].append(Content.from_markup(f"[@click=app.press({binding.key!r})]{label}[/]"))
+            lines[-1].append(_label(key, word, binding.key))
         return lines
 
 
@@ -134,5 +151,8 @@ EVERYWHERE = ("Undo", "Copy", "Help", "Quit")
 """Keys that work on every page; they stand behind those of the page."""
 
 
-def _escaped(key: str) -> str:
-    return key.replace("[", r"\[")
+@cache
+def _label(shown: str, word: str, key: str) -> Content:
+    """A key as it is shown and its word, which press it where they are clicked."""
+    escaped = shown.replace("[", r"\[")
+    return Content.from_markup(f"[@click=app.press({key!r})][b $footer-key-foreground]{escaped}[/] {word}[/]")

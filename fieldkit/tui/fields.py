@@ -3,7 +3,6 @@
 from collections.abc import Callable, Iterable
 from typing import Any, ClassVar
 
-from textual import events
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -20,22 +19,16 @@ from fieldkit.tui.bars import KeyBar
 
 
 class Line(Input):
-    """A line in which a question mark asks for help, unless it `takes_marks`, and keys work in the order they came."""
+    """A line in which a question mark asks for help, unless it `takes_marks`."""
 
     def __init__(self, text: str = "", *, takes_marks: bool = True, **rest: Any) -> None:
         super().__init__(text, select_on_focus=True, validate_on=(), **rest)
         self.takes_marks = takes_marks
         self.cursor_blink = False
 
-    async def _on_key(self, event: events.Key) -> None:
-        """Move and delete at once. Textual hands such keys up to the app, which lets the letters behind them pass."""
-        for binding in self._bindings.key_to_bindings.get(event.key, ()):
-            event.stop()
-            event.prevent_default()
-            await self.app.run_action(binding.action, self)
-
     def check_consume_key(self, key: str, character: str | None = None) -> bool:
-        """Whether a key is a letter here."""
+        """Whether a key is a letter here; Textual knows the slash by no name."""
+        character = "/" if key == "slash" else character
         asks = character == "?" and not self.takes_marks
         return super().check_consume_key(key, character) and not asks
 
@@ -109,7 +102,6 @@ class Form(ModalScreen[dict[str, object] | None]):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("ctrl+s", "take", "Take it", key_display="^S", priority=True),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("ctrl+j", "go_on", show=False, priority=True),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("escape", "dismiss(None)", "Leave it"),

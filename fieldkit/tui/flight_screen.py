@@ -1,8 +1,9 @@
 """One flight: what the altimeter showed, what that says of drag and thrust, its log, and what was forecast."""
 
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
 from functools import partial
-from typing import ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
@@ -14,16 +15,25 @@ from fieldkit.flight import BY_NAME, Flight
 from fieldkit.measures import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards, logged
-from fieldkit.tui.flight_facts import Foretold, Said, foretold, or_why, said_by
+from fieldkit.tui.flight_facts import Foretold, foretold, or_why, said_by
 from fieldkit.tui.hanging import hanging, stacked
 from fieldkit.tui.intervals import Interval, bar
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.removal import remove
 from fieldkit.tui.report import ask_report
+
+if TYPE_CHECKING:
+    from fieldkit.tui.desk import Desk
+
+
+PLACES = {"heading": "", "figures": "reading ...", "forecast": "", "drag-title": "", "thrust-title": "", "doubts": ""}
+PLACES |= {"log-title": ""}
+"""What stands in each place until more is known of a flight."""
 
 
 class FlightScreen(PageScreen):
-    """A flight opened from the table."""
+    """A flight opened from the table; `turn_to` says which, any number of times."""
 
     NAME = "flights"
     TITLE = "Flight"
@@ -40,6 +50,7 @@ class FlightScreen(PageScreen):
             "fieldkit show FLIGHT",
             "fieldkit infer FLIGHT",
             "fieldkit edit FLIGHT apogee=281m",
+            "fieldkit remove FLIGHT",
             "fieldkit report FLIGHT --out card.html",
         ),
     )
@@ -48,6 +59,7 @@ class FlightScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
+        Binding("x,delete", "remove", "Remove", tooltip="Take this flight out; u brings it back", show=False),
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
     DEFAULT_CSS = """
@@ -72,11 +84,27 @@ class FlightScreen(PageScreen):
     FlightScreen.-wide #figures { width: 52; }
     """
 
-    def __init__(self, id: str) -> None:
+    def __init__(self) -> None:
         super().__init__()
-        self._flight_id = id
+        self._flight_id = ""
         self._flight: Flight | None = None
         self._text: list[str] = []
+
+    def turn_to(self, id: str) -> None:
+        """Show another flight: what was shown before goes, what is known of this one comes as it is read."""
+        from fieldkit.tui.plots import Plot
+
+        self._flight_id, self._flight, self._text = id, None, []
+        for question in ("ask", "said", "forecast", "log"):
+            self.workers.cancel_group(self, question)
+        self.begin_anew()
+        for place in self.query(Static):
+            if place.id in PLACES:
+                place.update(PLACES[place.id])
+        for plot in self.query(Plot):
+            plot.show(None)
+        for scrolled in self.query("#all").results(VerticalScroll):
+            scrolled.scroll_home(animate=False, immediate=True)
 
     def body(self) -> Iterable[Widget]:
         """One page that scrolls: figures on the left, pictures on the right."""
@@ -84,23 +112,27 @@ class FlightScreen(PageScreen):
 
         yield Static(id="heading")
         with VerticalScroll(id="all"), Horizontal(id="columns"):
-            yield Static("reading ...", id="figures")
+            yield Static(PLACES["figures"], id="figures")
             with Vertical(id="pictures"):
-                yield Static("", id="forecast")
+                yield Static(id="forecast")
                 with Horizontal(id="hills"):
                     for name in ("drag", "thrust"):
                         with Vertical():
-                            yield Static("", id=f"{name}-title")
+                            yield Static(id=f"{name}-title")
                             yield Plot(id=name)
-                yield Static("", id="doubts", classes="-none")
+                yield Static(id="doubts", classes="-none")
                 with Vertical(id="log"):
-                    yield Static("", id="log-title")
+                    yield Static(id="log-title")
                     for name in TRACES:
                         yield Plot(id=f"log-{name}")
 
     def action_report(self) -> None:
         """Write the card of this flight."""
         ask_report(self, self._flight_id)
+
+    def action_remove(self) -> None:
+        """Take this flight out, and show those that are left."""
+        remove(self, self._flight_id, self.dismiss)
 
     def on_mount(self) -> None:
         """Keys scroll."""
@@ -123,9 +155,8 @@ class FlightScreen(PageScreen):
             blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))
         self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
         self.query_one("#figures", Static).update(stacked(blocks))
-        self.ask(or_why(partial(said_by, flight, self.desk.motors)), self._have_said, "said")
+        self.ask(or_why(partial(hills, flight, self.desk)), self._have_said, "said")
         self.ask(or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast")
-
         self.ask(or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
 
     def _have_log(self, log: Drawn | str) -> None:
@@ -147,20 +178,18 @@ class FlightScreen(PageScreen):
         title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
         self._text.append(f"Log  {marks}")
 
-    def _have_said(self, said: Said | str) -> None:
-        from fieldkit.tui.plots import Plot, draw_density
+    def _have_said(self, said: "Hills | str") -> None:
+        from fieldkit.tui.plots import Plot
 
         for plot in self.query("#hills Plot"):
             plot.display = not isinstance(said, str)
         if isinstance(said, str):
             self.query_one("#drag-title", Static).update(Content(printable(said)))
             return
-        for name, title, values in (("drag", said.drag_name, said.drag), ("thrust", "alpha", said.thrust)):
-            text = f"{title}  {values.mean():.3f} ± {values.std():.3f}"
-            self.query_one(f"#{name}-title", Static).update(Content(text).stylize("bold"))
-            marks = [(float(values.mean()), "")]
-            self.query_one(f"#{name}", Plot).show(draw_density(values, marks, lambda value: f"{value:.2f}"))
-            self._text.append(text)
+        for name, title, draw in said.drawn:
+            self.query_one(f"#{name}-title", Static).update(Content(title).stylize("bold"))
+            self.query_one(f"#{name}", Plot).show(draw)
+            self._text.append(title)
         doubts = self.query_one("#doubts", Static)
         doubts.set_class(not said.warnings, "-none")
         doubts.update(hanging(f"! {line}" for line in said.warnings))
@@ -232,3 +261,27 @@ class FlightScreen(PageScreen):
     def copied(self) -> str:
         """The flight as a card of text."""
         return "\n\n".join(self._text)
+
+
+@dataclass(frozen=True, slots=True)
+class Hills:
+    """Drag and thrust as they are drawn: their places, what stands above them, the densities; and doubts about them."""
+
+    drawn: tuple[tuple[str, str, Callable[[Any, Any], None]], ...]
+    warnings: tuple[str, ...]
+
+
+def hills(flight: Flight, desk: "Desk") -> Hills:
+    """The posterior of a flight as it is drawn. Raises FieldkitError where it can have none."""
+    from fieldkit.tui.plots import draw_density
+
+    said = said_by(flight, desk.motors)
+    drawn = tuple(
+        (
+            place,
+            f"{title}  {values.mean():.3f} ± {values.std():.3f}",
+            draw_density(values, [(float(values.mean()), "")], lambda value: f"{value:.2f}"),
+        )
+        for place, title, values in (("drag", said.drag_name, said.drag), ("thrust", "alpha", said.thrust))
+    )
+    return Hills(drawn, said.warnings)

@@ -2,7 +2,7 @@
 
 import re
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from textual.content import Content
 from textual.css.styles import RulesMap
@@ -23,6 +23,7 @@ class Hanging(Visual):
     """Lines, each with the column at which it goes on where it is broken."""
 
     lines: tuple[tuple[int, Content], ...] = ()
+    _broken: dict[int, Content] = field(default_factory=dict, compare=False, repr=False)
 
     def __str__(self) -> str:
         """As text, each line unbroken."""
@@ -41,7 +42,11 @@ class Hanging(Visual):
         return self._within(width).get_height(rules, width)
 
     def _within(self, width: int) -> Content:
-        return Content("\n").join(part for column, line in self.lines for part in _broken(line, width, column))
+        """The lines broken to a width: to measure them and to draw them is to ask twice."""
+        if width not in self._broken:
+            parts = (part for column, line in self.lines for part in _broken(line, width, column))
+            self._broken[width] = Content("\n").join(parts)
+        return self._broken[width]
 
 
 def hanging(text: Iterable[str]) -> Hanging:
@@ -66,6 +71,8 @@ def _column(line: str) -> int:
 
 def _broken(line: Content, width: int, column: int) -> list[Content]:
     """A line as it is, or its first part and the others below each other from a column on."""
+    if line.cell_length <= width:
+        return [line]
     first, *more = line.wrap(width)
     if not more:
         return [line]

@@ -1,5 +1,6 @@
 """Files on the page Import: a folder's files, what one would bring, and storing it."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -94,13 +95,22 @@ def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
             return Look(path, "OpenRocket design", None, start=start, words=words)
         receipt, flights = _bring_in(desk, path, reading, dry_run=True)
     except FieldkitError as error:
-        return Look(path, "", None, str(error))
+        return Look(path, "", None, by_keys(str(error)))
     try:
         parser = recognise(read_file(path), reading.format, path.name)
     except FieldkitError:
         return Look(path, "a table of samples, by its columns", receipt, flights=flights)
     name = next(name for name, one in parsers().items() if one is parser)
     return Look(path, f"{parser.title} ({name})", receipt, flights=flights)
+
+
+def by_keys(trouble: str) -> str:
+    """What is wrong with a file, with the key m in place of the option of the command that does the same."""
+    return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
+
+
+def _by_key(options: re.Match[str]) -> str:
+    return "m, then " + "; ".join(part for part in options.groups() if part)
 
 
 def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
@@ -144,7 +154,7 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
     parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
-    parts += [f"\n! {printable(shortened(note))}" for note in receipt.notes[:NOTES]]
+    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:NOTES]]
     if len(receipt.notes) > NOTES:
         parts.append(f"\n  and {len(receipt.notes) - NOTES} more notes")
     if receipt.ids:

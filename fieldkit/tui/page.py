@@ -27,8 +27,8 @@ if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 T = TypeVar("T")
-LEAVE_LINE = Binding("enter", "leave_line", show=False, priority=True)
-"""Enter in a search: taken before the keys behind it are looked at, so that they go to the table."""
+LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
+"""Enter in a search leads back to the table; the line itself would only say that it was pressed."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,9 +68,6 @@ class PageScreen(Screen[None]):
 
     ABOUT: ClassVar[Help] = Help("")
     NAME: ClassVar[str] = ""
-    LETTERS: ClassVar[tuple[str, ...]] = ()
-    """Actions whose keys are letters while something is typed. They are taken before any other key is looked at, so
-    that what is typed ahead goes where they lead."""
     focused: Reactive[Widget | None] = Reactive(None, repaint=False)  # what has or had it is painted anew by itself
     HORIZONTAL_BREAKPOINTS = [(0, "-narrow"), (76, "-normal"), (120, "-wide")]  # noqa: RUF012  # as Textual has it
     VERTICAL_BREAKPOINTS = [(0, "-short"), (40, "-tall")]  # noqa: RUF012
@@ -90,6 +87,7 @@ class PageScreen(Screen[None]):
         super().__init__()
         self._seen = (-1, -1)
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._due: list[Callable[[], None]] = []
 
     @property
     def ready(self) -> bool:
@@ -125,6 +123,9 @@ class PageScreen(Screen[None]):
         """Show the same in other units, colours or against another target, at once where nothing has to be read."""
         self.reload()
 
+    def came(self) -> None:
+        """Called when a key, a click or the palette has asked for the page, which is in front and ready."""
+
     def copied(self) -> str:
         """What `y` copies: a line or a figure as text."""
         return ""
@@ -147,6 +148,17 @@ class PageScreen(Screen[None]):
             if widget.size:
                 widget.render_lines(widget.size.region)
 
+    def above(self) -> Iterable["PageScreen"]:
+        """Screens that are opened from this page again and again, and are worth being made ready."""
+        return ()
+
+    def begin_anew(self) -> None:
+        """Reload when the screen next comes to the front, in the colours of now."""
+        self._seen = (-1, -1)
+        if self.is_mounted and self._css_update_count != self.app._css_update_count:
+            self.app.stylesheet.update(self)
+            self._css_update_count = self.app._css_update_count
+
     def refresh_if_changed(self) -> None:
         """Reload where the ledger has changed since the last time, redraw where only the settings have."""
         before, self._seen = self._seen, (self.field_app.revision, self.field_app.look)
@@ -154,6 +166,17 @@ class PageScreen(Screen[None]):
             self.reload()
         elif before != self._seen:
             self.redraw()
+
+    def soon(self, show: Callable[[], None]) -> None:
+        """Show something once the key that asks for it is answered; keys that ask for it before that ask once."""
+        if show not in self._due:
+            self._due.append(show)
+            self.call_after_refresh(self._show_due)
+
+    def _show_due(self) -> None:
+        due, self._due = self._due, []
+        for show in due:
+            show()
 
     def changed_for_others(self) -> None:
         """This page has changed the ledger in a way that only others have to look at anew."""
@@ -195,9 +218,7 @@ class PageScreen(Screen[None]):
         self.field_app.tell(text, error=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
-        """While something is typed, letters are letters."""
-        if action in self.LETTERS and isinstance(self.focused, Input):
-            return False
+        """A line is left where one is being typed in."""
         if action == "leave_line":
             return isinstance(self.focused, Input)
         return super().check_action(action, parameters)

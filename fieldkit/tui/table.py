@@ -85,7 +85,7 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
             """The table it is of."""
             return self.table
 
-    cursor: reactive[int] = reactive(0, repaint=True)
+    cursor: reactive[int] = reactive(0, repaint=False)
 
     def __init__(self, *, empty: str = "", enter: str = "Open", **rest: Any) -> None:
         super().__init__(**rest)
@@ -134,6 +134,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
         """Keep the cursor in sight and say where it is."""
         if before != after:
             self._in_sight()
+            for row in (before, after):
+                self.refresh_line(row + 1)
             self.post_message(self.Moved(self, self.current))
 
     def _in_sight(self) -> None:

@@ -1,6 +1,8 @@
 """Add: the ten readouts as the altimeter shows them; every key is kept, odd figures are noted and never refused."""
 
+from asyncio import wrap_future
 from collections.abc import Iterable, Mapping
+from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
 from typing import ClassVar
 
@@ -11,6 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Button, Input
 
 from fieldkit.entry import QUESTIONS, Question
+from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.measures import unit_of
 from fieldkit.tui.add_form import (
@@ -28,6 +31,18 @@ from fieldkit.tui.add_form import (
 from fieldkit.tui.add_hand import Hand
 from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
+
+AT_MOST = 0.02
+"""How long a key waits at most to be shown until it is kept: on most discs it is by then. [s]"""
+
+
+class SaveButton(Button):
+    """The button behind the ten readouts."""
+
+    @property
+    def enter(self) -> str:
+        """What Enter does, for the key bar."""
+        return "Save" if isinstance(self.screen, AddScreen) and self.screen.typed else "Next flight"
 
 
 class AddScreen(PageScreen):
@@ -47,10 +62,9 @@ class AddScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("question_mark", "help", "Help", priority=True, show=False),
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
-        Binding("ctrl+j", "go_on", show=False, priority=True),  # Enter, typed before the app had taken the terminal
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
-        Binding("ctrl+n", "anew", "Start anew", key_display="^N"),
+        Binding("ctrl+n", "anew", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
@@ -78,11 +92,18 @@ class AddScreen(PageScreen):
         self._units: dict[str, str] = {}
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
-        self._writing = self._dirty = False
+        self._held: Field | None = None
+        self._unkept = ""
+        self._pen = ThreadPoolExecutor(1, "draft")
+        """Writes keys down at once, whatever other workers are busy with."""
 
     def on_mount(self) -> None:
         """The flight that is typed here."""
         self._draft = Draft(self.desk)
+
+    def on_unmount(self) -> None:
+        """The last key is kept as well."""
+        self._pen.shutdown()
 
     def body(self) -> Iterable[Widget]:
         """The form."""
@@ -94,7 +115,7 @@ class AddScreen(PageScreen):
             with Vertical(id="readouts"):
                 for name in READ:
                     yield Field(BY_NAME[name])
-                yield Button("Save this flight", id="save", compact=True)
+                yield SaveButton("Save this flight", id="save", compact=True)
             with Vertical(id="more"):
                 for name in MORE:
                     yield Field(BY_NAME[name])
@@ -114,15 +135,30 @@ class AddScreen(PageScreen):
         ahead = self.field(READ[0]).typed
         self._fill({**begun.offers, **begun.draft})
         self._touched |= begun.draft.keys() & BY_NAME.keys()
-        if begun.draft:
+        if begun.draft and not self._draft.shown:
             self.tell("a flight was typed halfway: it goes on here; ^N starts anew")
+        self._draft.shown = True
         first = self.field(READ[0]).line
         if self.focused is first and not ahead:
-            named = [name for name in SETUP[:3] if not self.field(name).line.value]
-            unread = [name for name in READ if name not in self._touched]
-            self.set_focus(self.field((named or unread or READ)[0]).line)
+            self._to_first()
         self._look()
         self._ask_usual()
+
+    def came(self) -> None:
+        """Keys go where typing goes on."""
+        if not isinstance(self.focused, Input):
+            self._to_first()
+
+    @property
+    def typed(self) -> bool:
+        """Whether anything was typed that is not saved."""
+        return bool(self._touched)
+
+    def _to_first(self) -> None:
+        """To the first line that is asked and empty: what the flight was, else the first readout not typed."""
+        named = [name for name in SETUP[:3] if not self.field(name).line.value]
+        unread = [name for name in READ if not self.field(name).line.value]
+        self.set_focus(self.field((named or unread or READ)[0]).line)
 
     def _fill(self, texts: Mapping[str, str]) -> None:
         """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
@@ -146,8 +182,9 @@ class AddScreen(PageScreen):
         field = event.input.parent
         if isinstance(field, Field):
             self._touched.add(field.question.name)
+            kept = self._keep()
             self._look()
-            self._keep()
+            wait([kept], AT_MOST)
 
     def _look(self) -> None:
         """Read all answers into a flight and note what cannot be read or looks odd."""
@@ -178,23 +215,36 @@ class AddScreen(PageScreen):
 
     def _in_hand(self) -> None:
         """The field in hand, large, with what it means and what the figures say together."""
-        field = self.focused.parent if self.focused is not None else None
-        for one in self.query(Field):
-            one.set_class(one is field, "-hand")
+        left, self._held = self._held, self._field_of(self.focused)
+        for one in (left, self._held):
+            if one is not None:
+                one.set_class(one is self._held, "-hand")
         hand, system = self.query_one(Hand), self.desk.settings.units
-        if isinstance(field, Field):
-            hand.show(field, self._said, self.unit(field.question), system)
+        if self._held is not None:
+            hand.show(self._held, self._said, self.unit(self._held.question), system)
         else:
             hand.rest(self._said, system)
 
-    def _keep(self) -> None:
-        """Keep the draft; what is typed while it is being written is written after."""
-        if self._writing:
-            self._dirty = True
-            return
-        self._writing, self._dirty = True, False
-        work = partial(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
-        self.ask(work, self._kept, "draft")
+    def _field_of(self, widget: Widget | None) -> Field | None:
+        """The field that a line belongs to."""
+        return widget.parent if widget is not None and isinstance(widget.parent, Field) else None
+
+    def _keep(self) -> Future[None]:
+        """Keep the draft; one that still waits to be written makes room for it."""
+        kept = self._pen.submit(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
+        self.run_worker(partial(self._kept, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
+
+        return kept
+
+    async def _kept(self, kept: Future[None]) -> None:
+        """Say once why keys cannot be kept, where they cannot."""
+        before, self._unkept = self._unkept, ""
+        try:
+            await wrap_future(kept)
+        except FieldkitError as error:
+            self._unkept = str(error)
+            if self._unkept != before:
+                self.complain(f"what is typed cannot be kept: {error}")
 
     def _answers(self) -> dict[str, str]:
         """What was typed, units and all."""
@@ -203,20 +253,15 @@ class AddScreen(PageScreen):
         texts = {name: self.field(name).answer for name in BY_NAME if name in self._touched}
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
 
-    def _kept(self, _: None) -> None:
-        self._writing = False
-        if self._dirty:
-            self._keep()
-
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
-        """The field in hand is shown large."""
-        self._in_hand()
-        event.widget.scroll_visible(animate=False)
+        """The field in hand is shown large, once the cursor stands in it."""
+        self.soon(self._in_hand)
+        event.widget.scroll_visible(animate=False, immediate=True)
 
     def action_go_on(self) -> None:
-        """To the next field; after the tenth readout comes the button that saves."""
+        """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
         if isinstance(self.focused, Button):
-            self.action_save()
+            self.action_save() if self.typed else self._to_first()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
             self.set_focus(self.query_one("#save", Button))
         else:
@@ -266,16 +311,22 @@ class AddScreen(PageScreen):
             return
         self.tell(f"added as flight {saved.id}; u takes it back" if saved.id else "it is in the ledger already")
         self._clear()
+        self.set_focus(self.query_one("#save", Button))  # from it u takes back, and a digit is a page
         self.field_app.changed()
 
     def action_anew(self) -> None:
-        """Forget what was typed."""
+        """Put away what was typed; undo brings it back."""
         self._clear()
         self.set_focus(self.field(READ[0]).line)
-        self.ask(self._draft.forget, lambda _: self.reload(), "anew")
+        self.change(self._draft.forget, self._forgotten)
+
+    def _forgotten(self, any_was: bool) -> None:
+        if any_was:
+            self.tell("begun anew; ^Z brings back what was typed")
+        self.reload()
 
     def _clear(self) -> None:
-        self._touched, self._writing, self._dirty = set(), False, False
+        self._touched = set()
         with self.prevent(Input.Changed):
             for name in BY_NAME:
                 self.field(name).fill("")

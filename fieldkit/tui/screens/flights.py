@@ -1,7 +1,7 @@
 """Flights: the ledger as a table, newest first; filter as you type, sort by any column, open one with Enter."""
 
 from collections.abc import Iterable, Sequence
-from functools import partial
+from functools import cached_property, partial
 from typing import TYPE_CHECKING, ClassVar
 
 from textual import events, on
@@ -20,11 +20,13 @@ from fieldkit.tui.flight_facts import or_why
 from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.log_plot import Drawn, drawn
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.removal import remove
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.inference.flights import Inferred
+    from fieldkit.tui.flight_screen import FlightScreen
 
 FEW = 200
 """Flights whose drag and thrust are worked out together, so that others need not wait for it."""
@@ -39,7 +41,6 @@ class FlightsScreen(PageScreen):
 
     NAME = "flights"
     TITLE = "Flights"
-    LETTERS = ("filter", "add")
     ABOUT = Help(
         "Every flight of your ledger, the newest first. Type / and any words to see only flights that hold them all "
         "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
@@ -56,18 +57,20 @@ class FlightsScreen(PageScreen):
             "fieldkit flights [--rocket R] [--tag T]",
             "fieldkit infer",
             "fieldkit tag FLIGHT TAG",
+            "fieldkit remove FLIGHT",
             "fieldkit undo",
             "fieldkit report DAY --out day.html",
         ),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "filter", "Filter", key_display="/", priority=True),
+        Binding("slash", "filter", "Filter", key_display="/"),
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
         Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("a", "add", "Add", tooltip="Type a flight in", priority=True),
+        Binding("a", "add", "Add", tooltip="Type a flight in"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
+        Binding("x,delete", "remove", "Remove", tooltip="Take this flight out; u brings it back", show=False),
     ]
     DEFAULT_CSS = """
     FlightsScreen #filter { height: 1; }
@@ -178,6 +181,10 @@ class FlightsScreen(PageScreen):
         return self._rows.get(self.query_one(Table).current)
 
     @on(Table.Moved)
+    def _moved(self) -> None:
+        """First the cursor, then the card beside it."""
+        self.soon(self._beside)
+
     def _beside(self) -> None:
         """The card of the flight under the cursor, where it is in sight; its log once the cursor rests."""
         if self._rest is not None:
@@ -212,9 +219,23 @@ class FlightsScreen(PageScreen):
 
     @on(Table.Chosen)
     def _open(self, message: Table.Chosen) -> None:
+        if self._flight in self.app.screen_stack:
+            return  # Enter was typed twice
+        self._flight.turn_to(message.key)
+        self.app.push_screen(self._flight)
+
+    @cached_property
+    def _flight(self) -> "FlightScreen":
+        """The screen of a flight, one for all of them: to build it takes longer than a key may."""
         from fieldkit.tui.flight_screen import FlightScreen
 
-        self.app.push_screen(FlightScreen(message.key))
+        screen = FlightScreen()
+        self.app.install_screen(screen, "flight")
+        return screen
+
+    def above(self) -> Iterable[PageScreen]:
+        """That of a flight."""
+        return (self._flight,)
 
     def on_resize(self, _event: events.Resize) -> None:
         """Columns are chosen by the width, and whether there is room for the card."""
@@ -247,6 +268,12 @@ class FlightsScreen(PageScreen):
             from fieldkit.tui.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
+
+    def action_remove(self) -> None:
+        """Take the flight under the cursor out."""
+        row = self._row()
+        if row is not None:
+            remove(self, row.id)
 
     def action_report(self) -> None:
         """Write the report of the day of the flight under the cursor, or of the flight where no day is known."""

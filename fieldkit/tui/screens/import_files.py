@@ -3,6 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
+from os.path import abspath
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -22,6 +23,7 @@ from fieldkit.tui.import_look import (
     UP,
     Look,
     Reading,
+    by_keys,
     in_a_line,
     left_out,
     listed,
@@ -70,6 +72,7 @@ class ImportScreen(PageScreen):
         Binding("f", "format", "Format", tooltip="Name the parser to read with"),
         Binding("s", "set", "Set", tooltip="What the file leaves open: rocket=Astra"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
+        Binding("r", "reload", "Look again", tooltip="List the folder and read the file anew", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
     DEFAULT_CSS = """
@@ -173,6 +176,10 @@ class ImportScreen(PageScreen):
         self.tell("kept; the page Next starts from it, and u takes it back" if new else "it is kept already")
         self.field_app.changed()
 
+    def action_reload(self) -> None:
+        """What was put here or changed in the meantime; the cursor stays on its file."""
+        self.go(self._folder, self.query_one("#files", Table).current)
+
     def action_up(self) -> None:
         """The folder above."""
         self.go(self._folder.parent, self._folder)
@@ -196,7 +203,7 @@ class ImportScreen(PageScreen):
             reading.defaults()
             reading.named()
         except FieldkitError as error:
-            self.complain(str(error))
+            self.complain(by_keys(str(error)))
             return
         self._reading = reading
         self._examine()
@@ -232,7 +239,7 @@ class ImportScreen(PageScreen):
     def _went(self, text: str | None) -> None:
         if not text:
             return
-        path = Path(text.strip()).expanduser()
+        path = Path(abspath(Path(text.strip()).expanduser()))
         if path.is_dir():
             self.go(path)
         elif path.exists():

@@ -35,7 +35,6 @@ class NextScreen(PageScreen):
 
     NAME = "next_flight"
     TITLE = "Next flight"
-    LETTERS = ("search",)
     ABOUT = Help(
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
@@ -63,7 +62,7 @@ class NextScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         LEAVE_LINE,
-        Binding("slash", "search", "Motor", key_display="/", priority=True, tooltip="Search a motor"),
+        Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
         Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
@@ -180,9 +179,13 @@ class NextScreen(PageScreen):
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
         table.show(heads, self._motors.ordered(settings.target), cells)
         self.query_one("#count", Static).update(Content(self._motors.counted(settings.units)))
-        self._show_card()
+        self.soon(self._show_card)
 
     @on(Table.Moved)
+    def _moved(self) -> None:
+        """First the cursor, then the card beside it."""
+        self.soon(self._show_card)
+
     def _show_card(self) -> None:
         """The forecast of the motor under the cursor, from what is known already."""
         one, card = self._motors.known.get(self.query_one(Table).current), self.card
@@ -260,6 +263,7 @@ class NextScreen(PageScreen):
 
     def copied(self) -> str:
         """The forecast as text."""
+        self._show_card()
         return self.card.text
 
 

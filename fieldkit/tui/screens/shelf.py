@@ -31,7 +31,6 @@ class ShelfScreen(PageScreen):
 
     NAME = "shelf"
     TITLE = "Setup"
-    LETTERS = ("search",)
     ABOUT = Help(
         "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
         "type / and a name to search it, i adds a .eng or .rse file of your own. Rockets and sites are those your "
@@ -55,7 +54,7 @@ class ShelfScreen(PageScreen):
         LEAVE_LINE,
         Binding("left", "turn(-1)", "List before", show=False),
         Binding("right", "turn(1)", "Lists", key_display="←→"),
-        Binding("slash", "search", "Search", key_display="/", priority=True),
+        Binding("slash", "search", "Search", key_display="/"),
         Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
     ]
     DEFAULT_CSS = """

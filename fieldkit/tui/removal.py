@@ -1,0 +1,16 @@
+"""Taking a flight out of the ledger from a page; undo brings it back."""
+
+from collections.abc import Callable
+
+from fieldkit.tui.page import PageScreen
+
+
+def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None) -> None:
+    """Take a flight out, say how it comes back, and go on with `then`."""
+
+    def removed(_: object) -> None:
+        then()
+        page.tell(f"flight {id} taken out; u brings it back")
+        page.field_app.changed()
+
+    page.change(lambda: page.desk.ledger.remove(id), removed)
