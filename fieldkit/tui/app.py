@@ -57,6 +57,7 @@ class FieldkitApp(App[None]):
     ENABLE_COMMAND_PALETTE = True
     CSS = """
     CommandPalette { background: $backdrop; }
+    CommandPalette #--input { border: hkey $border-blurred; }
     CommandPalette > .command-palette--help-text { text-style: not bold; }
     """  # as bright as the rest: Textual dims what explains a command
     BINDINGS: ClassVar[list[BindingType]] = [
