@@ -16,7 +16,7 @@ from fieldkit import settings
 from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
 from fieldkit.tui.themes import SUN, THEMES
-from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, typed
+from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, shown, typed
 
 CHECK_SHAPES = False
 
@@ -31,6 +31,7 @@ SCENES: dict[str, tuple[str, ...]] = {
     "next": ("4", "_", "g", *typed("240m"), "enter", "_", "down"),
     "plan": ("4", "_", "p", "down", "down", *typed("4oog"), "down"),
     "decide": ("4", "_", "slash", *typed("f24"), "enter", "_", "d"),
+    "compare": ("4", "_", "g", *typed("240m"), "enter", "_", "c"),
     "loop": ("5", "_", "l", "_", "c"),
     "setup": ("6", "right", "_", "left", "slash", *typed("f24"), "enter"),
     "build": ("6", "right", "enter", "down"),
@@ -81,6 +82,13 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
                 assert snapshot(name=theme, extension_class=SVGImageExtension) == picture
                 if not (theme == "field" and scene in OVERLAID):
                     assert not list(unreadable(pilot, theme)), theme
+
+
+async def test_the_palette_can_be_read_in_the_sun(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "T", "escape", "ctrl+p")
+        assert "Search for commands" in shown(pilot)
+        assert not list(unreadable(pilot, "sun"))
 
 
 def unreadable(pilot: Pilot[None], theme: str) -> Iterator[str]:

@@ -55,6 +55,11 @@ class FieldkitApp(App[None]):
 
     TITLE = "fieldkit"
     ENABLE_COMMAND_PALETTE = True
+    CSS = """
+    CommandPalette { background: $backdrop; }
+    CommandPalette #--input { border: hkey $border-blurred; }
+    CommandPalette > .command-palette--help-text { text-style: not bold; }
+    """  # as bright as the rest: Textual dims what explains a command
     BINDINGS: ClassVar[list[BindingType]] = [
         *(Binding(str(n), f"page_number({n})", show=False, priority=True) for n in range(1, 10)),
         Binding("ctrl+z", "undo", "Undo", show=False),
@@ -327,9 +332,10 @@ class FieldkitApp(App[None]):
         for units in UNITS:
             yield SystemCommand(f"Units: {units}", "Change the units", partial(self.choose, units=units))
         for active in screen.active_bindings.values():
-            if active.enabled and active.binding.description:
-                label = active.binding.tooltip or active.binding.description
-                yield SystemCommand(label, f"Key {active.binding.key}", partial(self.action_press, active.binding.key))
+            binding = active.binding
+            if active.enabled and binding.description and (binding.show or binding.tooltip):
+                label, key = binding.tooltip or binding.description, self.get_key_display(binding)
+                yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
 
 
 def run(where: str | None) -> None:

@@ -12,6 +12,12 @@ if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 
+PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
+"""What the page shows, one at a time or all at once."""
+PLAIN = 0
+"""The number of the model without anything added."""
+
+
 @dataclass(frozen=True, slots=True)
 class Standing:
     """A rocket's models, the flights that a verdict on them would rest on, and the other rockets."""
@@ -24,7 +30,12 @@ class Standing:
     @property
     def plain(self) -> bool:
         """Whether the rocket is predicted with the plain model."""
-        return not any(version.active for version in self.versions)
+        return self.used == PLAIN
+
+    @property
+    def used(self) -> int:
+        """The number of the model that predicts."""
+        return next((version.number for version in self.versions if version.active), PLAIN)
 
 
 def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:

@@ -11,7 +11,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
-from fieldkit.tui.loop_look import Standing
+from fieldkit.tui.loop_look import PANELS, Standing
 from fieldkit.tui.loop_words import (
     draw_points,
     effect_at_length,
@@ -26,7 +26,6 @@ from fieldkit.tui.table import Head, Table
 if TYPE_CHECKING:
     from fieldkit.loop.findings import Findings
 
-PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
 BEFORE = {
     "verdict": "l looks for what the model lacks: each flight is forecast from the others, and what is left over is "
     "compared with what known effects would do. It takes some seconds and changes nothing.",

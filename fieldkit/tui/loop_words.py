@@ -10,6 +10,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.measures import measure
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
+from fieldkit.tui.loop_look import PLAIN
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
@@ -19,8 +20,6 @@ if TYPE_CHECKING:
 
 EVEN = 0.5
 """A log Bayes factor below which nobody would bet. [1]"""
-PLAIN = 0
-"""The number of the model without anything added."""
 Parts = list[str | tuple[str, str]]
 
 

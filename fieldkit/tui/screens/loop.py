@@ -3,7 +3,7 @@
 from collections.abc import Iterable
 from dataclasses import dataclass
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 from textual import on
 from textual.binding import Binding, BindingType
@@ -14,9 +14,7 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.flight_facts import or_why
-from fieldkit.tui.loop_look import Standing, look, standing_of
-from fieldkit.tui.loop_panels import PANELS, Panels
-from fieldkit.tui.loop_words import PLAIN
+from fieldkit.tui.loop_look import PANELS, Standing, look, standing_of
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Table
@@ -24,6 +22,7 @@ from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.loop.findings import Findings
+    from fieldkit.tui.loop_panels import Panels
 
 
 class LoopScreen(PageScreen):
@@ -95,14 +94,16 @@ class LoopScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """What is at hand, the names of the panels, the panels."""
+        from fieldkit.tui.loop_panels import Panels
+
         yield Static("reading the ledger ...", id="what")
         yield TabLine(PANELS, "screen.panel", id="tabs")
         yield Panels()
 
     @property
-    def panels(self) -> Panels:
+    def panels(self) -> "Panels":
         """What was found, as far as anything was."""
-        return self.query_one(Panels)
+        return cast("Panels", self.query_one("#panels"))
 
     def on_mount(self) -> None:
         """The first panel."""
@@ -131,9 +132,8 @@ class LoopScreen(PageScreen):
     def _show_versions(self, standing: Standing) -> None:
         """The models of the rocket, and which is in use."""
         self._standing, self._rocket = standing, standing.rocket
-        used = next((version.number for version in standing.versions if version.active), PLAIN)
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
-        model = f"version {used}" if used else "the plain model"
+        model = f"version {standing.used}" if standing.used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
         self.panels.show_versions(standing, self.desk.settings.units)
 

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, ClassVar, cast
 
 from textual import events, on
 from textual.binding import Binding, BindingType
@@ -12,20 +12,17 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
-from fieldkit.tui import next_words
 from fieldkit.tui.fields import Line
-from fieldkit.tui.forecast_card import ForecastCard
 from fieldkit.tui.motor_list import MotorList
-from fieldkit.tui.motor_rows import listed
 from fieldkit.tui.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.plan_form import ask_plan
 from fieldkit.tui.table import Table
 
 if TYPE_CHECKING:
     from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Motor
     from fieldkit.plan.guide import Choice
+    from fieldkit.tui.forecast_card import ForecastCard
 
 ROOMY = 150
 """Columns of a screen with room for every figure beside the card."""
@@ -95,6 +92,8 @@ class NextScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The plan in a line, a search, the motors, the forecast."""
+        from fieldkit.tui.forecast_card import ForecastCard
+
         yield Static("p plans a flight: rocket, mass, conditions", id="plan")
         with Horizontal(id="search"):
             yield Static("/")
@@ -103,6 +102,11 @@ class NextScreen(PageScreen):
         with Horizontal(id="split"):
             yield Table(id="motors", enter="Keep")
             yield ForecastCard(id="card")
+
+    @property
+    def card(self) -> "ForecastCard":
+        """The forecast of the motor under the cursor."""
+        return cast("ForecastCard", self.query_one("#card"))
 
     def on_mount(self) -> None:
         """Keys go to the motors."""
@@ -168,6 +172,8 @@ class NextScreen(PageScreen):
 
     def _refill(self) -> None:
         """The motors in their order, those not forecast yet last."""
+        from fieldkit.tui.motor_rows import listed
+
         settings, table = self.desk.settings, self.query_one(Table)
         brief = not self.has_class("-comparing") and self.size.width < ROOMY
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
@@ -182,7 +188,7 @@ class NextScreen(PageScreen):
 
     def _show_card(self) -> None:
         """The forecast of the motor under the cursor, from what is known already."""
-        one, card = self._motors.known.get(self.query_one(Table).current), self.query_one(ForecastCard)
+        one, card = self._motors.known.get(self.query_one(Table).current), self.card
         if one is None or self._motors.plan is None:
             card.clear()
         else:
@@ -229,6 +235,8 @@ class NextScreen(PageScreen):
 
     async def action_plan(self) -> None:
         """Change the plan."""
+        from fieldkit.tui.plan_form import ask_plan
+
         await self.settled("change", "plan")
         ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
 
@@ -254,7 +262,9 @@ class NextScreen(PageScreen):
         self.ask(work, self._kept, "keep")
 
     def _kept(self, made: "list[Prediction]") -> None:
-        self.tell(next_words.kept_in_words(made[0], self.desk.settings.units))
+        from fieldkit.tui.next_words import kept_in_words
+
+        self.tell(kept_in_words(made[0], self.desk.settings.units))
         self.changed_for_others()
 
     def copied(self) -> str:
@@ -262,7 +272,7 @@ class NextScreen(PageScreen):
         if self.has_class("-comparing"):
             return self.query_one(Table).current_text()
         self._show_card()
-        return self.query_one(ForecastCard).text
+        return self.card.text
 
 
 PAGE = Page(4, "Next", NextScreen)

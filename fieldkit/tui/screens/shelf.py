@@ -2,7 +2,7 @@
 
 from collections.abc import Iterable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar, cast
 
 from textual import events, on
 from textual.binding import Binding, BindingType
@@ -11,19 +11,17 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.settings import THEMES, UNITS
-from fieldkit.tui import motor_facts, shelf_card
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.fields import Line
 from fieldkit.tui.groups import Kept, grouped, placed
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.shelf_card import ShelfCard
-from fieldkit.tui.shelf_forms import ask_motors, ask_rail, change_build, change_site
 from fieldkit.tui.shelf_lists import MEANS, Listed, builds_listed, motors_listed, settings_listed, sites_listed
 from fieldkit.tui.table import Table
 from fieldkit.tui.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
+    from fieldkit.tui.shelf_card import Facts, ShelfCard
 
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
 
@@ -81,14 +79,16 @@ class ShelfScreen(PageScreen):
         self._found: Sequence[Motor] = ()
 
     def body(self) -> Iterable[Widget]:
-        """The names of the lists, a search, the list."""
+        """The names of the lists, a search, the list, and what is known of its row in hand."""
+        from fieldkit.tui.shelf_card import ShelfCard
+
         yield TabLine(KINDS, "screen.kind")
         with Horizontal(id="search"):
             yield Static("/")
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
         with Container(id="split"):
             yield Table(empty="nothing here yet", enter="Change")
-            yield ShelfCard()
+            yield ShelfCard(id="card")
 
     def on_mount(self) -> None:
         """Keys go to the table."""
@@ -147,9 +147,12 @@ class ShelfScreen(PageScreen):
         if self._kind == 0 and not self.has_class("-wide"):
             return
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.desk.settings.units
-        self.ask(partial(self._facts, kind, key, system), self.query_one(ShelfCard).show, "card")
+        card = cast("ShelfCard", self.query_one("#card"))
+        self.ask(partial(self._facts, kind, key, system), card.show, "card")
 
-    def _facts(self, kind: str, key: Any, system: str) -> shelf_card.Facts:
+    def _facts(self, kind: str, key: Any, system: str) -> "Facts":
+        from fieldkit.tui import shelf_card
+
         if key is None:
             return shelf_card.Facts(())
         match kind:
@@ -197,17 +200,20 @@ class ShelfScreen(PageScreen):
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
+        from fieldkit.tui import shelf_forms
+
         match KINDS[self._kind]:
             case "Motors":
                 self._about_motor(message.key)
             case "Rockets":
-                change_build(self, message.key)
+                shelf_forms.change_build(self, message.key)
             case "Sites":
-                change_site(self, message.key)
+                shelf_forms.change_site(self, message.key)
             case _:
                 self._change_setting(message.key)
 
     def _about_motor(self, motor: "Motor") -> None:
+        from fieldkit.tui import motor_facts
         from fieldkit.tui.dialogs import HelpScreen
 
         text = f"{motor.maker} {motor.designation}"
@@ -223,12 +229,16 @@ class ShelfScreen(PageScreen):
         elif name == "target":
             self.field_app.ask_target()
         elif name == "rail":
+            from fieldkit.tui.shelf_forms import ask_rail
+
             ask_rail(self)
         else:
             self.complain(f"{name} is not changed here; ? says how")
 
     def action_import_motors(self) -> None:
         """Add the motors of a file."""
+        from fieldkit.tui.shelf_forms import ask_motors
+
         ask_motors(self)
 
     def copied(self) -> str:

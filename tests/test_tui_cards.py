@@ -1,0 +1,109 @@
+"""What stands beside a row of the app: words for what a log brought, lines on one scale, facts of what is in hand."""
+
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import Site
+from fieldkit.motors import catalogue
+from fieldkit.tui import logged, motor_facts, shelf_card
+from fieldkit.tui.groups import grouped, placed
+from fieldkit.tui.intervals import Interval, Intervals, bar
+from fieldkit.tui.table import fitted
+from tests.pressing import frozen, opened, press, season, typed, words
+
+LOGGED = {"apogee_sd_m": "1", "stated_apogee_m": "161.544", "time_to_apogee_s": "5.707", "time_to_apogee_sd_s": "0.12"}
+KEPT = {"mach_delay_s": "2", "log_format": "perfectflite", "Platz": "Süd", "other_logs": "ab12 cd34"}
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+def test_a_readout_measured_in_a_log_says_how_sure_it_is_in_the_units_shown() -> None:
+    flight = Flight(apogee=162.8, extra=LOGGED)
+    assert logged.readout(flight, BY_NAME["apogee"], "SI") == "162.8 ± 1 m"
+    assert logged.readout(flight, BY_NAME["apogee"], "US") == "534 ± 3.3 ft"
+    assert logged.readout(Flight(apogee=162.8), BY_NAME["apogee"], "SI") == "162.8 m"
+    assert logged.readout(Flight(extra=LOGGED), BY_NAME["apogee"], "SI") == ""
+
+
+def test_what_a_log_brought_is_said_in_words_with_units_behind_the_figures() -> None:
+    assert logged.beside(LOGGED | KEPT, "SI") == [
+        ("Apogee, stated", "161.5 m"),
+        ("Time to apogee", "5.707 ± 0.12 s"),
+        ("Other logs of it", "2"),
+        ("Mach delay", "2 s"),
+        ("Log format", "perfectflite"),
+        ("Platz", "Süd"),
+    ]
+    assert logged.beside({"stated_apogee_m": "high"}, "SI") == [("Apogee, stated", "high")]
+
+
+@given(st.lists(st.floats(-1e4, 1e4), min_size=3, max_size=3), st.integers(10, 200))
+def test_an_interval_on_its_own_scale_reaches_from_edge_to_edge(ends: list[float], width: int) -> None:
+    low, middle, high = sorted(ends)
+    line = bar(Interval("", low, middle, high), low, high, width)
+    assert len(line) == width
+    assert "●" in line
+    if high - low > 1e-6 * max(1.0, abs(high)):
+        assert set(line) <= set("├─●┤")
+
+
+def test_intervals_stand_below_each_other_on_one_scale_with_its_ends_and_marks_below() -> None:
+    rows = (Interval("4 s", -1.5, -0.7, 0.8), Interval("5 s", -1.1, 0.0, 1.8, flown=1.5))
+    lines = str(Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0})).splitlines()
+    assert lines[0].index("●") < lines[0].index("◎")
+    assert lines[1].index("◉") < lines[1].index("✗")
+    assert lines[2].split() == ["-1.5", "s", "apogee", "+0.0", "s", "+1.8", "s"]
+
+
+def test_a_motor_is_described_in_words_with_its_units() -> None:
+    facts = dict(motor_facts.facts(catalogue().resolve("AeroTech F24W").motor))
+    assert facts["total impulse"] == "47.3 N s"
+    assert facts["kind"] == "reloadable, class F"
+    assert facts["delays"] == "4, 7 s"
+    assert facts["on sale"] == "yes"
+
+
+def test_a_site_tells_its_air_and_what_its_safety_lines_lack() -> None:
+    flights = [Flight(flight_id="1", rocket="Comet", site="Hill", apogee=200.0, site_elevation=1000.0)]
+    (place,) = placed(grouped(["1"], flights, "site"), [Site("Hill", ceiling=300.0)])
+    said = "\n".join(map(str, shelf_card.of_site(place, "SI").blocks))
+    assert "1.112 kg/m³ on a standard day" in said  # U.S. Standard Atmosphere 1976 at 1000 m
+    assert "300.0 m" in said
+    assert "field size  not known" in said
+
+
+def test_what_is_too_long_shows_its_beginning_or_its_tail() -> None:
+    assert fitted("flight-dd2afbb08f", 8, False) == "flight-…"
+    assert fitted("flight-dd2afbb08f", 8, False, True) == "…afbb08f"
+    assert fitted("12", 4, True, True) == "  12"
+
+
+async def test_beside_each_list_of_the_page_setup_stands_what_is_known_of_its_row(file: Path) -> None:
+    with Ledger.open(file) as ledger:
+        assert ledger.names("rocket") == ["Astra"]
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, "6", "slash", *typed("f24"), "enter")
+        assert "thrust [N] against time [s]" in words(pilot)
+        await press(pilot, "right", "down")
+        assert "8, 4 of them teach the model" in words(pilot)
+        assert "E35-5W 4 times, to between 131.1 and 174.7 m" in words(pilot)
+        await press(pilot, "right")
+        assert "281.3 m Astra F24-4W" in words(pilot)
+        await press(pilot, "right")
+        assert "Enter takes the next; so does N" in words(pilot)
+
+
+async def test_a_filter_that_nothing_holds_says_so(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "slash", *typed("zzz"))
+        assert "no flight holds all of these words" in words(pilot)
