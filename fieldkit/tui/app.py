@@ -149,13 +149,11 @@ class FieldkitApp(App[None]):
             super().delay_update(delay)
 
     def settled(self) -> None:
-        """The flights have been read. In the midst of a key the collector would look through them all, which takes a
-        tenth of a second where they are thousands; here it is told that they stay."""
+        """The flights have been read."""
         if self._length is None:
             self.look_round()
         if self._stays:
-            gc.collect(1)
-            gc.freeze()
+            _keep_uncollected()
             self.run_worker(self._make_ready, exclusive=True, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _make_ready(self) -> None:
@@ -170,6 +168,7 @@ class FieldkitApp(App[None]):
                 if not screen.is_running:
                     await self._get_screen(screen)[1]
                     await screen.draw_ahead(PAUSE)
+        _keep_uncollected()
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
@@ -336,6 +335,13 @@ class FieldkitApp(App[None]):
             if active.enabled and binding.description and (binding.show or binding.tooltip):
                 label, key = binding.tooltip or binding.description, self.get_key_display(binding)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
+
+
+def _keep_uncollected() -> None:
+    """Tell the collector that what is there stays, flights and widgets: in the midst of a key it would look through all
+    of them, which takes a tenth of a second where they are thousands."""
+    gc.collect(1)
+    gc.freeze()
 
 
 def run(where: str | None) -> None:

@@ -63,8 +63,8 @@ class ShelfScreen(PageScreen):
     ShelfScreen #search Input { width: 1fr; }
     ShelfScreen #split { layout: vertical; }
     ShelfScreen ShelfCard { height: 2fr; border-top: solid $border-blurred; }
-    ShelfScreen.-motors ShelfCard { display: none; }
-    ShelfScreen.-settings Table { height: 8; }
+    ShelfScreen ShelfCard.-motors { display: none; }
+    ShelfScreen Table.-settings { height: 8; }
     ShelfScreen.-short.-normal ShelfCard Plot, ShelfScreen.-short.-narrow ShelfCard Plot { height: 8; }
     ShelfScreen.-wide #split { layout: horizontal; }
     ShelfScreen.-wide Table { height: 1fr; }
@@ -132,8 +132,8 @@ class ShelfScreen(PageScreen):
         """The list in front."""
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
-        self.set_class(self._kind == 0, "-motors")
-        self.set_class(self._kind == 3, "-settings")
+        self.query_one("#card").set_class(self._kind == 0, "-motors")
+        self.query_one(Table).set_class(self._kind == 3, "-settings")
         heads, keys, cells = self._list()
         table = self.query_one(Table)
         table.enter = ("About it", "Change", "Change", "Change")[self._kind]
