@@ -4,6 +4,7 @@ import asyncio
 from pathlib import Path
 
 import pytest
+from textual.events import AppFocus
 from textual.pilot import Pilot
 from textual.widgets import Input
 
@@ -177,6 +178,19 @@ async def test_a_flight_is_taken_out_and_comes_back(file: Path, keys: tuple[str,
         assert "12 of 12" in shown(pilot)
 
 
+async def test_what_another_program_does_to_the_ledger_is_seen(file: Path) -> None:
+    async with opened(file) as pilot:
+        with Ledger.open(file) as ledger:
+            ledger.remove("12")
+        await press(pilot, "6", "1")
+        assert "11 of 11" in shown(pilot)
+        with Ledger.open(file) as ledger:
+            ledger.undo()
+        pilot.app.post_message(AppFocus())
+        await calm(pilot)
+        assert "12 of 12" in shown(pilot)
+
+
 async def test_a_tag_of_ones_own_is_typed(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "t", "end", "enter", *typed("windy"), "enter")
@@ -201,6 +215,8 @@ async def test_y_copies_the_row_and_the_card(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "y")
         assert pilot.app.clipboard.startswith("id 12  date 2026-04-18  rocket Astra  cfg B  motor F39  apogee 198.1")
+        await press(pilot, "question_mark", "y", "escape")
+        assert "fieldkit remove FLIGHT" in pilot.app.clipboard
         await press(pilot, "enter", "y")
         assert "Apogee" in pilot.app.clipboard
         assert "alpha" in pilot.app.clipboard

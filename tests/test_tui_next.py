@@ -122,6 +122,25 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
         assert ledger.names("rocket")[0] == "Comet"
 
 
+async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Path) -> None:
+    folder = file.parent / "field"
+    for name, scale in (("a.csv", 1.0), ("b.csv", 1.02)):
+        rows = "".join(f"{n / 10:.1f},{scale * max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
+        (folder / name).write_text("time (s),altitude (m)\n" + rows)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "space", "down", "space", "down", "space")
+        assert "recognised as 2 files together" in told(pilot, "#said")
+        assert "+ a.csv" in shown(pilot)
+        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        brought = told(pilot, "#said")
+        assert "+ a.csv" not in shown(pilot)
+        assert "imported" in words(pilot), brought
+        await press(pilot, "up")
+        assert "1 there already" in told(pilot, "#said")
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
+
+
 async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file: Path) -> None:
     rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
     for name in ("one.csv", "two.csv"):
@@ -196,9 +215,12 @@ async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
         assert "0 fit" in shown(pilot)
+        assert "nothing here to copy" in words(pilot)
         await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
         assert "0 of 1 fit" in shown(pilot)
         assert "▸✗ AeroTech H128W" in shown(pilot)
+        await press(pilot, "c", "y", "c")
+        assert pilot.app.clipboard.startswith("motor ✗ AeroTech H128W")
         assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
 
 
@@ -276,8 +298,13 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
     async with opened(tmp_path / "ledger.db") as pilot:
-        await press(pilot, "5", "l")
+        await press(pilot, "5", "d")
+        assert "nothing to decline yet" in words(pilot)
+        await press(pilot, "l")
         assert "expected at least 4 to close the loop" in words(pilot)
+        assert "looking:" not in words(pilot)
+        await press(pilot, "ctrl+c")
+        assert "q leaves the app" in words(pilot)
 
 
 # Setup
@@ -343,6 +370,13 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             assert "highest 123.4 m" in seen
             await press(pilot, "enter", "y")
             assert "1 imported" in words(pilot)
+            events[1:1] = [capture.Told(f"page {number} is read") for number in range(20)]
+            events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
+            events.remove(next(event for event in events if isinstance(event, capture.Progress)))
+            await press(pilot, "enter")
+            seen = words(pilot)
+            assert "nothing came" in seen, "the newest is in sight, however much was said before"
+            assert "highest" not in seen, "of the capture before"
 
 
 async def test_a_port_that_cannot_be_opened_is_a_notice(file: Path) -> None:
@@ -404,6 +438,13 @@ async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
         await press(pilot, "2")
         await hurry(pilot, "8", "ctrl+u", "9", "2", "4", "backspace", "3")
         assert pilot.app.screen.query_one("#in-apogee", Input).value == "923"
+
+
+async def test_keys_that_are_ahead_of_the_plan_are_about_the_plan(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "4", "b", "p")
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
+        assert pilot.app.screen.query_one("#in-config", Input).value == "A", "b has gone on from B"
 
 
 async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file: Path) -> None:

@@ -10,7 +10,8 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import site_of
-from tests.pressing import frozen, opened, press, season, told, typed, words
+from fieldkit.tui.tabs import TabLine
+from tests.pressing import calm, frozen, opened, press, season, told, typed, words
 
 CHECK_SHAPES = False
 
@@ -26,6 +27,13 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 def said(pilot: Pilot[None]) -> str:
     """The answer in hand and what stands beside it."""
     return f"{told(pilot, '#answer')} {told(pilot, '#beside')}"
+
+
+async def front(pilot: Pilot[None], name: str) -> None:
+    """Click on the name of an answer, past those between."""
+    tabs = pilot.app.screen.query_one(TabLine)
+    await pilot.click(TabLine, offset=(str(tabs.content).index(name) + 1, 0))
+    await calm(pilot)
 
 
 async def test_delay_ballast_and_contest_of_a_motor_by_keys(file: Path) -> None:
@@ -110,13 +118,16 @@ async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file
 async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("fieldkit.loop.kept._lapsed", lambda _: False)
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "left", "left")
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
+        await front(pilot, "Kept")
         assert "flown: F39 B" in said(pilot)
-        await press(pilot, "escape", "enter", "_", "d", "left", "left")
+        await press(pilot, "escape", "enter", "_", "d")
+        await front(pilot, "Kept")
         assert "open: AeroTech F39T" in said(pilot)
         with Ledger.open(file) as ledger:
             ledger.add([Flight(flight_id="13", rocket="Astra", config="B", motor="F39-6T", dry_mass=0.4, apogee=200.0)])
-        await press(pilot, "escape", "escape", "d", "left", "left")  # the first reads the notice
+        await press(pilot, "escape", "escape", "d")  # the first reads the notice
+        await front(pilot, "Kept")
         assert "stale now: flight 13 came in since" in said(pilot)
 
 

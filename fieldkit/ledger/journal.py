@@ -106,6 +106,11 @@ def history(connection: Connection) -> list[Change]:
     ]
 
 
+def length(connection: Connection) -> int:
+    """How many entries there are; they are numbered from 1 on."""
+    return connection.scalar(select(func.max(journal.c.number))) or 0
+
+
 def now() -> str:
     """The moment of a change, as ISO 8601 text in UTC."""
     return datetime.now(UTC).isoformat(timespec="seconds")
@@ -148,8 +153,7 @@ def _named(change: Change) -> str:
 
 
 def _enter(connection: Connection, **values: Any) -> None:
-    last = connection.scalar(select(func.max(journal.c.number))) or 0
-    row = {"number": last + 1, "at": now(), **values}
+    row = {"number": length(connection) + 1, "at": now(), **values}
     if APART in row:
         row[f"{APART}_checksum"] = checksums.checksum_of(row[APART])
     connection.execute(insert(journal).values(row | {CHECKSUM: checksums.checksum(row)}))

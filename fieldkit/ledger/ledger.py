@@ -129,6 +129,11 @@ class Ledger(FlightsOut, BesideFlights):
         with self._writing() as connection:
             return journal.redo(connection)
 
+    def length(self) -> int:
+        """How many changes there were: another number than before says that somebody has made one."""
+        with self._reading() as connection:
+            return journal.length(connection)
+
     def history(self) -> list[Change]:
         """Every change, undo and redo, oldest first."""
         with self._reading() as connection:

@@ -25,11 +25,11 @@ from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.keys import apart
-from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.page import WAIT, PageScreen, pages
 from fieldkit.tui.themes import THEMES
 
-WAIT, MOST_WAITS = 0.005, 6000
-"""How often a page that is opened is asked whether it can take keys, and how often at most. [s]"""
+MOST_WAITS = 6000
+"""How often at most a page that is opened is asked whether it can take keys."""
 
 MOST_TURNS = 200
 """How often at most it is looked whether a key has reached all that it is for. [1]"""
@@ -81,6 +81,7 @@ class FieldkitApp(App[None]):
         self.notices: list[Notice] = []
         self._opened: dict[str, PageScreen] = {}
         self.revision = self.look = 0
+        self._length: int | None = None
         self._hides = True
         self.animation_level = "none"
         for theme in THEMES.values():
@@ -150,6 +151,8 @@ class FieldkitApp(App[None]):
     def settled(self) -> None:
         """The flights have been read. In the midst of a key the collector would look through them all, which takes a
         tenth of a second where they are thousands; here it is told that they stay."""
+        if self._length is None:
+            self.look_round()
         if self._stays:
             gc.collect(1)
             gc.freeze()
@@ -198,7 +201,24 @@ class FieldkitApp(App[None]):
     def changed(self) -> None:
         """The ledger has changed: pages fill themselves anew."""
         self.revision += 1
+        self._length = None
         self._refresh_page()
+        self.look_round()
+
+    def look_round(self) -> None:
+        """Fill pages anew where another program has changed the ledger: a second app, a command."""
+        if isinstance(self.screen, PageScreen):
+            self.screen.ask(lambda: self.desk.ledger.length(), self._seen_round, "others")
+
+    def _seen_round(self, length: int) -> None:
+        before, self._length = self._length, length
+        if before not in (None, length):
+            self.revision += 1
+            self._refresh_page()
+
+    def on_app_focus(self) -> None:
+        """The flyer is back from another window."""
+        self.look_round()
 
     def _refresh_page(self) -> None:
         if isinstance(self.screen, PageScreen):
@@ -210,6 +230,7 @@ class FieldkitApp(App[None]):
         await self._heard()
         if isinstance(self.screen, PageScreen):
             self.screen.came()
+            self.look_round()
 
     async def action_page_number(self, number: int) -> None:
         """Bring the page with this number to the front, if there is one."""
@@ -226,6 +247,10 @@ class FieldkitApp(App[None]):
     def action_press(self, key: str) -> None:
         """What a click on a key of the key bar does."""
         self.simulate_key(key)
+
+    def action_help_quit(self) -> None:
+        """What ^C does where nothing can be copied: it says how to leave."""
+        self.tell("q leaves the app; so does ^Q, from a field as well")
 
     def action_undo(self) -> None:
         """Take back the last change, whoever made it."""

@@ -31,6 +31,7 @@ class HelpScreen(ModalScreen[None]):
         Binding("question_mark,f1,q", "dismiss", "Close", show=False),
         Binding("up", "scroll_by(-1)", "Up", show=False),
         Binding("down", "scroll_by(1)", "Down", show=False),
+        Binding("y", "copy", "Copy", show=False),
     ]
 
     def __init__(self, title: str, help: Help, keys: Sequence[tuple[str, str]], listed: str = "") -> None:
@@ -52,6 +53,11 @@ class HelpScreen(ModalScreen[None]):
                     twins = "\n".join(f"  {line}" for line in self._help.twin)
                     yield Static(Content.assemble(("The same on the command line", "b"), "\n", twins))
             yield KeyBar()
+
+    def action_copy(self) -> None:
+        """Copy all of it as text, commands too."""
+        parts = self.query_one(VerticalScroll).query(Static)
+        self.app.copy_to_clipboard("\n\n".join(str(part.content) for part in parts))
 
     def action_scroll_by(self, lines: int) -> None:
         """Scroll the text."""

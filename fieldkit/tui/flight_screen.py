@@ -59,7 +59,14 @@ class FlightScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
-        Binding("x,delete", "remove", "Remove", tooltip="Take this flight out; u brings it back", show=False),
+        Binding(
+            "x,delete",
+            "remove",
+            "Remove",
+            key_display="x",
+            tooltip="Take this flight out; u brings it back",
+            show=False,
+        ),
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
     DEFAULT_CSS = """

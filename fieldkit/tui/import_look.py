@@ -56,6 +56,12 @@ class Reading:
     format: str | None = None
     given: Mapping[str, str] = field(default_factory=dict)
     columns: tuple[str, ...] = ()
+    marked: tuple[Path, ...] = ()
+    """Files that are read together: several logs of one flight."""
+
+    def together(self, path: Path) -> tuple[Path, ...]:
+        """The files that are read with one of them in hand."""
+        return self.marked if path in self.marked else (path,)
 
     def defaults(self) -> dict[str, object]:
         """What files leave open, as fields of a flight. Raises BadValue."""
@@ -96,6 +102,8 @@ def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
         receipt, flights = _bring_in(desk, path, reading, dry_run=True)
     except FieldkitError as error:
         return Look(path, "", None, by_keys(str(error)))
+    if (count := len(reading.together(path))) > 1:
+        return Look(path, f"{count} files together", receipt, flights=flights)
     try:
         parser = recognise(read_file(path), reading.format, path.name)
     except FieldkitError:
@@ -130,7 +138,8 @@ def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "
     from fieldkit.logs.mapping import remembered
 
     choices = [*reading.named(), *remembered()]
-    found = gather([path], desk.motors.complaint, format=reading.format, defaults=reading.defaults(), choices=choices)
+    paths, defaults = reading.together(path), reading.defaults()
+    found = gather(paths, desk.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
     receipt = take_in(desk.ledger, found, choices=choices, dry_run=dry_run)
     return receipt, tuple(arrival.flight for arrival in found.arrivals)
 

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 T = TypeVar("T")
+WAIT = 0.005
+"""How often it is asked whether something is there that keys wait for. [s]"""
 LEAVE_LINE = Binding("enter", "leave_line", "Done", key_display="Enter", priority=True)
 """Enter in a search leads back to the table; the line itself would only say that it was pressed."""
 
@@ -205,6 +207,11 @@ class PageScreen(Screen[None]):
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
+    async def settled(self, *groups: str) -> None:
+        """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
+        while any(one.group in groups and one.node is self and not one.is_finished for one in self.workers):
+            await asyncio.sleep(WAIT)
+
     def change(self, question: Callable[[], T], answer: Callable[[T], None]) -> None:
         """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
         self.ask(question, answer, "change", in_turn=True)
@@ -241,6 +248,8 @@ class PageScreen(Screen[None]):
         if text:
             self.app.copy_to_clipboard(text)
             self.tell("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
+        else:
+            self.tell("there is nothing here to copy")
 
     def action_back(self) -> None:
         """Read a notice; else leave a field; else leave the screen, where it lies above a page."""

@@ -70,7 +70,14 @@ class FlightsScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("a", "add", "Add", tooltip="Type a flight in"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
-        Binding("x,delete", "remove", "Remove", tooltip="Take this flight out; u brings it back", show=False),
+        Binding(
+            "x,delete",
+            "remove",
+            "Remove",
+            key_display="x",
+            tooltip="Take this flight out; u brings it back",
+            show=False,
+        ),
     ]
     DEFAULT_CSS = """
     FlightsScreen #filter { height: 1; }

@@ -50,7 +50,8 @@ class ImportScreen(PageScreen):
         "Choose a log or a flight table. While the cursor stands on a file, it is read and nothing is stored: you see "
         "what it was recognised as, how many flights it would bring, each row that would be left out, with the "
         "reason, and the flights with what was read of them. Enter stores it. What is in the ledger already changes "
-        "nothing, so a file may be imported twice.",
+        "nothing, so a file may be imported twice. The space bar marks files that are read together, such as the logs "
+        "of several altimeters in one flight.",
         (
             ("format", "The parser that recognised the file, by what is in it. f names another one."),
             ("rejected", "Rows that cannot become flights: mend them in the file and import it again."),
@@ -62,7 +63,7 @@ class ImportScreen(PageScreen):
             ),
         ),
         (
-            "fieldkit import FILE --dry-run",
+            "fieldkit import FILE ... --dry-run",
             "fieldkit import FILE --format NAME --set rocket=Astra --map 'altitude=Alt (ft)'",
             "fieldkit ork FILE.ork --rocket Lark --config A",
         ),
@@ -72,6 +73,7 @@ class ImportScreen(PageScreen):
         Binding("f", "format", "Format", tooltip="Name the parser to read with"),
         Binding("s", "set", "Set", tooltip="What the file leaves open: rocket=Astra"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
+        Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
         Binding("r", "reload", "Look again", tooltip="List the folder and read the file anew", show=False),
         Binding("o", "folder", "Go to", tooltip="Type the path of a folder or a file"),
     ]
@@ -121,8 +123,14 @@ class ImportScreen(PageScreen):
         self._folder = folder
         self.query_one("#where", Static).update(Content(printable(told(folder))))
         rows = {path: name_and_size(path) for path in paths}
+        self._reading = replace(self._reading, marked=tuple(path for path in self._reading.marked if path in rows))
         table = self.query_one("#files", Table)
-        table.show([Head("file", 0), Head("size", 7, True)], paths, rows.__getitem__)
+
+        def cells(path: Path) -> tuple[str, str]:
+            name, size = rows[path]
+            return ("+ " if path in self._reading.marked else "") + name, size
+
+        table.show([Head("file", 0), Head("size", 7, True)], paths, cells)
         if mark is not None:
             table.move_to(mark)
         self._examine()
@@ -166,7 +174,18 @@ class ImportScreen(PageScreen):
         else:
             self.tell("it is still being read; Enter again stores it")
 
+    def action_mark(self) -> None:
+        """Read the file under the cursor together with others that are marked, or no longer."""
+        path, marked = self.query_one("#files", Table).current, self._reading.marked
+        if path is None or path == UP or path.is_dir():
+            return
+        marked = tuple(one for one in marked if one != path) if path in marked else (*marked, path)
+        self._reading = replace(self._reading, marked=marked)
+        self.query_one("#files", Table).refresh()
+        self._examine()
+
     def _stored(self, receipt: "Receipt") -> None:
+        self._reading = replace(self._reading, marked=())
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
         undo = "; u takes them back" if receipt.ids else ""
         self.tell(f"{len(receipt.ids)} imported, {counts}{undo}")

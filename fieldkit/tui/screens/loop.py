@@ -13,6 +13,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
+from fieldkit.tui.flight_facts import or_why
 from fieldkit.tui.loop_look import PANELS, Standing, look, standing_of
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
@@ -136,14 +137,15 @@ class LoopScreen(PageScreen):
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
         self.panels.show_versions(standing, self.desk.settings.units)
 
-    def action_look(self) -> None:
+    async def action_look(self) -> None:
         """Look for what is missing, and show how far that is; nothing is changed."""
+        await self.settled("ask")
         if self._standing is None:
             return
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
         self._tell_share("reading flights", 0.0)
-        self.ask(partial(look, self.desk, rocket, self._tell_share), self._looked, "look")
+        self.ask(or_why(partial(look, self.desk, rocket, self._tell_share)), self._looked, "look")
 
     def _tell_share(self, text: str, share: float) -> None:
         self.post_message(self.Told(text, share))
@@ -153,7 +155,14 @@ class LoopScreen(PageScreen):
         """How far it is."""
         self.panels.share(message.text, message.share)
 
-    def _looked(self, found: "Findings") -> None:
+    def _looked(self, found: "Findings | str") -> None:
+        """Show what was found, unless another rocket is in hand by now; or say why nothing could be."""
+        if isinstance(found, str):
+            self.panels.forget()
+            self.complain(found)
+            return
+        if found.rocket != self._rocket:
+            return
         self._effect = self._panel = 0
         self.panels.show(found, self.desk.settings.units)
         self.panels.show_residuals(self._against)
@@ -199,8 +208,9 @@ class LoopScreen(PageScreen):
         self.panels.show_marks(self._effect)
         self.action_panel(PANELS.index("Fingerprint"))
 
-    def action_rocket(self) -> None:
+    async def action_rocket(self) -> None:
         """The next rocket."""
+        await self.settled("ask")
         if self._standing is not None and len(self._standing.rockets) > 1:
             rockets = self._standing.rockets
             self._rocket = rockets[(rockets.index(self._standing.rocket) + 1) % len(rockets)]
@@ -227,8 +237,10 @@ class LoopScreen(PageScreen):
 
     def action_decline(self) -> None:
         """Leave the model as it is."""
-        if self.panels.found is not None:
-            self.tell("declined: the model stays as it is")
+        found = self.panels.found is not None
+        self.tell(
+            "declined: the model stays as it is" if found else "nothing to decline yet: l looks for what is missing"
+        )
 
     @on(Table.Chosen, "#versions")
     def _use(self, message: Table.Chosen) -> None:

@@ -214,28 +214,31 @@ class NextScreen(PageScreen):
         if self._motors.plan is not None:
             self._refill()
 
-    def action_build(self) -> None:
+    async def action_build(self) -> None:
         """The next rocket and configuration that have flown."""
+        await self.settled("change", "plan")
         build = self._motors.plan.next_build() if self._motors.plan is not None else None
         if build is not None:
             self._keep_plan(build)
 
-    def action_decide(self) -> None:
+    async def action_decide(self) -> None:
         """What is left to decide with the motor under the cursor."""
         from fieldkit.plan.guide import label
         from fieldkit.tui.decisions import Decision
         from fieldkit.tui.plan_screen import PlanScreen
 
+        await self.settled("change", "plan")
         plan, motor = self._motors.plan, self.query_one(Table).current
         if plan is not None and motor is not None:
             one = self._motors.known.get(motor)
             full = plan.full.with_changes(motor=label(motor), delay=one.delay if one else None)
             self.app.push_screen(PlanScreen(Decision(full, plan.rocket, plan.site, plan.limits, motor)))
 
-    def action_plan(self) -> None:
+    async def action_plan(self) -> None:
         """Change the plan."""
         from fieldkit.tui.plan_form import ask_plan
 
+        await self.settled("change", "plan")
         ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
 
     def _keep_plan(self, plan: Flight) -> None:
@@ -245,8 +248,11 @@ class NextScreen(PageScreen):
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:
         """Keep the forecast of the motor under the cursor, made with care."""
-        one = self._motors.known.get(self.query_one(Table).current)
+        motor = self.query_one(Table).current
+        one = self._motors.known.get(motor)
         if one is None:
+            if motor is not None and self._motors.plan is not None:
+                self.tell("this motor is still being worked out; Enter again keeps its forecast")
             return
 
         def work() -> "list[Prediction]":
@@ -263,7 +269,9 @@ class NextScreen(PageScreen):
         self.changed_for_others()
 
     def copied(self) -> str:
-        """The forecast as text."""
+        """The forecast as text, or the row under the cursor where all are compared."""
+        if self.has_class("-comparing"):
+            return self.query_one(Table).current_text()
         self._show_card()
         return self.card.text
 

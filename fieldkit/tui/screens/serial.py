@@ -8,16 +8,19 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 from textual import on
 from textual.binding import Binding, BindingType
-from textual.containers import Horizontal, Vertical
+from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.message import Message
 from textual.widget import Widget
 from textual.widgets import Digits, Static
 
+from fieldkit.flight import BY_NAME
 from fieldkit.measures import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui import cards
+from fieldkit.tui.bars import shortened
 from fieldkit.tui.dialogs import AskText, AskYes
+from fieldkit.tui.hanging import hanging
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.table import Head, Table
 
@@ -27,8 +30,8 @@ if TYPE_CHECKING:
 
 SHOWN = 600
 """Altitudes of a telemetry stream that are drawn."""
-SAID = 5
-"""Lines of what happened that stay in sight."""
+SAID = 50
+"""Lines of what happened that are kept; the last few are in sight."""
 
 
 class CaptureScreen(PageScreen):
@@ -59,7 +62,9 @@ class CaptureScreen(PageScreen):
     DEFAULT_CSS = """
     CaptureScreen #ports { height: 8; }
     CaptureScreen #live { height: 1fr; padding: 0 1; border-top: solid $border-blurred; }
-    CaptureScreen #said { height: auto; max-height: 6; }
+    CaptureScreen #happened { height: auto; max-height: 4; scrollbar-size-vertical: 1; }
+    CaptureScreen.-tall #happened { max-height: 8; }
+    CaptureScreen #said { height: auto; }
     CaptureScreen #count { height: 1; text-style: bold; }
     CaptureScreen #now { height: 3; }
     CaptureScreen #big { width: 34; color: $accent; }
@@ -88,7 +93,8 @@ class CaptureScreen(PageScreen):
 
         yield Table(id="ports", empty="no serial port: plug the logger in, then r looks again", enter="Capture")
         with Vertical(id="live"):
-            yield Static("", id="said")
+            with VerticalScroll(id="happened", can_focus=False):
+                yield Static("", id="said")
             yield Static("", id="count")
             with Horizontal(id="now"):
                 yield Digits("", id="big")
@@ -141,7 +147,17 @@ class CaptureScreen(PageScreen):
             return
         self._capturing, self._heights = True, []
         self._stop.clear()
+        self._nothing_yet()
         self.ask(partial(self._follow, port, self._device), self._ended, "capture")
+
+    def _nothing_yet(self) -> None:
+        """Nothing of the capture before stands beside what comes now."""
+        from fieldkit.tui.plots import Plot
+
+        self.query_one("#big", Digits).update("")
+        for place in ("#count", "#state"):
+            self.query_one(place, Static).update("")
+        self.query_one(Plot).display = False
 
     def _follow(self, port: "Port | None", device: str | None) -> "Ended | None":
         """All events of a capture, each told to the screen; the last one is returned."""
@@ -187,8 +203,9 @@ class CaptureScreen(PageScreen):
                 self._progress(message.event)
 
     def _say(self, text: str) -> None:
-        self._said = [*self._said, printable(text)][-SAID:]
-        self.query_one("#said", Static).update(Content("\n".join(self._said)))
+        self._said = [*self._said, printable(text).replace("--device", "d")][-SAID:]
+        self.query_one("#said", Static).update(hanging(map(shortened, self._said)))
+        self.query_one("#happened").scroll_end(animate=False)
 
     def _progress(self, progress: "Progress") -> None:
         """Counts, the share done, and the altitude where a stream tells it."""
@@ -207,10 +224,11 @@ class CaptureScreen(PageScreen):
         unit = spelled(unit_of(cards.APOGEE, system))
         self.query_one("#big", Digits).update(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)
-        speed = "" if sample.speed is None else f"{sample.speed:+.1f} m/s"
+        speed = measure(BY_NAME["top_speed"], sample.speed, system)
         lines = [f"{unit} now, highest {highest}", speed, printable(sample.state)]
         self.query_one("#state", Static).update(Content("\n".join(line for line in lines if line)))
         heights = [float(number(cards.APOGEE, one, system)) for one in self._heights]
+        self.query_one(Plot).display = True
         self.query_one(Plot).show(partial(_draw_heights, heights))
 
     def _ended(self, end: "Ended | None") -> None:
