@@ -85,6 +85,17 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
             """The table it is of."""
             return self.table
 
+    @dataclass
+    class Sized(Message):
+        """The table has another width: other columns may fit."""
+
+        table: "Table"
+
+        @property
+        def control(self) -> "Table":
+            """The table it is of."""
+            return self.table
+
     cursor: reactive[int] = reactive(0, repaint=False)
 
     def __init__(self, *, empty: str = "", enter: str = "Open", **rest: Any) -> None:
@@ -149,6 +160,8 @@ class Table(ScrollView, can_focus=True, inherit_bindings=False):
 
     def on_resize(self, _event: events.Resize) -> None:
         """Columns are fitted anew."""
+        if self.virtual_size.width != self.size.width:
+            self.post_message(self.Sized(self))
         self.virtual_size = Size(self.size.width, len(self.keys) + 1)
         self._in_sight()
 

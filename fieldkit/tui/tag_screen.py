@@ -39,7 +39,7 @@ class TagScreen(PageScreen):
     DEFAULT_CSS = """
     TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
     TagScreen #left { width: 1fr; }
-    TagScreen TagCard { width: 62; display: none; border-left: solid $border-blurred; }
+    TagScreen TagCard { width: 40%; min-width: 62; display: none; border-left: solid $border-blurred; }
     TagScreen.-wide TagCard { display: block; }
     TagScreen.-wide #means { display: none; }
     TagScreen Table { height: 1fr; min-height: 5; }

@@ -83,7 +83,8 @@ class FlightsScreen(PageScreen):
     FlightsScreen #filter { height: 1; }
     FlightsScreen #filter Static { width: auto; padding: 0 1; }
     FlightsScreen #filter Input { width: 1fr; height: 1; }
-    FlightsScreen #beside { width: 48; display: none; padding: 0 1; border-left: solid $border-blurred; }
+    FlightsScreen #beside { width: 30%; min-width: 48; display: none; padding: 0 1;
+        border-left: solid $border-blurred; }
     FlightsScreen.-wide #beside { display: block; }
     """
 

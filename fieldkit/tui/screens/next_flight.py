@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, ClassVar, cast
 
-from textual import events, on
+from textual import on
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal
 from textual.content import Content
@@ -77,7 +77,7 @@ class NextScreen(PageScreen):
     NextScreen #search Input, NextScreen #search Input:focus { width: 1fr; height: 1; border: none; padding: 0; }
     NextScreen #motors { width: 5fr; }
     NextScreen #card { width: 38; padding: 0 1; border-left: solid $border-blurred; scrollbar-size-vertical: 1; }
-    NextScreen.-wide #card { width: 64; }
+    NextScreen.-wide #card { width: 40%; min-width: 60; }
     NextScreen.-narrow #split { layout: vertical; }
     NextScreen.-narrow #motors { height: 7; width: 1fr; }
     NextScreen.-narrow #card { width: 1fr; height: 1fr; border-left: none; border-top: solid $border-blurred; }
@@ -206,12 +206,13 @@ class NextScreen(PageScreen):
     def action_compare(self) -> None:
         """All figures instead of the card, and back."""
         self.toggle_class("-comparing")
-        self.call_after_refresh(self._refill)  # once the table is as wide as it will be
+        self._refill()
 
-    def on_resize(self, _event: events.Resize) -> None:
+    @on(Table.Sized)
+    def _resized(self) -> None:
         """A wide screen has room for everything."""
         if self._motors.plan is not None:
-            self.call_after_refresh(self._refill)
+            self._refill()
 
     async def action_build(self) -> None:
         """The next rocket and configuration that have flown."""

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Sequence
 from functools import partial
 from typing import TYPE_CHECKING, Any, ClassVar, cast
 
-from textual import events, on
+from textual import on
 from textual.binding import Binding, BindingType
 from textual.containers import Container, Horizontal
 from textual.widget import Widget
@@ -68,7 +68,7 @@ class ShelfScreen(PageScreen):
     ShelfScreen.-short.-normal ShelfCard Plot, ShelfScreen.-short.-narrow ShelfCard Plot { height: 8; }
     ShelfScreen.-wide #split { layout: horizontal; }
     ShelfScreen.-wide Table { height: 1fr; }
-    ShelfScreen.-wide ShelfCard { display: block; width: 62; height: 1fr; border-top: none;
+    ShelfScreen.-wide ShelfCard { display: block; width: 40%; min-width: 62; height: 1fr; border-top: none;
         border-left: solid $border-blurred; }
     """
 
@@ -128,8 +128,9 @@ class ShelfScreen(PageScreen):
         self.desk.complaints.clear()
         self._show()
 
+    @on(Table.Sized)
     def _show(self) -> None:
-        """The list in front."""
+        """The list in front, in the columns that fit."""
         self.query_one(TabLine).front(self._kind)
         self.query_one("#search").display = self._kind == 0
         self.query_one("#card").set_class(self._kind == 0, "-motors")
@@ -164,10 +165,6 @@ class ShelfScreen(PageScreen):
                 return shelf_card.of_site(key, system)
             case _:
                 return shelf_card.of_setting(key, MEANS[key])
-
-    def on_resize(self, _event: events.Resize) -> None:
-        """Columns are chosen by the width, and whether there is room for the card."""
-        self.call_later(self._show)  # once the screen knows how wide it is called
 
     def _list(self) -> Listed:
         """The list in front, as wide as there is room for."""
