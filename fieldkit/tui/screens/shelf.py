@@ -77,6 +77,7 @@ class ShelfScreen(PageScreen):
         self._kind = 0
         self._kept = Kept((), ())
         self._found: Sequence[Motor] = ()
+        self._in_hand: Facts
 
     def body(self) -> Iterable[Widget]:
         """The names of the lists, a search, the list, and what is known of its row in hand."""
@@ -148,8 +149,15 @@ class ShelfScreen(PageScreen):
         if self._kind == 0 and not self.has_class("-wide"):
             return
         kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.desk.settings.units
-        card = cast("ShelfCard", self.query_one("#card"))
-        self.ask(partial(self._facts, kind, key, system), card.show, "card")
+        self.ask(partial(self._facts, kind, key, system), self._have_facts, "card")
+
+    def _have_facts(self, facts: "Facts") -> None:
+        """First the list, then the card beside it."""
+        self._in_hand = facts
+        self.soon(self._show_facts)
+
+    def _show_facts(self) -> None:
+        cast("ShelfCard", self.query_one("#card")).show(self._in_hand)
 
     def _facts(self, kind: str, key: Any, system: str) -> "Facts":
         from fieldkit.tui import shelf_card
