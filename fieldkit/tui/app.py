@@ -1,8 +1,6 @@
 """The app: its pages, its colours, what is waiting to be read, and undo from anywhere."""
 
 import asyncio
-import gc
-import sys
 from collections.abc import Iterable
 from dataclasses import replace
 from functools import partial
@@ -20,6 +18,7 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.measures import measure, unit_of
 from fieldkit.settings import UNITS
+from fieldkit.tui import promptly
 from fieldkit.tui.bars import Notice, NoticeBar
 from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
@@ -36,9 +35,6 @@ MOST_TURNS = 200
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
-
-YIELD = 0.0005
-"""How long a worker may hold the interpreter while a key waits for it; Python's own 5 ms add up within a key. [s]"""
 
 ALONE = 1.0
 """How often it is looked whether the terminal is still there. [s]"""
@@ -94,7 +90,8 @@ class FieldkitApp(App[None]):
             self.add_mode(name, partial(self._page, name))
         self.switch_mode(next(iter(pages())))
         if self._stays:
-            sys.setswitchinterval(YIELD)
+            promptly.begin()
+            self._resting = self.set_timer(promptly.REST, promptly.tidy)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(ALONE, partial(self._leave_if_gone, held))
 
@@ -111,6 +108,9 @@ class FieldkitApp(App[None]):
         if not (await self._check_bindings(key, priority=True) or await self._check_bindings(key)):
             await super().on_event(event)
         await self._heard()
+        if self._stays:
+            self._resting.stop()
+            self._resting = self.set_timer(promptly.REST, promptly.tidy)
 
     async def _heard(self) -> None:
         """Wait until messages have reached the widgets they are for, and a screen that was opened can take keys."""
@@ -153,7 +153,7 @@ class FieldkitApp(App[None]):
         if self._length is None:
             self.look_round()
         if self._stays:
-            _keep_uncollected()
+            promptly.keep()
             self.run_worker(self._make_ready, exclusive=True, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _make_ready(self) -> None:
@@ -168,7 +168,7 @@ class FieldkitApp(App[None]):
                 if not screen.is_running:
                     await self._get_screen(screen)[1]
                     await screen.draw_ahead(PAUSE)
-        _keep_uncollected()
+        promptly.keep()
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
@@ -335,13 +335,6 @@ class FieldkitApp(App[None]):
             if active.enabled and binding.description and (binding.show or binding.tooltip):
                 label, key = binding.tooltip or binding.description, self.get_key_display(binding)
                 yield SystemCommand(label, f"Key {key}", partial(self.action_press, binding.key))
-
-
-def _keep_uncollected() -> None:
-    """Tell the collector that what is there stays, flights and widgets: in the midst of a key it would look through all
-    of them, which takes a tenth of a second where they are thousands."""
-    gc.collect(1)
-    gc.freeze()
 
 
 def run(where: str | None) -> None:
