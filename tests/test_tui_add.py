@@ -104,6 +104,7 @@ async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_un
         await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
         assert "added as flight 13" in words(pilot)
         assert "Enter types the next flight" in shown(pilot)
+        assert "Enter Next" in shown(pilot).splitlines()[-1]
         await press(pilot, "u", "_")
         assert "undone: add 13" in words(pilot)
         screen = pilot.app.screen
@@ -173,6 +174,16 @@ async def test_an_unknown_motor_is_said_with_the_nearest(file: Path) -> None:
         screen.field("motor").line.focus()
         await press(pilot, *typed("F2555"), "enter")
         assert "found no such motor; nearest" in words(pilot)
+
+
+async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_said(tmp_path: Path) -> None:
+    async with opened(tmp_path / "new.db") as pilot:
+        await press(
+            pilot, "a", *typed("Comet"), "enter", "enter", *typed("C6-5"), "enter", "enter", *typed("104"), "ctrl+s"
+        )
+        assert "added as flight 1; without its dry mass it says nothing of drag; u takes it back" in words(pilot)
+        await press(pilot, "u", "_", "down", "down", *typed("90"), "ctrl+s")
+        assert "added as flight 1; u takes it back" in words(pilot)
 
 
 async def test_nothing_typed_is_not_saved(file: Path) -> None:

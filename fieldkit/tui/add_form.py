@@ -44,9 +44,11 @@ class Begun:
 
 @dataclass(frozen=True, slots=True)
 class Saved:
-    """The number a flight was added under, empty where it was there already; or the question at fault, and why."""
+    """The number a flight was added under, empty where it was there already, and what it lacks to tell of drag; or the
+    question at fault, and why."""
 
     id: str = ""
+    lacks: str = ""
     wrong: str = ""
     trouble: str = ""
 
@@ -95,6 +97,11 @@ def summary(flight: Flight) -> str:
     build = " ".join(part for part in (flight.rocket or "rocket not named", flight.config) if part)
     motor = f" on {flight.motor}" if flight.motor else ""
     return f"{build}{motor}: {len(flight.readouts())} of {len(READ)} readouts"
+
+
+def lacks(flight: Flight) -> str:
+    """What a flight says nothing of drag and thrust without, empty where it has all of it: `motor and dry mass`."""
+    return " and ".join(BY_NAME[name].title.lower() for name in ("motor", "dry_mass") if not getattr(flight, name))
 
 
 class Draft:
@@ -179,7 +186,7 @@ class Draft:
                 self.flight += 1
         except FieldkitError as error:
             return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
-        return Saved(added.new[0] if added.new else "")
+        return Saved(added.new[0] if added.new else "", lacks(said.flight))
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is not known, empty where it is or none is named."""

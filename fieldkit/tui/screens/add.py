@@ -29,6 +29,7 @@ from fieldkit.tui.add_form import (
     beside,
 )
 from fieldkit.tui.add_hand import Hand
+from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
@@ -42,7 +43,7 @@ class SaveButton(Button):
     @property
     def enter(self) -> str:
         """What Enter does, for the key bar."""
-        return "Save" if isinstance(self.screen, AddScreen) and self.screen.typed else "Next flight"
+        return "Save" if isinstance(self.screen, AddScreen) and self.screen.typed else "Next"
 
 
 class AddScreen(PageScreen):
@@ -224,6 +225,7 @@ class AddScreen(PageScreen):
             hand.show(self._held, self._said, self.unit(self._held.question), system)
         else:
             hand.rest(self._said, system)
+            self.query_one(KeyBar).follow()  # what Enter does depends on what is typed
 
     def _field_of(self, widget: Widget | None) -> Field | None:
         """The field that a line belongs to."""
@@ -309,7 +311,8 @@ class AddScreen(PageScreen):
             self.complain(saved.trouble)
             self.set_focus(self.field(saved.wrong).line)
             return
-        self.tell(f"added as flight {saved.id}; u takes it back" if saved.id else "it is in the ledger already")
+        silent = f"; without its {saved.lacks} it says nothing of drag" if saved.lacks else ""
+        self.tell(f"added as flight {saved.id}{silent}; u takes it back" if saved.id else "it is in the ledger already")
         self._clear()
         self.set_focus(self.query_one("#save", Button))  # from it u takes back, and a digit is a page
         self.field_app.changed()
