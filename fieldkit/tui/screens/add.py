@@ -260,6 +260,12 @@ class AddScreen(PageScreen):
         self.soon(self._in_hand)
         event.widget.scroll_visible(animate=False, immediate=True)
 
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
+        """On the button, with nothing typed, Enter leads to the next flight and there is none to save."""
+        if action == "save" and isinstance(self.focused, Button) and not self.typed:
+            return False
+        return super().check_action(action, parameters)
+
     def action_go_on(self) -> None:
         """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
         if isinstance(self.focused, Button):
