@@ -1,14 +1,13 @@
 """Add: the ten readouts as the altimeter shows them; every key is kept, odd figures are noted and never refused."""
 
 from asyncio import wrap_future
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable
 from concurrent.futures import Future, ThreadPoolExecutor, wait
 from functools import partial
 from typing import ClassVar
 
 from textual import events, on
 from textual.binding import Binding, BindingType
-from textual.containers import Container, Vertical, VerticalScroll
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
@@ -20,7 +19,6 @@ from fieldkit.tui.add_form import (
     BY_NAME,
     MORE,
     READ,
-    SETUP,
     Answered,
     Begun,
     Draft,
@@ -29,21 +27,13 @@ from fieldkit.tui.add_form import (
     beside,
 )
 from fieldkit.tui.add_hand import Hand
+from fieldkit.tui.add_sheet import Sheet, field_of
 from fieldkit.tui.bars import KeyBar
 from fieldkit.tui.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
 
 AT_MOST = 0.02
 """How long a key waits at most to be shown until it is kept: on most discs it is by then. [s]"""
-
-
-class SaveButton(Button):
-    """The button behind the ten readouts."""
-
-    @property
-    def enter(self) -> str:
-        """What Enter does, for the key bar."""
-        return "Save" if isinstance(self.screen, AddScreen) and self.screen.typed else "Next"
 
 
 class AddScreen(PageScreen):
@@ -89,11 +79,10 @@ class AddScreen(PageScreen):
 
     def __init__(self) -> None:
         super().__init__()
-        self._touched: set[str] = set()
+        self._sheet = Sheet(self)
         self._units: dict[str, str] = {}
         self._said = Answered(Flight(), {}, {})
         self._usual: dict[str, float] = {}
-        self._held: Field | None = None
         self._unkept = ""
         self._pen = ThreadPoolExecutor(1, "draft")
         """Writes keys down at once, whatever other workers are busy with."""
@@ -108,34 +97,23 @@ class AddScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The form."""
-        with Container(id="setup"):
-            for name in SETUP:
-                yield Field(BY_NAME[name], short=True)
-        yield Hand()
-        with VerticalScroll(id="fields", can_focus=False):
-            with Vertical(id="readouts"):
-                for name in READ:
-                    yield Field(BY_NAME[name])
-                yield SaveButton("Save this flight", id="save", compact=True)
-            with Vertical(id="more"):
-                for name in MORE:
-                    yield Field(BY_NAME[name])
+        return self._sheet.body()
 
     def field(self, name: str) -> Field:
         """The field of a question."""
-        return self.query_one(f"#field-{name}", Field)
+        return self._sheet.field(name)
 
     def reload(self) -> None:
         """Take up a draft, or offer what the last flight suggests."""
-        if not self._touched:
+        if not self._sheet.touched:
             self.ask(self._draft.begin, self._begun, "start")
 
     def _begun(self, begun: Begun) -> None:
         """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
         self._units = dict(begun.units) | self._units
         ahead = self.field(READ[0]).typed
-        self._fill({**begun.offers, **begun.draft})
-        self._touched |= begun.draft.keys() & BY_NAME.keys()
+        self._sheet.fill({**begun.offers, **begun.draft})
+        self._sheet.touched |= begun.draft.keys() & BY_NAME.keys()
         if begun.draft and not self._draft.shown:
             self.tell("a flight was typed halfway: it goes on here; ^N starts anew")
         self._draft.shown = True
@@ -153,20 +131,10 @@ class AddScreen(PageScreen):
     @property
     def typed(self) -> bool:
         """Whether anything was typed that is not saved."""
-        return bool(self._touched)
+        return bool(self._sheet.touched)
 
     def _to_first(self) -> None:
-        """To the first line that is asked and empty: what the flight was, else the first readout not typed."""
-        named = [name for name in SETUP[:3] if not self.field(name).line.value]
-        unread = [name for name in READ if not self.field(name).line.value]
-        self.set_focus(self.field((named or unread or READ)[0]).line)
-
-    def _fill(self, texts: Mapping[str, str]) -> None:
-        """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
-        with self.prevent(Input.Changed):
-            for name in texts.keys() & BY_NAME.keys() - self._touched:
-                if not self.field(name).typed:
-                    self.field(name).fill(texts[name])
+        self.set_focus(self._sheet.first_empty())
 
     def unit(self, question: Question) -> str:
         """The unit of a number typed without one: the last typed, else that of the settings."""
@@ -180,9 +148,9 @@ class AddScreen(PageScreen):
     @on(Input.Changed)
     def _typed(self, event: Input.Changed) -> None:
         """Read what is there now, say what is odd, keep it."""
-        field = event.input.parent
-        if isinstance(field, Field):
-            self._touched.add(field.question.name)
+        field = field_of(event.input)
+        if field is not None:
+            self._sheet.touched.add(field.question.name)
             kept = self._keep()
             self._look()
             wait([kept], AT_MOST)
@@ -204,7 +172,7 @@ class AddScreen(PageScreen):
 
     def _read(self) -> Answered:
         units = {name: self.unit(question) for name, question in BY_NAME.items()}
-        return answered({name: self.field(name).answer for name in BY_NAME}, units, self._usual)
+        return answered(self._sheet.answers(), units, self._usual)
 
     def _ask_usual(self) -> None:
         """Look up what this rocket flew on this motor, beside which a slip shows."""
@@ -216,20 +184,12 @@ class AddScreen(PageScreen):
 
     def _in_hand(self) -> None:
         """The field in hand, large, with what it means and what the figures say together."""
-        left, self._held = self._held, self._field_of(self.focused)
-        for one in (left, self._held):
-            if one is not None:
-                one.set_class(one is self._held, "-hand")
-        hand, system = self.query_one(Hand), self.desk.settings.units
-        if self._held is not None:
-            hand.show(self._held, self._said, self.unit(self._held.question), system)
+        field, hand, system = self._sheet.take_in_hand(self.focused), self.query_one(Hand), self.desk.settings.units
+        if field is not None:
+            hand.show(field, self._said, self.unit(field.question), system)
         else:
             hand.rest(self._said, system)
             self.query_one(KeyBar).follow()  # what Enter does depends on what is typed
-
-    def _field_of(self, widget: Widget | None) -> Field | None:
-        """The field that a line belongs to."""
-        return widget.parent if widget is not None and isinstance(widget.parent, Field) else None
 
     def _keep(self) -> Future[None]:
         """Keep the draft; one that still waits to be written makes room for it."""
@@ -252,7 +212,7 @@ class AddScreen(PageScreen):
         """What was typed, units and all."""
         from fieldkit.form import with_unit
 
-        texts = {name: self.field(name).answer for name in BY_NAME if name in self._touched}
+        texts = {name: text for name, text in self._sheet.answers().items() if name in self._sheet.touched}
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
 
     def on_descendant_focus(self, event: events.DescendantFocus) -> None:
@@ -271,7 +231,7 @@ class AddScreen(PageScreen):
         if isinstance(self.focused, Button):
             self.action_save() if self.typed else self._to_first()
         elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
-            self.set_focus(self.query_one("#save", Button))
+            self.set_focus(self._sheet.button)
         else:
             self.focus_next()
 
@@ -280,8 +240,8 @@ class AddScreen(PageScreen):
         """A field was left: its unit is the next one's, another rocket suggests other answers."""
         from fieldkit.form import kind, typed_unit
 
-        field = event.input.parent
-        if not isinstance(field, Field) or field.question.name not in self._touched:
+        field = field_of(event.input)
+        if field is None or field.question.name not in self._sheet.touched:
             return
         question, column = field.question, field.question.column
         unit = typed_unit(event.value)
@@ -303,7 +263,7 @@ class AddScreen(PageScreen):
         self.ask(partial(self._draft.offers, self._answers()), self._offered, "offers")
 
     def _offered(self, offers: dict[str, str]) -> None:
-        self._fill(offers)
+        self._sheet.fill(offers)
         self._look()
         self._ask_usual()
 
@@ -319,13 +279,13 @@ class AddScreen(PageScreen):
             return
         silent = f"; without its {saved.lacks} it says nothing of drag" if saved.lacks else ""
         self.tell(f"added as flight {saved.id}{silent}; u takes it back" if saved.id else "it is in the ledger already")
-        self._clear()
-        self.set_focus(self.query_one("#save", Button))  # from it u takes back, and a digit is a page
+        self._sheet.clear()
+        self.set_focus(self._sheet.button)  # from it u takes back, and a digit is a page
         self.field_app.changed()
 
     def action_anew(self) -> None:
         """Put away what was typed; undo brings it back."""
-        self._clear()
+        self._sheet.clear()
         self.set_focus(self.field(READ[0]).line)
         self.change(self._draft.forget, self._forgotten)
 
@@ -334,15 +294,9 @@ class AddScreen(PageScreen):
             self.tell("begun anew; ^Z brings back what was typed")
         self.reload()
 
-    def _clear(self) -> None:
-        self._touched = set()
-        with self.prevent(Input.Changed):
-            for name in BY_NAME:
-                self.field(name).fill("")
-
     def resting_place(self) -> Widget | None:
         """The button: from it the keys of the app work."""
-        return self.query_one("#save", Button)
+        return self._sheet.button
 
     def copied(self) -> str:
         """The form as text."""
