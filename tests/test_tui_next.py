@@ -1,6 +1,7 @@
 """What comes next, importing, the loop, the set-up and capturing, by keys alone; and what goes wrong on the way."""
 
 import gc
+import re
 from pathlib import Path
 from typing import cast
 from unittest.mock import patch
@@ -9,11 +10,14 @@ import pytest
 from textual.widgets import Input, Static
 
 from fieldkit import capture
+from fieldkit.flight import CONDITIONS, READOUTS, SETUP
 from fieldkit.ledger import Ledger
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.bars import KeyBar, shortened
 from fieldkit.tui.dialogs import HelpScreen
+from fieldkit.tui.flight_screen import FlightScreen
+from fieldkit.tui.forecast_card import ForecastCard
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
@@ -415,6 +419,23 @@ async def test_every_page_has_help_in_words_keys_and_a_command_that_exists(file:
                 assert twin in text
                 assert twin.split()[1] in commands, twin
             await press(pilot, "escape")
+
+
+@pytest.mark.parametrize("keys", ["1", "4", "4 _ c", "5", "6", "6 right", "6 right right", "6 left", "7", "1 enter"])
+async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path, keys: str) -> None:
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, *keys.split())
+        screen = pilot.app.screen
+        assert isinstance(screen, PageScreen)
+        helped = " ".join([screen.ABOUT.about, *(f"{name}: {text}" for name, text in screen.ABOUT.fields)]).lower()
+        titles = {head.title for table in screen.query(Table) for head in table.heads if table.display}
+        for card in screen.query(ForecastCard):
+            titles |= {line[:9].strip() for line in card.text.splitlines() if line[:9].strip() and line[9:11] == "  "}
+        if isinstance(screen, FlightScreen):
+            titles |= {column.title for column in (*READOUTS, *SETUP, *CONDITIONS)} | {"Log", "Cd", "alpha"}
+        plain = {re.sub(r"^[✓!✗?] | (m/s|s)$|[ ▲▼]+$", "", title).lower() for title in titles}
+        assert plain
+        assert not {title for title in plain if title not in helped and not title[:1].isdigit()}
 
 
 @pytest.mark.parametrize("size", [(60, 20), (250, 70)], ids=str)

@@ -46,6 +46,8 @@ class FlightsScreen(PageScreen):
         "(a rocket, a motor, a tag, a site, a month such as 2026-05). Enter opens a flight: its readouts, its log, "
         "what it says of drag and thrust, and what was forecast for it.",
         (
+            ("id, date", "Its number in the ledger, and when it flew; without a date it stands where it was entered."),
+            ("rocket, cfg", "The rocket and its configuration; motor is what it flew on, with the delay."),
             ("apogee", "Highest point above the pad, as your altimeter showed it."),
             ("Cd", "How much drag the rocket had in this flight, worked out from its readouts alone."),
             ("alpha", "How hard the motor pushed: 1 is as certified, 0.95 is five percent weaker."),

@@ -51,7 +51,9 @@ class LoopScreen(PageScreen):
                 "Effects by evidence: +3 is twenty to one for it, 0 says nothing, below 0 speaks against it. Below "
                 "them the one under the cursor at length; Enter shows its fingerprint.",
             ),
-            ("Versions", "Models kept for this rocket, what each added, and the one in use. 0 is the plain model."),
+            ("Versions", "Models kept for this rocket, and the one in use. 0 is the plain model."),
+            ("no., made, adds", "Of a version: its number, the day it was made, and the effects that it adds."),
+            ("unseen flights", "Its mean error on flights that its fit did not see, before and after."),
         ),
         (
             "fieldkit loop [--rocket R] [--look] [--report FILE]",

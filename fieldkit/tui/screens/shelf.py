@@ -37,6 +37,16 @@ class ShelfScreen(PageScreen):
         "flights name: Enter changes one in every flight that names it, and u takes that back. Settings: Enter "
         "changes the one under the cursor.",
         (
+            ("mm, N s, avg N", "Of a motor: diameter, total impulse, average thrust."),
+            ("burn s, grams", "Of a motor: burn time, and mass with propellant."),
+            ("delays s", "Ejection delays on sale; P fires no charge."),
+            (
+                "rocket, config",
+                "A build: the flights that name both. Dry mass and diameter are those of its last flight.",
+            ),
+            ("last", "The last flight there; of a build also its last motor."),
+            ("elevation", "Height of the site above the sea; with the weather it makes the density of the air."),
+            ("size, ceiling", "Of the field across, and of what may be flown to."),
             ("units", "SI: metres and grams. US: feet and ounces. mixed: feet, and grams. N changes them anywhere."),
             ("theme", "field for any room, sun black on white, night red on black, terminal your own. T anywhere."),
             ("target", "The apogee that motors are compared against on the page Next."),
