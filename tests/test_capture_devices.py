@@ -36,8 +36,8 @@ from tests.devices import Wire, played
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason="needs pseudo-terminals")
 
 QUICK = Wishes(wait=30, silence=30, reconnect=30)
-BRIEF = replace(QUICK, silence=0.6)
-LASTING = replace(QUICK, silence=3.0)
+BRIEF = replace(QUICK, silence=1.5)
+LASTING = replace(QUICK, silence=8.0)
 """For a megabyte, which a busy machine takes seconds to bring."""
 
 
