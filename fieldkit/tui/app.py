@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from textual import events
-from textual.app import App, SystemCommand
+from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
 from textual.screen import Screen
 from textual.widget import AwaitMount
@@ -23,15 +23,10 @@ from fieldkit.tui.bars import Notice, NoticeBar
 from fieldkit.tui.desk import Desk
 from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.hangup import gone, terminal
+from fieldkit.tui.in_order import InOrder
 from fieldkit.tui.keys import apart
-from fieldkit.tui.page import WAIT, PageScreen, pages
+from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
-
-MOST_WAITS = 6000
-"""How often at most a page that is opened is asked whether it can take keys."""
-
-MOST_TURNS = 200
-"""How often at most it is looked whether a key has reached all that it is for. [1]"""
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
@@ -43,7 +38,7 @@ LOOKS = {"units", "theme", "target"}
 """Settings that change how things are shown and nothing that is worked out."""
 
 
-class FieldkitApp(App[None]):
+class FieldkitApp(InOrder):
     """The pages over one ledger. `revision` counts the changes in it, `look` those in how it is shown.
 
     One that `stays` has its process to itself, and makes ready in it what keys would else have to wait for.
@@ -96,34 +91,11 @@ class FieldkitApp(App[None]):
             self.set_interval(ALONE, partial(self._leave_if_gone, held))
 
     async def on_event(self, event: events.Event) -> None:
-        """One key after the other: the next is looked at when all have heard of the one before.
-
-        Textual hands a key down to the widget in focus, and does what it is bound to when it has come up again, behind
-        keys typed in the meantime. A key that a line would take as a letter is not bound while the line is in focus.
-        """
-        if not isinstance(event, events.Key) or event.is_forwarded:
-            await super().on_event(event)
-            return
-        key = event.key
-        if not (await self._check_bindings(key, priority=True) or await self._check_bindings(key)):
-            await super().on_event(event)
-        await self._heard()
-        if self._stays:
+        """A key begins the rest anew."""
+        await super().on_event(event)
+        if self._stays and isinstance(event, events.Key):
             self._resting.stop()
             self._resting = self.set_timer(promptly.REST, promptly.tidy)
-
-    async def _heard(self) -> None:
-        """Wait until messages have reached the widgets they are for, and a screen that was opened can take keys."""
-        for _ in range(MOST_TURNS):
-            pumps = (self.focused or self.screen).ancestors_with_self[:-1]
-            if all(pump._message_queue.empty() for pump in pumps):
-                break
-            await asyncio.sleep(0)
-        for _ in range(MOST_WAITS):
-            page = self.screen
-            if page.is_mounted and (page.ready if isinstance(page, PageScreen) else page._message_queue.empty()):
-                break
-            await asyncio.sleep(WAIT)
 
     def _leave_if_gone(self, held: int) -> None:
         """Leave where the terminal was closed: whatever was typed is kept already."""
@@ -226,7 +198,7 @@ class FieldkitApp(App[None]):
     async def action_page(self, name: str) -> None:
         """Bring a page to the front; keys typed ahead wait until it is there and ready to take them."""
         await self.switch_mode(name)
-        await self._heard()
+        await self.heard()
         if isinstance(self.screen, PageScreen):
             self.screen.came()
             self.look_round()

@@ -20,15 +20,15 @@ from fieldkit.tui.hanging import hanging, stacked
 from fieldkit.tui.intervals import Interval, bar
 from fieldkit.tui.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.page import Help, PageScreen
-from fieldkit.tui.removal import remove
+from fieldkit.tui.removal import REMOVE, remove
 from fieldkit.tui.report import ask_report
 
 if TYPE_CHECKING:
     from fieldkit.tui.desk import Desk
 
 
-PLACES = {"heading": "", "figures": "reading ...", "forecast": "", "drag-title": "", "thrust-title": "", "doubts": ""}
-PLACES |= {"log-title": ""}
+EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
+PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
 """What stands in each place until more is known of a flight."""
 
 
@@ -63,14 +63,7 @@ class FlightScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
         Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
-        Binding(
-            "x,delete",
-            "remove",
-            "Remove",
-            key_display="x",
-            tooltip="Take this flight out; u brings it back",
-            show=False,
-        ),
+        REMOVE,
         Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
     ]
     DEFAULT_CSS = """

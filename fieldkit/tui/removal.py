@@ -2,7 +2,14 @@
 
 from collections.abc import Callable
 
+from textual.binding import Binding
+
 from fieldkit.tui.page import PageScreen
+
+REMOVE = Binding(
+    "x,delete", "remove", "Remove", key_display="x", tooltip="Take this flight out; u brings it back", show=False
+)
+"""The key of `action_remove`."""
 
 
 def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None) -> None:

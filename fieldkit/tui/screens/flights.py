@@ -20,7 +20,7 @@ from fieldkit.tui.flight_facts import or_why
 from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.log_plot import Drawn, drawn
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.removal import remove
+from fieldkit.tui.removal import REMOVE, remove
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.table import Head, Table
 
@@ -72,14 +72,7 @@ class FlightsScreen(PageScreen):
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
         Binding("a", "add", "Add", tooltip="Type a flight in"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
-        Binding(
-            "x,delete",
-            "remove",
-            "Remove",
-            key_display="x",
-            tooltip="Take this flight out; u brings it back",
-            show=False,
-        ),
+        REMOVE,
     ]
     DEFAULT_CSS = """
     FlightsScreen #filter { height: 1; }
