@@ -28,7 +28,7 @@ from bench.altimeter import RESOLUTION
 from bench.make import IMPERIAL
 from bench.result import Errors, Result, effects
 from bench.tables import summary, table
-from fieldkit.work import done, workers
+from fieldkit.parallel import done, workers
 
 
 def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeout: float) -> Result:

@@ -1,6 +1,6 @@
 """fieldkit: from the altimeter's readouts to the next apogee."""
 
-from fieldkit.shelf import mount
+from fieldkit.plugins import mount
 
 mount()
 

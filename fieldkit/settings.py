@@ -6,10 +6,10 @@ from pathlib import Path
 
 from fieldkit.errors import FieldkitError
 from fieldkit.files import replace
-from fieldkit.places import settings_file
+from fieldkit.paths import settings_file
 
 UNITS = ("SI", "US", "mixed")
-"""Names of the systems of units; see `fieldkit.measures`."""
+"""Names of the systems of units; see `fieldkit.quantities`."""
 THEMES = ("field", "sun", "night", "terminal")
 """Names of the colour schemes of the app."""
 

@@ -11,11 +11,11 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.clocks import in_order
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.logs.pad import marks
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.clocks import in_order
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import find_header, header_or_damage
+from fieldkit.importing.tables.pad_state import marks
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, Unit
 

@@ -13,11 +13,11 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import Header, find_header, header_or_damage
-from fieldkit.logs.pad import upright
-from fieldkit.logs.text import decode, lines_of
-from fieldkit.parsing import HEAD, Found, Parser, Reading
+from fieldkit.importing import HEAD, Found, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import Header, find_header, header_or_damage
+from fieldkit.importing.tables.pad_state import upright
+from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit, parse

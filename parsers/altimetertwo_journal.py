@@ -20,10 +20,10 @@ from datetime import datetime
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.logs.header import SEPARATORS
-from fieldkit.logs.text import decode, decode_whole, first_row, rows, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.sanity import identity
+from fieldkit.flight.plausibility import identity
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.header import SEPARATORS
+from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 
 COLUMNS = {
     "Altitude": ("apogee", "ft"),

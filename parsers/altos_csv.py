@@ -14,11 +14,11 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.logs.altos import NONE, TICK, entered
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import SEPARATORS
-from fieldkit.logs.text import first_lines
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.altos import NONE, TICK, entered
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import SEPARATORS
+from fieldkit.importing.tables.text import first_lines
 from fieldkit.units import UNITS, Unit
 
 VERSION_5 = frozenset({"accel_speed", "baro_speed"})

@@ -14,8 +14,18 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.altos import NONE, STATES, Coefficients, entered, mp3h6115, ms5607, net_acceleration, seconds
-from fieldkit.logs.altos_flash import (
+from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing.tables.altos import (
+    NONE,
+    STATES,
+    Coefficients,
+    entered,
+    mp3h6115,
+    ms5607,
+    net_acceleration,
+    seconds,
+)
+from fieldkit.importing.tables.altos_flash import (
     LAYOUTS,
     OLD_RECORD,
     Layout,
@@ -25,9 +35,8 @@ from fieldkit.logs.altos_flash import (
     number_at,
     old_form,
 )
-from fieldkit.logs.damage import Damaged, damage
-from fieldkit.logs.text import blocks, first_lines, shown
-from fieldkit.parsing import Found, Parser, Reading
+from fieldkit.importing.tables.damage import Damaged, damage
+from fieldkit.importing.tables.text import blocks, first_lines, shown
 from fieldkit.shapes import Array, Float, Int
 
 LARGEST = 32 << 20

@@ -15,10 +15,10 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.altos import SEED, entered, mp3h6115, seconds
-from fieldkit.logs.damage import Damaged, damage
-from fieldkit.logs.text import blocks, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.altos import SEED, entered, mp3h6115, seconds
+from fieldkit.importing.tables.damage import Damaged, damage
+from fieldkit.importing.tables.text import blocks, shown
 from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
 

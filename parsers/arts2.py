@@ -13,10 +13,10 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import find_header
-from fieldkit.logs.text import decode, lines_of
-from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import find_header
+from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
 NAMES = ("met", "acc", "vel", "ialt", "palt")

@@ -17,9 +17,9 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.damage import Damaged
-from fieldkit.logs.text import narrow, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.damage import Damaged
+from fieldkit.importing.tables.text import narrow, shown
 from fieldkit.shapes import Array, Float
 from fieldkit.units import ZERO_CELSIUS
 

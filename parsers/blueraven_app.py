@@ -14,11 +14,11 @@ from datetime import datetime, timedelta
 import numpy as np
 
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import Header, find_header, header_or_damage
-from fieldkit.logs.pad import marks, scale_at_rest, upright
-from fieldkit.logs.text import decode, lines_of
-from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import Header, find_header, header_or_damage
+from fieldkit.importing.tables.pad_state import marks, scale_at_rest, upright
+from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS, Unit
 

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Mapping
 from datetime import datetime, timedelta
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.logs.text import decode, lines_of, shown
-from fieldkit.parsing import HEAD, Found, Parser, Reading
+from fieldkit.importing import HEAD, Found, Parser, Reading
+from fieldkit.importing.tables.text import decode, lines_of, shown
 from fieldkit.safe_text import printable
 from fieldkit.units import parse
 

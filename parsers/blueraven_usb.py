@@ -18,10 +18,10 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.checks import BUYPASS
-from fieldkit.logs.pad import scale_at_rest, upright
-from fieldkit.logs.text import line_end, lines, narrow
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.checksums import BUYPASS
+from fieldkit.importing.tables.pad_state import scale_at_rest, upright
+from fieldkit.importing.tables.text import line_end, lines, narrow
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 

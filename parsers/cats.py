@@ -11,10 +11,10 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.logs.pad import scale_at_rest
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import find_header, header_or_damage
+from fieldkit.importing.tables.pad_state import scale_at_rest
 from fieldkit.units import STANDARD_GRAVITY, Unit
 
 SI = Unit(1.0)

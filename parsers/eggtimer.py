@@ -16,11 +16,11 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import Header, find_header, header_in
-from fieldkit.logs.pad import marks
-from fieldkit.logs.text import lines, narrow
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import Header, find_header, header_in
+from fieldkit.importing.tables.pad_state import marks
+from fieldkit.importing.tables.text import lines, narrow
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit

@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 import numpy as np
 
 from fieldkit.flight import Series
-from fieldkit.logs.clocks import in_order
-from fieldkit.logs.columns import Table, read_columns
-from fieldkit.logs.header import Header, find_header, header_or_damage
-from fieldkit.logs.text import decode, lines, lines_of, narrow
-from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing.tables.clocks import in_order
+from fieldkit.importing.tables.columns import Table, read_columns
+from fieldkit.importing.tables.header import Header, find_header, header_or_damage
+from fieldkit.importing.tables.text import decode, lines, lines_of, narrow
 from fieldkit.safe_text import printable
 from fieldkit.units import FOOT, Unit
 

@@ -11,8 +11,8 @@ import sys
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logs.text import decode, decode_whole, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.text import decode, decode_whole, shown
 
 HEADERS = {column.header: column for column in COLUMNS}
 

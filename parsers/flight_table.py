@@ -15,8 +15,8 @@ from dataclasses import dataclass
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
-from fieldkit.logs.text import decode, decode_whole, first_row, rows, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.safe_text import from_cell, printable
 
 SEPARATORS = (",", ";", "\t")

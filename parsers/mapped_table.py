@@ -15,14 +15,23 @@ from datetime import UTC, datetime
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.layout import Layout, layout_of
-from fieldkit.logs.mapping import choice_for
-from fieldkit.logs.picked_units import AXES, units_of
-from fieldkit.logs.picks import ENOUGH, Pick, chosen, guessed, missing_channel, one_a_channel, side_by_side, to_si
-from fieldkit.logs.settling import epoch_unit
-from fieldkit.logs.text import shown
-from fieldkit.parsing import HEAD, Choice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing import HEAD, Choice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing.tables.column_choice import (
+    ENOUGH,
+    Pick,
+    chosen,
+    guessed,
+    missing_channel,
+    one_a_channel,
+    side_by_side,
+    to_si,
+)
+from fieldkit.importing.tables.column_units import AXES, units_of
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.layout import Layout, layout_of
+from fieldkit.importing.tables.mapping import choice_for
+from fieldkit.importing.tables.text import shown
+from fieldkit.importing.tables.unit_inference import epoch_unit
 from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import Unit

@@ -14,8 +14,8 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.text import line_end, narrow, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.text import line_end, narrow, shown
 from fieldkit.units import FOOT
 
 STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)

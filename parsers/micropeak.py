@@ -18,12 +18,12 @@ import numpy as np
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, Series
-from fieldkit.logs.checks import crc_x25
-from fieldkit.logs.text import narrow
-from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.sanity import check
+from fieldkit.flight.plausibility import check
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.checksums import crc_x25
+from fieldkit.importing.tables.text import narrow
+from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
-from fieldkit.standard_air import pressure_height
 
 BETWEEN = b" \t\r\n\v\f\0"
 START = re.compile(rb"MP(?=[\s\0]*[0-9a-fA-F])")

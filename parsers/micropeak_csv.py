@@ -6,9 +6,9 @@ too, are left to whoever wants them. Source: the header as listed with the forma
 
 from collections.abc import Sequence
 
-from fieldkit.logs.columns import Channel, read_columns
-from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.parsing import Found, Parser, Reading
+from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, read_columns
+from fieldkit.importing.tables.header import find_header, header_or_damage
 
 COLUMNS = {"time": "time", "press(pa)": "pressure", "height(m)": "altitude", "speed(m/s)": "speed"}
 

@@ -12,10 +12,10 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog
-from fieldkit.logs.headings import heading, unit_named
-from fieldkit.logs.simulations import TIME_WORDS, channel_of, read_simulation
-from fieldkit.logs.text import decode, lines_of
-from fieldkit.parsing import HEAD, Found, Parser, Reading
+from fieldkit.importing import HEAD, Found, Parser, Reading
+from fieldkit.importing.tables.headings import heading, unit_named
+from fieldkit.importing.tables.simulations import TIME_WORDS, channel_of, read_simulation
+from fieldkit.importing.tables.text import decode, lines_of
 
 EVENTS = {
     "LIFTOFF": "liftoff",

@@ -16,10 +16,10 @@ import numpy as np
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.text import first_lines, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
-from fieldkit.sanity import check
+from fieldkit.flight.plausibility import check
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.text import first_lines, shown
 
 MOST_ABOVE = 5
 """Among so many lines is the first, behind blank ones or a title. [1]"""

@@ -12,9 +12,9 @@ from dataclasses import dataclass
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.logs.columns import Channel, read_columns
-from fieldkit.logs.text import first_lines, shown
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, read_columns
+from fieldkit.importing.tables.text import first_lines, shown
 
 WARMTH = re.compile(r"-?\d{1,3}(?:[.,]\d*)?\s*([CF])$")
 NUMBER = re.compile(r"-?\d{1,6}(?:[.,]\d*)?$")

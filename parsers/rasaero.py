@@ -5,9 +5,9 @@ Rows are a hundredth of a second apart. Units stand in brackets; `lb` is a force
 
 from collections.abc import Sequence
 
-from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.logs.simulations import read_simulation
-from fieldkit.parsing import Found, Parser
+from fieldkit.importing import Found, Parser
+from fieldkit.importing.tables.header import find_header, header_or_damage
+from fieldkit.importing.tables.simulations import read_simulation
 
 
 def _fits(names: Sequence[str]) -> bool:

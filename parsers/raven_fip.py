@@ -14,11 +14,11 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.clocks import LATEST, in_order
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.logs.text import lines, narrow
-from fieldkit.parsing import Found, Parser, Reading
+from fieldkit.importing import Found, Parser, Reading
+from fieldkit.importing.tables.clocks import LATEST, in_order
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import find_header, header_or_damage
+from fieldkit.importing.tables.text import lines, narrow
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT, STANDARD_GRAVITY, UNITS, Unit
 

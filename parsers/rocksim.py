@@ -6,12 +6,12 @@ that the speed makes of them must be the one that the height shows.
 """
 
 from fieldkit.errors import DamagedLog
-from fieldkit.logs.header import SEPARATORS
-from fieldkit.logs.headings import heading, stated_unit, unit_named
-from fieldkit.logs.layout import split
-from fieldkit.logs.simulations import base_words, channel_of, read_simulation
-from fieldkit.logs.text import decode, lines_of
-from fieldkit.parsing import HEAD, Found, Parser
+from fieldkit.importing import HEAD, Found, Parser
+from fieldkit.importing.tables.header import SEPARATORS
+from fieldkit.importing.tables.headings import heading, stated_unit, unit_named
+from fieldkit.importing.tables.layout import split
+from fieldkit.importing.tables.simulations import base_words, channel_of, read_simulation
+from fieldkit.importing.tables.text import decode, lines_of
 
 _OF_A_SIMULATION = {"thrust": "force", "mass": "mass", "drag": "force"}
 

@@ -14,11 +14,11 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.logs.header import find_header, header_or_damage
-from fieldkit.parsing import Found, Note, Parser, Reading
+from fieldkit.importing import Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.header import find_header, header_or_damage
+from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
-from fieldkit.standard_air import pressure_height
 from fieldkit.units import UNITS, Unit
 
 NAMES = ("time", "altitude", "pressure", "velocity", "temperature", "events", "voltages")

@@ -14,10 +14,10 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.logs.columns import Channel, read_columns
-from fieldkit.logs.header import Header, find_header, header_or_damage
-from fieldkit.logs.text import decode, lines_of, shown
-from fieldkit.parsing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing import HEAD, Found, Note, Parser, Reading
+from fieldkit.importing.tables.columns import Channel, read_columns
+from fieldkit.importing.tables.header import Header, find_header, header_or_damage
+from fieldkit.importing.tables.text import decode, lines_of, shown
 from fieldkit.units import FOOT, UNITS
 
 TITLE = "StratoLogger live telemetry, captured by fieldkit"

@@ -14,7 +14,9 @@ from pathlib import Path
 import numpy as np
 
 from fieldkit.errors import FieldkitError
-from fieldkit.parsing import Reading, claims, parsers, read
+from fieldkit.importing import Reading
+from fieldkit.importing.read import read
+from fieldkit.importing.recognize import claims, parsers
 from tests.samples import SAMPLES, any_motor, owner
 
 RECORDED = Path(__file__).parent.parent.parent / "shared" / "logs"

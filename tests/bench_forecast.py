@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from fieldkit.loop.data import OBSERVED
-from fieldkit.loop.predict import predict
+from fieldkit.forecast.predict import predict
+from fieldkit.model.readout_data import OBSERVED
 from tests.seasons import season
 from tests.timing import beside, measured, of_children, whole_process
 

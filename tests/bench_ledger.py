@@ -21,9 +21,9 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.backups import folder_of
 from fieldkit.ledger.opening import keep_backup
-from fieldkit.loop.closing import close_loop
-from fieldkit.loop.desk import predict_plans
 from fieldkit.motors import Catalogue, catalogue
+from fieldkit.services.close_loop import close_loop
+from fieldkit.services.forecasts import predict_plans
 from tests.timing import beside, measured
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)

@@ -15,16 +15,16 @@ from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site
-from fieldkit.loop.desk import predict_plans
-from fieldkit.loop.paper.reference import TABLE
 from fieldkit.motors import Catalogue, Motor, catalogue
-from fieldkit.plan.ballast import Goal, ballast
-from fieldkit.plan.contest import outlook, season
-from fieldkit.plan.delay import delays
-from fieldkit.plan.desk import begun, rocket_of
-from fieldkit.plan.guide import Wanted, fitting, guide
-from fieldkit.plan.limits import limits
+from fieldkit.planning.ballast import Goal, ballast
+from fieldkit.planning.contest import outlook, season
+from fieldkit.planning.delay import delays
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import Wanted, fitting, guide
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.planning import begun, rocket_of
 from fieldkit.settings import Settings
+from fieldkit.studies.paper.reference import TABLE
 from tests.timing import beside, measured
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)

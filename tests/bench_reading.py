@@ -11,10 +11,10 @@ from pathlib import Path
 import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
-from fieldkit.inference.flights import infer
-from fieldkit.loop.paper.reference import TABLE
+from fieldkit.importing.read import read_recordings
+from fieldkit.inference.network.flights import infer
 from fieldkit.motors import catalogue
-from fieldkit.parsing import read_recordings
+from fieldkit.studies.paper.reference import TABLE
 from tests.samples import any_motor
 from tests.test_bad_input import write_waiting
 from tests.timing import beside, measured
@@ -49,7 +49,7 @@ def _spent(work: Callable[[], object]) -> float:
 @pytest.mark.benchmark(group="ensemble")
 @pytest.mark.parametrize("count", [1, 12, BATCH])
 def test_flights_inferred_together(benchmark: BenchmarkFixture, count: int, tmp_path: Path) -> None:
-    from fieldkit.parsing import read
+    from fieldkit.importing.read import read
 
     motors = catalogue()
     known = read(TABLE.read_bytes(), TABLE.name, any_motor).flights

@@ -17,11 +17,11 @@ from scipy.integrate import solve_ivp
 
 from fieldkit.flight import Flight
 from fieldkit.motors import catalogue
-from fieldkit.simulator import paper
-from fieldkit.simulator.effect import effects
-from fieldkit.simulator.field import field_setup
-from fieldkit.simulator.flight import apogees, fly
-from fieldkit.simulator.state import Setup
+from fieldkit.physics import paper
+from fieldkit.physics.effect import effects
+from fieldkit.physics.flight import apogees, fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.physics.state import Setup
 from tests.simulated import rocket
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)

@@ -12,7 +12,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.ledger import Ledger
-from fieldkit.loop.data import OBSERVED
+from fieldkit.model.readout_data import OBSERVED
 from tests.seasons import season
 from tests.timing import ROOT, beside, measured, of_children, whole_process
 

@@ -20,12 +20,17 @@ from jaxtyping import install_import_hook
 from tests import checker
 
 CHECKED = (
-    "fieldkit.simulator",
+    "fieldkit.physics",
     "fieldkit.motors",
+    "fieldkit.model",
     "fieldkit.inference",
-    "fieldkit.loop",
-    "fieldkit.plan",
-    "fieldkit.report",
+    "fieldkit.scoring",
+    "fieldkit.selection",
+    "fieldkit.forecast",
+    "fieldkit.planning",
+    "fieldkit.services",
+    "fieldkit.presentation",
+    "fieldkit.studies",
 )
 
 if os.environ["FIELDKIT_CHECK_SHAPES"]:

@@ -20,9 +20,9 @@ from textual.events import Key
 from textual.pilot import Pilot
 from textual.widgets import Static
 
+from fieldkit.importing.read import read
 from fieldkit.ledger import Ledger, models
-from fieldkit.parsing import read
-from fieldkit.plan.guide import guide as guided
+from fieldkit.planning.motor_guide import guide as guided
 from fieldkit.tui.app import FieldkitApp
 from fieldkit.tui.page import PageScreen
 
@@ -76,11 +76,11 @@ def _season() -> Path:
 @cache
 def looked_at() -> Any:
     """What the loop finds in that season where four effects might be missing, worked out once."""
-    from fieldkit.loop import candidates
-    from fieldkit.loop.closing import close_loop
-    from fieldkit.loop.findings import findings
     from fieldkit.motors import catalogue
-    from fieldkit.simulator.effect import effects
+    from fieldkit.physics.effect import effects
+    from fieldkit.selection import candidates
+    from fieldkit.services.close_loop import close_loop
+    from fieldkit.services.findings import findings
 
     some = {name: effects()[name] for name in ("wind", "motor_thrust", "altimeter_scale", "wear")}
     with unchecked(), patch.object(candidates, "effects", lambda: some), Ledger.open(_season()) as ledger:
@@ -107,7 +107,7 @@ def guide(rocket: Any, plan: Any, motors: Any, *rest: Any) -> Any:
 
 def frozen(monkeypatch: pytest.MonkeyPatch) -> None:
     """One time zone and one moment for all that a ledger signs; long forecasts are made once."""
-    monkeypatch.setattr("fieldkit.plan.guide.guide", guide)
+    monkeypatch.setattr("fieldkit.planning.motor_guide.guide", guide)
     monkeypatch.setenv("TZ", "UTC")
     if hasattr(time, "tzset"):  # Windows keeps its own zone
         time.tzset()

@@ -4,7 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.parsing import Note, Reading, recognise
+from fieldkit.importing import Note, Reading
+from fieldkit.importing.recognize import recognise
 
 LOGS = Path(__file__).parent.parent.parent / "shared" / "logs"
 real = pytest.mark.skipif(not LOGS.is_dir(), reason="the published logs are not beside the checkout")

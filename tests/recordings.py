@@ -6,7 +6,14 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Series
-from fieldkit.standard_air import GRAVITY, HYDROSTATIC, LAPSE, STANDARD_TEMPERATURE, height_pressure, pressure_height
+from fieldkit.physics.standard_atmosphere import (
+    GRAVITY,
+    HYDROSTATIC,
+    LAPSE,
+    STANDARD_TEMPERATURE,
+    height_pressure,
+    pressure_height,
+)
 
 STEP = 0.004
 """Of the truth. [s]"""

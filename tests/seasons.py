@@ -3,8 +3,8 @@
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.loop.model import shown
-from fieldkit.loop.predict import forecast_model
+from fieldkit.forecast.predict import forecast_model
+from fieldkit.model.rocket_model import shown
 from fieldkit.motors import Found, catalogue
 
 MOTORS = ("F24", "F39", "E35")

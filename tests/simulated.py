@@ -6,9 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.simulator.atmosphere import Air, pad_air
-from fieldkit.simulator.motor import STEPS, Curve, burns
-from fieldkit.simulator.state import Setup
+from fieldkit.physics.atmosphere import Air, pad_air
+from fieldkit.physics.state import Setup
+from fieldkit.physics.thrust_steps import STEPS, Curve, burns
 
 DENSITY = 1.225
 """Of the air of these set-ups at the pad. [kg/m^3]"""

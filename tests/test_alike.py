@@ -5,10 +5,10 @@ from dataclasses import fields
 import numpy as np
 import pytest
 
-from fieldkit.simulator import alike
-from fieldkit.simulator.alike import fly_alike, kinds
-from fieldkit.simulator.flight import fly
-from fieldkit.simulator.state import Flown, Setup
+from fieldkit.physics import unique
+from fieldkit.physics.flight import fly
+from fieldkit.physics.state import Flown, Setup
+from fieldkit.physics.unique import fly_alike, kinds
 from tests.simulated import LONG, ROUGH, rocket
 
 
@@ -36,7 +36,7 @@ def test_only_one_of_each_kind_is_flown(doubled: Setup, monkeypatch: pytest.Monk
         flown.append(setup.draws)
         return fly(setup)
 
-    monkeypatch.setattr(alike, "fly", counted)
+    monkeypatch.setattr(unique, "fly", counted)
     fly_alike(doubled)
     assert flown == [5]
 
@@ -56,6 +56,6 @@ def test_draws_that_differ_in_anything_are_of_different_kinds(doubled: Setup, na
 
 
 def test_draws_whose_sums_agree_by_chance_are_kept_apart(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(alike, "MIXERS", np.zeros_like(alike.MIXERS))
+    monkeypatch.setattr(unique, "MIXERS", np.zeros_like(unique.MIXERS))
     first, kind = kinds(doubled.flat(doubled.draw_shape))
     assert list(first) == list(kind) == list(range(20))

@@ -5,7 +5,8 @@ from pathlib import Path
 import pytest
 
 from fieldkit.errors import UnknownFormat
-from fieldkit.parsing import Intake, read, read_together
+from fieldkit.importing import Intake
+from fieldkit.importing.read import read, read_together
 from tests.samples import any_motor
 
 LOGS = Path(__file__).parent.parent.parent / "shared" / "logs"

@@ -7,8 +7,10 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.parsing import Found, Note, Reading, claims, parsers, read_together
-from fieldkit.standard_air import pressure_height
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.read import read_together
+from fieldkit.importing.recognize import claims, parsers
+from fieldkit.physics.standard_atmosphere import pressure_height
 from tests.recorded import recorded
 from tests.samples import any_motor
 from tools.samples.two_parachutes import PAD, flight

@@ -19,7 +19,8 @@ from hypothesis import strategies as st
 
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
-from fieldkit.parsing import Mapped, Reading, parsers
+from fieldkit.importing import Mapped, Reading
+from fieldkit.importing.recognize import parsers
 from tests.badinput import CHANGES, Seed, faults_among, must_hold, mutated, patience, seeds
 from tests.samples import SAMPLES, owner
 
@@ -101,7 +102,7 @@ BIG = """
 import resource, sys, time
 from pathlib import Path
 from fieldkit.errors import FieldkitError
-from fieldkit.intake import gather
+from fieldkit.services.imports import gather
 begun = time.monotonic()
 try:
     got = gather([Path(sys.argv[1])], lambda name: None, format=sys.argv[2])

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.parsing import Found, Note, Reading, parsers
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.recognize import parsers
 
 
 def sentence(body: str) -> bytes:

@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.parsing import Found, Note, Reading, parsers, read, read_together
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.read import read, read_together
+from fieldkit.importing.recognize import parsers
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 from tests.real_logs import LOGS, reading, real
 from tests.samples import SAMPLES, any_motor

@@ -40,7 +40,7 @@ from fieldkit.capture.tape import JOURNAL, begin, go_on
 from fieldkit.cli.live import View
 from fieldkit.cli.main import main
 from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
-from fieldkit.logs.checks import crc_buypass, crc_x25, sum_256
+from fieldkit.importing.tables.checksums import crc_buypass, crc_x25, sum_256
 from tests import devices
 from tests.devices import Device, Unplugged, Wire, played
 
@@ -260,7 +260,7 @@ def test_a_fault_in_a_parser_loses_nothing(
     def faulty(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(import_module("fieldkit.intake.gather"), "read_together", faulty)
+    monkeypatch.setattr(import_module("fieldkit.services.imports.gather"), "read_together", faulty)
     with played(devices.mawd(HEIGHTS)) as wire, pytest.raises(ZeroDivisionError):
         main(["capture", wire.name, "--device", "mawd"])
     monkeypatch.undo()

@@ -13,7 +13,9 @@ import pytest
 from fieldkit.capture import Ended, Opened, Port, Wishes, capture, logs_in
 from fieldkit.capture.protocols import altimulti, micropeak
 from fieldkit.flight import Series
-from fieldkit.parsing import Reading, read_together, recognise
+from fieldkit.importing import Reading
+from fieldkit.importing.read import read_together
+from fieldkit.importing.recognize import recognise
 from tests import devices
 from tests.devices import Device, played
 from tests.samples import any_motor

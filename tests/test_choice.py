@@ -12,13 +12,13 @@ from hypothesis.extra.numpy import arrays
 
 from fieldkit.errors import UnknownEffect
 from fieldkit.flight import Flight
-from fieldkit.loop.candidates import EACH, Place, effect_candidates, effect_terms
-from fieldkit.loop.choice import MOST, may_leave, steady_evidence
-from fieldkit.loop.data import OBSERVED, observe
-from fieldkit.loop.diagnose import SEARCH_SLACK, diagnose
-from fieldkit.loop.model import Model, base_model, shown
-from fieldkit.loop.patterns import pattern_candidates
+from fieldkit.model.readout_data import OBSERVED, observe
+from fieldkit.model.rocket_model import Model, base_model, shown
 from fieldkit.motors import catalogue
+from fieldkit.selection.candidates import EACH, Place, effect_candidates, effect_terms
+from fieldkit.selection.choice import MOST, may_leave, steady_evidence
+from fieldkit.selection.diagnose import SEARCH_SLACK, diagnose
+from fieldkit.selection.patterns import pattern_candidates
 
 CHECK_SHAPES = False
 

@@ -15,10 +15,10 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.cli.prompts import Talk, converse
 from fieldkit.cli.session import MotorCheck
-from fieldkit.entry import QUESTIONS
 from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Flight
-from fieldkit.form import DRAFT
+from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
+from fieldkit.services.manual_entry import DRAFT
 
 CHECK_SHAPES = False
 

@@ -6,10 +6,10 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog
-from fieldkit.logs import rows, text
-from fieldkit.logs.clocks import onward
-from fieldkit.logs.columns import Channel, Table, read_columns
-from fieldkit.parsing import Note
+from fieldkit.importing import Note
+from fieldkit.importing.tables import rows, text
+from fieldkit.importing.tables.clocks import onward
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
 from fieldkit.units import UNITS, Unit
 
 CHANNELS = (Channel("time", 0, needed=True), Channel("altitude", 1, Unit(0.3048), header="Alt"))

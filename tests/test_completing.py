@@ -6,7 +6,7 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.ledger import Ledger
-from fieldkit.shelf import trained_digests
+from fieldkit.plugins import trained_digests
 
 FLIGHTS = Path(__file__).parents[1] / "fieldkit" / "data" / "reference_flights.csv"
 

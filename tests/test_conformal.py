@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_by_earlier
 from fieldkit.ledger import Ledger
-from fieldkit.loop.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
-from fieldkit.loop.desk import keep_forecasts, predict_plans
-from fieldkit.loop.forward import Forecast, corrected_by_earlier
-from fieldkit.loop.told import forecast_document, in_words
 from fieldkit.motors import catalogue
+from fieldkit.presentation.forecast_text import forecast_document, in_words
+from fieldkit.services.forecasts import keep_forecasts, predict_plans
 
 INTERVAL = (80.0, 100.0, 130.0)
 

@@ -10,15 +10,15 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
-from fieldkit.loop.paper.reference import TABLE
 from fieldkit.motors import Found, catalogue
-from fieldkit.plan.air import air_of
-from fieldkit.plan.contest import allowed, copy_season, declared_score, outlook, score, season, seasons
-from fieldkit.plan.day import Day, day_of, keep_day, read_window
-from fieldkit.plan.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
-from fieldkit.plan.desk import Rocket
-from fieldkit.simulator.field import field_setup
-from fieldkit.simulator.flight import fly
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.planning.air import air_of
+from fieldkit.planning.contest import allowed, copy_season, declared_score, outlook, score, season, seasons
+from fieldkit.planning.contest_day import Day, day_of, keep_day, read_window
+from fieldkit.planning.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
+from fieldkit.services.planning import Rocket
+from fieldkit.studies.paper.reference import TABLE
 from fieldkit.units import FOOT
 
 CHECK_SHAPES = False

@@ -8,7 +8,7 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
-from fieldkit.inference.flights import Model, infer
+from fieldkit.inference.network.flights import Model, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 

@@ -13,14 +13,15 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.errors import DamagedModel, FieldkitError, ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.inference import ensemble, training
-from fieldkit.inference.ensemble import CARD, GRAPH, Ensemble, load, load_folder, read_card
-from fieldkit.inference.features import PAPER_FEATURES, paper_features
-from fieldkit.inference.posterior import infer_paper
-from fieldkit.inference.score import score
-from fieldkit.inference.synthetic import ALPHA_RANGE, CD_RANGE, paper_draws
-from fieldkit.shelf import trained, trained_folder
-from fieldkit.simulator import paper
+from fieldkit.inference import training
+from fieldkit.inference.network import ensemble
+from fieldkit.inference.network.ensemble import CARD, GRAPH, Ensemble, load, load_folder, read_card
+from fieldkit.inference.network.posterior import infer_paper
+from fieldkit.inference.validation.score import score
+from fieldkit.model.features import PAPER_FEATURES, paper_features
+from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE, paper_draws
+from fieldkit.physics import paper
+from fieldkit.plugins import trained, trained_folder
 
 ROOT = Path(__file__).parent.parent
 
@@ -86,7 +87,7 @@ def test_a_higher_apogee_means_less_drag_and_more_thrust(shipped: Ensemble, moto
 
 
 def paper_apogees(motor: int, dry_mass: float, cd: np.ndarray, alpha: np.ndarray) -> np.ndarray:
-    from fieldkit.simulator.flight import apogees
+    from fieldkit.physics.flight import apogees
 
     return apogees(paper.paper_setup(np.array(motor), np.array(dry_mass), cd, alpha))
 
@@ -199,7 +200,8 @@ def test_a_flight_that_the_paper_does_not_know_is_refused(
 
 def test_inference_wakes_onnxruntime_late_and_torch_never() -> None:
     code = (
-        "import sys, fieldkit.inference.posterior as p, fieldkit.flight as f; print('onnxruntime' in sys.modules);"
+        "import sys, fieldkit.inference.network.posterior as p, fieldkit.flight as f;"
+        "print('onnxruntime' in sys.modules);"
         "p.infer_paper([f.Flight(motor='F39', config='B', apogee=190.0)]); print('torch' in sys.modules)"
     )
     found = subprocess.run([sys.executable, "-c", code], cwd=ROOT, capture_output=True, text=True, check=True)

@@ -10,16 +10,16 @@ import pytest
 
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.motors import catalogue
-from fieldkit.shelf import shelf_folder
-from fieldkit.simulator.effect import Effect, effects
-from fieldkit.simulator.field import field_setup
-from fieldkit.simulator.flight import fly
-from fieldkit.simulator.state import Flown
+from fieldkit.physics.effect import Effect, effects
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.physics.state import Flown
+from fieldkit.plugins import shelf_folder
 
 EFFECTS = effects()
 FILES = sorted((shelf_folder("models") / "effects").glob("[!_]*.py"))
 every_effect = pytest.mark.parametrize("name", EFFECTS)
-MAY_IMPORT = ("fieldkit.simulator", "fieldkit.flight", "fieldkit.errors", "fieldkit.shapes", "numpy")
+MAY_IMPORT = ("fieldkit.physics", "fieldkit.flight", "fieldkit.errors", "fieldkit.shapes", "numpy")
 PLAIN = ("collections", "dataclasses", "math", "typing", "functools")
 """Of Python's own library."""
 

@@ -13,10 +13,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from fieldkit.analysis import Recorded
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.flight import READOUTS, Column, Flight
-from fieldkit.parsing import Intake, Parser, Reading, claims, parsers, read, recognise
-from fieldkit.recording import Recorded
+from fieldkit.importing import Intake, Parser, Reading
+from fieldkit.importing.read import read
+from fieldkit.importing.recognize import claims, parsers, recognise
 from tests.samples import SAMPLES, any_motor, owner
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -51,7 +53,7 @@ def summary(intake: Intake) -> dict[str, object]:
 def unmeasured() -> Iterator[None]:
     """Without the measuring of samples, which has its own tests and takes its time."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr("fieldkit.recording.measure", lambda clocks, stated: Recorded())
+        patch.setattr("fieldkit.analysis.measure", lambda clocks, stated: Recorded())
         yield
 
 

@@ -5,11 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 
-from fieldkit.loop.data import OBSERVED, compared, observe
-from fieldkit.loop.fit import fit_robustly
-from fieldkit.loop.model import Model, shown
-from fieldkit.loop.posterior import Fit, scale_grid, term_sds
-from fieldkit.loop.predict import forecast_model
+from fieldkit.forecast.predict import forecast_model
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.posterior import Fit, scale_grid, term_sds
+from fieldkit.model.readout_data import OBSERVED, compared, observe
+from fieldkit.model.rocket_model import Model, shown
 from fieldkit.shapes import Array
 from tests.seasons import season
 

@@ -7,11 +7,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit import units
-from fieldkit.export import csv_table, document
 from fieldkit.flight import COLUMNS, READOUTS, TAGS, Flight
+from fieldkit.flight.plausibility import LIMITS
+from fieldkit.importing.read import read
 from fieldkit.ledger.rows import differences
-from fieldkit.parsing import read
-from fieldkit.sanity import LIMITS
+from fieldkit.presentation.export import csv_table, document
 from tests.samples import any_motor
 
 words = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Zs", "Zl", "Zp"]), max_size=8)

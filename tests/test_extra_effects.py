@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import BadValue
-from fieldkit.inference.extra_effects import drawn, known_effects, priors
-from fieldkit.inference.simulated import flown_motors, simulate
+from fieldkit.model.prior_predictive import flown_motors, simulate
+from fieldkit.model.random_effects import drawn, known_effects, priors
 from fieldkit.motors import catalogue
-from fieldkit.simulator.effect import Prior, effects
+from fieldkit.physics.effect import Prior, effects
 
 MOTORS = flown_motors(catalogue().motors)[::60]
 

@@ -7,9 +7,9 @@ import pytest
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.inference.field_features import FEATURES, features, shown
-from fieldkit.inference.measured import NOISE, SUBSETS, forget, measure
-from fieldkit.inference.observed import (
+from fieldkit.model.field_features import FEATURES, features, shown
+from fieldkit.model.observation_noise import NOISE, SUBSETS, forget, measure
+from fieldkit.model.observations import (
     ALPHA_RANGE,
     ALPHA_SD,
     DECLARED,
@@ -19,7 +19,7 @@ from fieldkit.inference.observed import (
     drag_area_range,
     observe,
 )
-from fieldkit.inference.simulated import Truth, flown_motors, simulate
+from fieldkit.model.prior_predictive import Truth, flown_motors, simulate
 from fieldkit.motors import catalogue
 
 

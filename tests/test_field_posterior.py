@@ -8,15 +8,15 @@ import pytest
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
-from fieldkit.inference.ensemble import Ensemble
-from fieldkit.inference.field import infer_field, infer_observed, load_field, posterior
-from fieldkit.inference.guard import misfit
-from fieldkit.inference.judge import score, table
-from fieldkit.inference.measured import SUBSETS, measure
-from fieldkit.inference.observed import ALPHA_SD, DECLARED, READOUT_NAMES, SEEN, Observed
-from fieldkit.inference.simulated import Truth, flown_motors, simulate
+from fieldkit.inference.network.ensemble import Ensemble
+from fieldkit.inference.network.field_ensemble import infer_field, infer_observed, load_field, posterior
+from fieldkit.inference.network.outliers import misfit
+from fieldkit.inference.validation.calibration import score, table
+from fieldkit.model.observation_noise import SUBSETS, measure
+from fieldkit.model.observations import ALPHA_SD, DECLARED, READOUT_NAMES, SEEN, Observed
+from fieldkit.model.prior_predictive import Truth, flown_motors, simulate
 from fieldkit.motors import catalogue
-from fieldkit.shelf import trained_folder
+from fieldkit.plugins import trained_folder
 
 
 @pytest.fixture(scope="module")

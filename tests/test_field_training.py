@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.inference.mixture import WIDTH, logits, mixture
+from fieldkit.inference.network.mixture import WIDTH, logits, mixture
 
 CHECK_SHAPES = False
 
@@ -45,7 +45,7 @@ def test_the_loss_is_the_density_that_numpy_gives() -> None:
 def test_the_loss_is_that_of_a_library_of_distributions() -> None:
     from torch.distributions import Categorical, MixtureSameFamily, MultivariateNormal
 
-    from fieldkit.inference.mixture import COMPONENTS
+    from fieldkit.inference.network.mixture import COMPONENTS
     from fieldkit.inference.training.density import log_density
 
     torch.manual_seed(2)
@@ -60,7 +60,7 @@ def test_the_loss_is_that_of_a_library_of_distributions() -> None:
 
 
 def test_the_graph_says_what_the_network_says(tmp_path: Path) -> None:
-    from fieldkit.inference.ensemble import from_parts
+    from fieldkit.inference.network.ensemble import from_parts
     from fieldkit.inference.training.density import Members
     from fieldkit.inference.training.density_graph import density_graph
 
@@ -77,7 +77,7 @@ def test_the_graph_says_what_the_network_says(tmp_path: Path) -> None:
 
 def test_a_trained_folder_can_be_used_and_is_not_overwritten(tiny: tuple[Path, str]) -> None:
     from fieldkit.errors import BadValue
-    from fieldkit.inference.ensemble import load_folder
+    from fieldkit.inference.network.ensemble import load_folder
     from fieldkit.inference.training.field import train_field
 
     folder, printed = tiny

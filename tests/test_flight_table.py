@@ -9,10 +9,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog, UnknownFormat
-from fieldkit.export import csv_table
 from fieldkit.flight import BY_NAME, COLUMNS, TAGS, TEXT_COLUMNS, Flight
-from fieldkit.parsing import Intake, read, read_plans
-from fieldkit.sanity import LIMITS
+from fieldkit.flight.plausibility import LIMITS
+from fieldkit.importing import Intake
+from fieldkit.importing.read import read, read_plans
+from fieldkit.presentation.export import csv_table
 from tests.samples import any_motor
 
 

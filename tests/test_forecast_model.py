@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.loop.data import OBSERVED
-from fieldkit.loop.model import base_model, doubted, shown
-from fieldkit.loop.predict import predict
-from fieldkit.loop.prediction import Prediction
+from fieldkit.forecast.predict import predict
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.rocket_model import base_model, doubted, shown
 from fieldkit.motors import Found, catalogue
 from tests import seasons
 

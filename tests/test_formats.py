@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.parsing import claims, parsers
+from fieldkit.importing.recognize import claims, parsers
 from tests.real_logs import LOGS
 from tests.samples import SAMPLES, owner
 

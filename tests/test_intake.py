@@ -5,12 +5,12 @@ from pathlib import Path
 
 import pytest
 
-import fieldkit.recording
+import fieldkit.analysis
+from fieldkit.analysis import Recorded
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
-from fieldkit.intake import Receipt, bring_in, remeasured
 from fieldkit.ledger import Ledger, Renewal
-from fieldkit.recording import Recorded
+from fieldkit.services.imports import Receipt, bring_in, remeasured
 from tests.samples import SAMPLES, any_motor
 
 PNUT = next(sample for sample in SAMPLES if sample.name.startswith("perfectflite__"))
@@ -34,13 +34,13 @@ def ledger(tmp_path: Path) -> Ledger:
 @pytest.fixture
 def better_measuring(monkeypatch: pytest.MonkeyPatch) -> None:
     """From now on an apogee is measured a metre higher, and another column tells of it."""
-    as_it_was = fieldkit.recording.columns
+    as_it_was = fieldkit.analysis.columns
 
     def better(recorded: Recorded, stated: dict[str, object]) -> tuple[dict[str, object], dict[str, str]]:
         fields, extra = as_it_was(recorded, stated)
         return {**fields, "apogee": fields["apogee"] + 1.0}, {**extra, "a_new_column": "1"}  # type: ignore[operator]
 
-    return monkeypatch.setattr(fieldkit.recording, "columns", better)
+    return monkeypatch.setattr(fieldkit.analysis, "columns", better)
 
 
 def taken(ledger: Ledger, *paths: Path, **defaults: object) -> Receipt:

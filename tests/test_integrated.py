@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.integrated import integrate
-from fieldkit.inference.likelihood import LATENTS, Latent, log_likelihood, normals_of, parameters, problem
-from fieldkit.inference.measured import SUBSETS, measure
-from fieldkit.inference.observed import ALPHA_SD
-from fieldkit.inference.simulated import flown_motors, simulate
+from fieldkit.inference.validation.integrated import integrate
+from fieldkit.inference.validation.likelihood import LATENTS, Latent, log_likelihood, normals_of, parameters, problem
+from fieldkit.model.observation_noise import SUBSETS, measure
+from fieldkit.model.observations import ALPHA_SD
+from fieldkit.model.prior_predictive import flown_motors, simulate
 from fieldkit.motors import catalogue
 
 FLIGHTS = 6

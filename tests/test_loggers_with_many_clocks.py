@@ -5,7 +5,9 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.parsing import Note, Reading, parsers, read_together, recognise
+from fieldkit.importing import Note, Reading
+from fieldkit.importing.read import read_together
+from fieldkit.importing.recognize import parsers, recognise
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 from tests.real_logs import LOGS, damage, reading, real
 from tests.samples import SAMPLES, any_motor

@@ -10,12 +10,12 @@ from bench.make import make
 from bench.rockets import Needs
 from bench.scenarios import SCENARIOS, Part, Scenario
 from fieldkit.flight import Flight
-from fieldkit.loop.data import observe
-from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
-from fieldkit.loop.predict import predict, rocket_model
-from fieldkit.loop.residual import fingerprint, patterns, readout_residuals, spreads
+from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.importing.read import read
+from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found, catalogue
-from fieldkit.parsing import read
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.residual import fingerprint, patterns, readout_residuals, spreads
 
 CHECK_SHAPES = False
 

@@ -10,12 +10,12 @@ import pytest
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
-from fieldkit.loop.data import LOGARITHMIC, OBSERVED, Data, compared, observe, reading_sd
-from fieldkit.loop.fit import _Walk, fit
-from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import SCATTER, Model, Term, base_model, shown
-from fieldkit.loop.posterior import Fit, Growing, _log_inside, scale_grid, solve, term_sds
-from fieldkit.loop.tangent import Tangent
+from fieldkit.inference.laplace.fit import _Walk, fit
+from fieldkit.inference.laplace.leave_one_out import leave_one_out
+from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.posterior import Fit, Growing, _log_inside, scale_grid, solve, term_sds
+from fieldkit.model.readout_data import LOGARITHMIC, OBSERVED, Data, compared, observe, reading_sd
+from fieldkit.model.rocket_model import SCATTER, Model, Term, base_model, shown
 from fieldkit.motors import catalogue
 
 SETS = 40

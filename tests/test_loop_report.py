@@ -13,27 +13,27 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
+from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.forecast.widen import widening
 from fieldkit.ledger import Ledger
-from fieldkit.loop import closing, desk
-from fieldkit.loop import leftover as leftover_module
-from fieldkit.loop.ahead import FEWEST
-from fieldkit.loop.data import observe
-from fieldkit.loop.diagnose import SEARCH_SLACK, Diagnosis, diagnose
-from fieldkit.loop.findings import Findings, findings
-from fieldkit.loop.judged import gain, judge
-from fieldkit.loop.leftover import leftover
-from fieldkit.loop.marks import marks
-from fieldkit.loop.predict import predict, rocket_model
-from fieldkit.loop.score import Forecasts
-from fieldkit.loop.telling import BALLAST, Explanation, divergence, options, telling
-from fieldkit.loop.widen import widening
-from fieldkit.loop.words import report
+from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
-from fieldkit.report.book import Book
-from fieldkit.report.loop.page import check_page, page, write_page
-from fieldkit.report.paper import pages
-from fieldkit.report.style import styled
-from fieldkit.report.write import write_report
+from fieldkit.presentation.loop_text import report
+from fieldkit.presentation.report.book import Book
+from fieldkit.presentation.report.loop.page import check_page, page, write_page
+from fieldkit.presentation.report.paper import pages
+from fieldkit.presentation.report.style import styled
+from fieldkit.presentation.report.write import write_report
+from fieldkit.scoring.bootstrap import gain, judge
+from fieldkit.scoring.score import Forecasts
+from fieldkit.selection import unexplained as leftover_module
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.fingerprint import marks
+from fieldkit.selection.forward_choice import FEWEST
+from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, options, telling
+from fieldkit.selection.unexplained import leftover
+from fieldkit.services import close_loop, forecasts
+from fieldkit.services.findings import Findings, findings
 from tests.pages import Page
 
 CHECK_SHAPES = False
@@ -44,8 +44,8 @@ HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
 
 def windy() -> list[Flight]:
     """Twelve flights on two motors that lose height to the wind, flown by the model itself with readings rounded."""
-    from fieldkit.simulator.field import field_setup
-    from fieldkit.simulator.flight import fly
+    from fieldkit.physics.flight import fly
+    from fieldkit.physics.setups import field_setup
 
     rng = np.random.default_rng(5)
     wind = rng.uniform(0.5, 8.0, 12)
@@ -126,7 +126,7 @@ def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
 
 def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
     """The last flight's apogee is made absurd: nothing that was said before it may move."""
-    from fieldkit.loop.ahead import ahead
+    from fieldkit.selection.forward_choice import ahead
 
     values = diagnosis.data.values.copy()
     values[-1] += 1.0
@@ -229,18 +229,18 @@ def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
     unexplained = replace(diagnosis, effect="unexplained", accepted=())
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add(windy())
-        monkeypatch.setattr(closing, "diagnose", lambda *_: unexplained)
+        monkeypatch.setattr(close_loop, "diagnose", lambda *_: unexplained)
         monkeypatch.setattr(leftover_module, "widening", lambda *_: 1.4)
-        closing.close_loop(ledger, motors, HOSTILE)
-        assert desk.accepted_widening(ledger, HOSTILE) == 1.4
-        assert desk.accepted_widening(ledger, HOSTILE, "before") == 1.0
+        close_loop.close_loop(ledger, motors, HOSTILE)
+        assert forecasts.accepted_widening(ledger, HOSTILE) == 1.4
+        assert forecasts.accepted_widening(ledger, HOSTILE, "before") == 1.0
         assert "lower than the others" in ledger.versions(HOSTILE)[0].payload["unexplained"]["goes_with"]
-        closing.close_loop(ledger, motors, HOSTILE)
+        close_loop.close_loop(ledger, motors, HOSTILE)
         assert len(ledger.versions(HOSTILE)) == 1
-        (wide,) = desk.predict_plans(ledger, motors, [plan], keep=False)
-        monkeypatch.setattr(closing, "diagnose", lambda *_: replace(unexplained, effect="none"))
-        closing.close_loop(ledger, motors, HOSTILE)
-        (narrow,) = desk.predict_plans(ledger, motors, [plan], keep=False)
+        (wide,) = forecasts.predict_plans(ledger, motors, [plan], keep=False)
+        monkeypatch.setattr(close_loop, "diagnose", lambda *_: replace(unexplained, effect="none"))
+        close_loop.close_loop(ledger, motors, HOSTILE)
+        (narrow,) = forecasts.predict_plans(ledger, motors, [plan], keep=False)
     assert np.log(wide.apogee).std() == pytest.approx(1.4 * np.log(narrow.apogee).std(), rel=0.02)
 
 

@@ -10,11 +10,13 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import Series
-from fieldkit.logs import mapping
-from fieldkit.logs.headings import channel, heading, stated_unit
-from fieldkit.logs.mapping import read_choice, remember, remembered
-from fieldkit.parsing import Mapped, Note, Reading, claims, parsers, read
-from fieldkit.reading import Choice
+from fieldkit.importing import Mapped, Note, Reading
+from fieldkit.importing.read import read
+from fieldkit.importing.reading import Choice
+from fieldkit.importing.recognize import claims, parsers
+from fieldkit.importing.tables import mapping
+from fieldkit.importing.tables.headings import channel, heading, stated_unit
+from fieldkit.importing.tables.mapping import read_choice, remember, remembered
 from tests.recorded import recorded
 from tests.samples import any_motor
 

@@ -3,7 +3,8 @@
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.parsing import Note, Reading, parsers
+from fieldkit.importing import Note, Reading
+from fieldkit.importing.recognize import parsers
 
 SMALL = "a0860100b8820100030096863c86b882"
 WIDE = "a0860100b88201000320000096863c86b882"

@@ -5,13 +5,13 @@ from functools import cache
 import numpy as np
 import pytest
 
-from fieldkit.loop.force.climb import Rocket, Track, beside_model, track_of
-from fieldkit.loop.force.law import Law, law, missing_force
-from fieldkit.loop.force.terms import library
+from fieldkit.analysis import Forces
 from fieldkit.motors import catalogue
-from fieldkit.recording import Forces
+from fieldkit.physics.atmosphere import pad_air
+from fieldkit.selection.force.climb import Rocket, Track, beside_model, track_of
+from fieldkit.selection.force.one_flight import Law, law, missing_force
+from fieldkit.selection.force.terms import library
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.atmosphere import pad_air
 
 RATE = 100
 """Samples a second."""

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.judge import score
-from fieldkit.inference.mixture import COMPONENTS, WIDTH, Mixture, logits, mixture
+from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, Mixture, logits, mixture
+from fieldkit.inference.validation.calibration import score
 
 LOW, HIGH = np.array([-8.0, 0.75]), np.array([-6.0, 1.25])
 

@@ -18,13 +18,13 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, Start
 from fieldkit.ledger.sites import Site
-from fieldkit.loop.desk import predict_plans
-from fieldkit.loop.kept import kept
 from fieldkit.motors import catalogue
 from fieldkit.openrocket import archive, read_design
-from fieldkit.plan.desk import begun, forecasts, rocket_of
-from fieldkit.plan.guide import guide
-from fieldkit.plan.limits import limits
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import guide
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.planning import begun, forecasts, rocket_of
+from fieldkit.services.saved_forecasts import kept
 from fieldkit.settings import Settings
 
 NOSE = """<nosecone><name>Nose</name><material type="bulk" density="1000.0">Plastic</material><length>0.2</length>

@@ -10,14 +10,14 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import ImpossibleFlight, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.inference.synthetic import ALPHA_RANGE, CD_RANGE, paper_draws
-from fieldkit.loop.paper.exact import bayes_limit, lowest, reconstructions
-from fieldkit.loop.paper.next_flight import leave_one_out, rules, scatter
-from fieldkit.loop.paper.reference import Reference, certified, heights, normalised, reference
-from fieldkit.loop.paper.report import Report, report
-from fieldkit.loop.paper.words import findings
-from fieldkit.simulator import paper
-from fieldkit.simulator.single import paper_flight
+from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE, paper_draws
+from fieldkit.physics import paper
+from fieldkit.physics.single import paper_flight
+from fieldkit.studies.paper.exact import bayes_limit, lowest, reconstructions
+from fieldkit.studies.paper.next_flight import leave_one_out, rules, scatter
+from fieldkit.studies.paper.reference import Reference, certified, heights, normalised, reference
+from fieldkit.studies.paper.report import Report, report
+from fieldkit.studies.paper.text import findings
 
 CHECK_SHAPES = False
 
@@ -179,7 +179,7 @@ def test_simulated_flights_follow_the_prior() -> None:
 
 
 def heights_of(motor: np.ndarray, dry_mass: np.ndarray, truth: np.ndarray) -> np.ndarray:
-    from fieldkit.simulator.flight import apogees
+    from fieldkit.physics.flight import apogees
 
     return apogees(paper.paper_setup(motor, dry_mass, truth[:, 0], truth[:, 1]))
 
@@ -210,7 +210,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 @pytest.fixture
 def computed(found: Report, monkeypatch: pytest.MonkeyPatch) -> None:
     """The report as already computed."""
-    monkeypatch.setattr("fieldkit.loop.paper.report.report", lambda: found)
+    monkeypatch.setattr("fieldkit.studies.paper.report.report", lambda: found)
 
 
 @pytest.mark.usefixtures("computed")

@@ -3,19 +3,11 @@
 import pytest
 
 from fieldkit.errors import DamagedLog, UnknownFormat
-from fieldkit.parsing import (
-    Note,
-    Parser,
-    Reading,
-    derived_id,
-    parsers,
-    read,
-    read_plans,
-    read_together,
-    recognise,
-    recognition,
-)
-from fieldkit.shelf import plugins, trained_folder
+from fieldkit.importing import Note, Parser, Reading, recognize
+from fieldkit.importing.read import read, read_plans, read_together
+from fieldkit.importing.recognize import parsers, recognise
+from fieldkit.importing.to_flights import derived_id
+from fieldkit.plugins import plugins, trained_folder
 from tests.samples import SAMPLES, any_motor
 
 LAUNCHES = next(sample for sample in SAMPLES if sample.name.startswith("altimetertwo_journal__a_season"))
@@ -46,7 +38,7 @@ def test_a_log_that_no_parser_recognises_names_what_was_tried(log: bytes) -> Non
 def test_a_log_that_two_parsers_claim_names_both(monkeypatch: pytest.MonkeyPatch) -> None:
     greedy = Parser("Greedy", lambda head: True, lambda log: [Reading({"apogee": 100.0})])
     shelf = {**parsers(), "greedy": greedy}
-    monkeypatch.setattr(recognition, "parsers", lambda: shelf)
+    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
     log = b"rocket,apogee_m\nSwift,100\n"
     with pytest.raises(UnknownFormat, match="flight_table and greedy both recognise"):
         recognise(log)
@@ -130,7 +122,7 @@ def test_figures_that_contradict_each_other_are_told_and_taken() -> None:
 def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
     nasty = "\x1b[2J\u202e" + "x" * 9999 + "\nrow 2"
     found = [Note(nasty, row=1), DamagedLog(nasty, row=2, column=nasty), Reading({"apogee": 100.0})]
-    monkeypatch.setattr(recognition, "parsers", lambda: {"rude": Parser("Rude", lambda head: True, lambda log: found)})
+    monkeypatch.setattr(recognize, "parsers", lambda: {"rude": Parser("Rude", lambda head: True, lambda log: found)})
     intake = read(b"", "t", any_motor)
     lines = [*intake.notes, intake.rejected[0].error, intake.rejected[0].column or ""]
     assert all(len(line) < 2000 and line.isprintable() for line in lines)
@@ -139,7 +131,7 @@ def test_what_a_parser_says_of_a_log_is_harmless_for_a_terminal(monkeypatch: pyt
 def test_a_fallback_is_asked_where_nobody_else_claims_a_log(monkeypatch: pytest.MonkeyPatch) -> None:
     last = Parser("Last", lambda head: True, lambda log: [], fallback=True)
     shelf = {**parsers(), "last": last}
-    monkeypatch.setattr(recognition, "parsers", lambda: shelf)
+    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
     assert recognise(b"rocket,apogee_m\nSwift,100\n").title == "Flight table (CSV)"
     assert recognise(b"anything") is last
 

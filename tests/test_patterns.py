@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.loop.candidates import Place
-from fieldkit.loop.patterns import known_patterns, pattern_terms
-from fieldkit.loop.predict import model_name, predict, rocket_model
+from fieldkit.forecast.predict import model_name, predict, rocket_model
 from fieldkit.motors import catalogue
+from fieldkit.selection.candidates import Place
+from fieldkit.selection.patterns import known_patterns, pattern_terms
 from tests.test_forecast_model import PLAN, Flown, season
 
 FIRST = datetime(2026, 5, 2, 9, 0)

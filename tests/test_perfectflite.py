@@ -7,7 +7,8 @@ import pytest
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
-from fieldkit.parsing import Found, Note, Reading, parsers
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.recognize import parsers
 from fieldkit.units import FOOT
 from tests.recorded import recorded
 from tools.samples.two_parachutes import flight

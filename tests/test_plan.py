@@ -9,28 +9,28 @@ import numpy as np
 import pytest
 
 from fieldkit.cli.main import main
-from fieldkit.entry import QUESTIONS
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-from fieldkit.form import enter, offer
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site, keep_site, site_of
-from fieldkit.loop.candidates import Place
-from fieldkit.loop.desk import predict_plans
-from fieldkit.loop.paper.reference import TABLE
-from fieldkit.loop.prediction import Prediction
 from fieldkit.motors import Catalogue, Found, catalogue
-from fieldkit.plan.air import air_of
-from fieldkit.plan.ballast import Goal, ballast
-from fieldkit.plan.contest import season
-from fieldkit.plan.delay import delays, drill_of, offered, tolerance
-from fieldkit.plan.descent import Fall
-from fieldkit.plan.desk import Rocket, begun, forecasts, rocket_of
-from fieldkit.plan.guide import Wanted, by_closeness, fitting, guide, mount_of
-from fieldkit.plan.limits import limits
-from fieldkit.plan.safety import Line, first_thrust, safety_lines
-from fieldkit.plan.words import ballast_in_words, delays_in_words
+from fieldkit.planning.air import air_of
+from fieldkit.planning.ballast import Goal, ballast
+from fieldkit.planning.contest import season
+from fieldkit.planning.delay import delays, drill_of, offered, tolerance
+from fieldkit.planning.descent import Fall
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import Wanted, by_closeness, fitting, guide, mount_of
+from fieldkit.planning.safety import Line, first_thrust, safety_lines
+from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
+from fieldkit.selection.candidates import Place
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.manual_entry import enter, offer
+from fieldkit.services.planning import Rocket, begun, forecasts, rocket_of
 from fieldkit.settings import Settings
+from fieldkit.studies.paper.reference import TABLE
 
 CHECK_SHAPES = False
 

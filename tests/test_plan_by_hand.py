@@ -6,21 +6,21 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.inference.laplace.linearization import coast_and_lean, lean_of_apogee, lean_slope
 from fieldkit.ledger.sites import Site
-from fieldkit.loop.model import COARSE, shown
-from fieldkit.loop.prediction import Prediction
-from fieldkit.loop.tangent import coast_and_lean, lean_of_apogee, lean_slope
+from fieldkit.model.rocket_model import COARSE, shown
 from fieldkit.motors import Catalogue, Found, catalogue
-from fieldkit.plan.contest import season
-from fieldkit.plan.delay import delays
-from fieldkit.plan.descent import durations
-from fieldkit.plan.desk import Rocket, forecasts, learnt_of
-from fieldkit.plan.guide import Wanted, fitting, guide
-from fieldkit.plan.limits import limits
-from fieldkit.plan.quantiles import three
-from fieldkit.plan.safety import thrust_to_weight
-from fieldkit.simulator.field import field_setup
-from fieldkit.simulator.flight import fly
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.planning.contest import season
+from fieldkit.planning.delay import delays
+from fieldkit.planning.descent import durations
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import Wanted, fitting, guide
+from fieldkit.planning.quantiles import three
+from fieldkit.planning.safety import thrust_to_weight
+from fieldkit.services.planning import Rocket, forecasts, learnt_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 
 NEW = Rocket((), (), 1.0, None, 0)

@@ -8,7 +8,7 @@ import sys
 from pathlib import Path, PureWindowsPath
 
 from fieldkit.ledger import whereabouts
-from fieldkit.tui.bars import shortened
+from fieldkit.tui.widgets.bars import shortened
 
 ROOT = Path(__file__).parents[1]
 SOURCES = [path for folder in ("fieldkit", "parsers", "models") for path in (ROOT / folder).rglob("*.py")]

@@ -11,10 +11,10 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
-from fieldkit.loop.desk import predict_plans
-from fieldkit.loop.kept import Kept, by_flight, in_words, kept
-from fieldkit.loop.made_from import digest, model_parts, plan_parts
 from fieldkit.motors import catalogue
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.provenance import digest, model_parts, plan_parts
+from fieldkit.services.saved_forecasts import Kept, by_flight, in_words, kept
 
 CHECK_SHAPES = False
 

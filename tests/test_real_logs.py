@@ -7,11 +7,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fieldkit.analysis import Recorded, measure
+from fieldkit.analysis.channels import heights
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
-from fieldkit.parsing import Reading, read_recordings
-from fieldkit.recording import Recorded, measure
-from fieldkit.recording.channels import heights
+from fieldkit.importing import Reading
+from fieldkit.importing.read import read_recordings
 
 LOGS = Path(__file__).parent.parent.parent / "shared" / "logs"
 FLIGHTS = {

@@ -11,9 +11,10 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Series
+from fieldkit.importing import Parser, Reading, recognize
+from fieldkit.importing.recognize import parsers
 from fieldkit.ledger import Ledger
-from fieldkit.parsing import Parser, Reading, parsers, recognition
-from fieldkit.replay import recording_of
+from fieldkit.services.replay import recording_of
 from tests.recordings import LARGE, SMALL, Logger, Rocket, fly, log
 
 Run = Callable[..., tuple[int, str, str]]
@@ -51,7 +52,7 @@ LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
 @pytest.fixture(autouse=True)
 def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     shelf = {**parsers(), "lark": LARK}
-    monkeypatch.setattr(recognition, "parsers", lambda: shelf)
+    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
     monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
     monkeypatch.setenv("COLUMNS", "200")
 

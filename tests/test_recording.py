@@ -9,12 +9,11 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fieldkit.flight import READOUTS, Series
-from fieldkit.recording import Recorded, columns, measure, measured_sd
-from fieldkit.recording.channels import Heights
-from fieldkit.recording.compare import compare
-from fieldkit.recording.forces import forces
-from fieldkit.recording.measure import (
+from fieldkit.analysis import Recorded, columns, measure, measured_sd
+from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.compare import compare
+from fieldkit.analysis.forces import forces
+from fieldkit.analysis.measure import (
     CLIPPED,
     NO_APOGEE,
     NO_BOOST,
@@ -24,9 +23,10 @@ from fieldkit.recording.measure import (
     NO_LIFTOFF,
     NO_PAD,
 )
-from fieldkit.recording.numbers import local_slopes, typical_line
-from fieldkit.recording.records import Climb
-from fieldkit.standard_air import GRAVITY, height_pressure, pressure_height
+from fieldkit.analysis.records import Climb
+from fieldkit.analysis.robust_statistics import local_slopes, typical_line
+from fieldkit.flight import READOUTS, Series
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, pressure_height
 from tests.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 
 flown = cache(fly)

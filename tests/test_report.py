@@ -10,13 +10,13 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
-from fieldkit.loop.desk import predict_plans
 from fieldkit.motors import catalogue
-from fieldkit.report.book import Book, book, table
-from fieldkit.report.paper import PER_PAGE, headline, pages, remarks
-from fieldkit.report.style import A4, styled
-from fieldkit.report.write import check_report, write_report
+from fieldkit.presentation.report.book import Book, book, table
+from fieldkit.presentation.report.paper import PER_PAGE, headline, pages, remarks
+from fieldkit.presentation.report.style import A4, styled
+from fieldkit.presentation.report.write import check_report, write_report
 from fieldkit.safe_text import as_markdown
+from fieldkit.services.forecasts import predict_plans
 from tests.pages import Page
 
 CHECK_SHAPES = False

@@ -7,13 +7,13 @@ import pytest
 from scipy.stats import chi2, kstest, rankdata, spearmanr, ttest_1samp
 from scipy.stats import kruskal as scipys_kruskal
 
-from fieldkit.loop.data import OBSERVED, Data
-from fieldkit.loop.left_out import leave_one_out
-from fieldkit.loop.model import Model, Term
-from fieldkit.loop.posterior import scale_grid, solve
-from fieldkit.loop.rank_tests import kruskal, ranks, spearman, spread_p, student_p
-from fieldkit.loop.residual import associations, holm, spread_of, standardised
-from fieldkit.loop.tangent import Tangent
+from fieldkit.inference.laplace.leave_one_out import leave_one_out
+from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.posterior import scale_grid, solve
+from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.selection.rank_tests import kruskal, ranks, spearman, spread_p, student_p
+from fieldkit.selection.residual import associations, holm, spread_of, standardised
 from fieldkit.shapes import Array, Float
 
 FLIGHTS = 18

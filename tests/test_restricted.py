@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.observed import disc
-from fieldkit.inference.restricted import SUBSETS, Exact, Restricted, exact, restricted_draws
-from fieldkit.simulator.paper import DIAMETER
+from fieldkit.inference.validation.restricted import SUBSETS, Exact, Restricted, exact, restricted_draws
+from fieldkit.model.observations import disc
+from fieldkit.physics.paper import DIAMETER
 
 FLIGHTS = 300
 

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.parsing import Found, Note, Reading, parsers
-from fieldkit.standard_air import height_pressure
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.recognize import parsers
+from fieldkit.physics.standard_atmosphere import height_pressure
 from fieldkit.units import FOOT
 from tests.real_logs import damage, reading, real
 

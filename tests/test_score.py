@@ -10,17 +10,17 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, beside_rivals, corrected_by_earlier, unflown
+from fieldkit.forecast.evaluation.rivals import against, judged_report
 from fieldkit.ledger import Ledger
-from fieldkit.loop import desk
-from fieldkit.loop.desk import predict_plans
-from fieldkit.loop.fared import against_the_bar
-from fieldkit.loop.forward import Forecast, beside_rivals, corrected_by_earlier, unflown
-from fieldkit.loop.kept import kept
-from fieldkit.loop.proper import calibration, crps, pit
-from fieldkit.loop.rivals import against, judged_report
-from fieldkit.loop.track_record import as_planned, record
 from fieldkit.motors import catalogue
-from fieldkit.report.score import check_picture, write_picture
+from fieldkit.presentation.report.score import check_picture, write_picture
+from fieldkit.presentation.score_text import against_the_bar
+from fieldkit.scoring.proper_scores import calibration, crps, pit
+from fieldkit.services import forecasts
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.saved_forecasts import kept
+from fieldkit.services.track_record import as_planned, record
 
 CHECK_SHAPES = False
 
@@ -155,7 +155,7 @@ def test_a_kept_prediction_is_scored_against_what_was_known_then(
     assert (plan.dry_mass, plan.apogee) == (pytest.approx(0.35), None)
     assert row.scaled > 0
     assert row.draws is not None
-    assert len(row.draws) == desk.LIKELY
+    assert len(row.draws) == forecasts.LIKELY
     assert made[0].stale
     picture = tmp_path / "score.svg"
     monkeypatch.setenv("COLUMNS", "80")

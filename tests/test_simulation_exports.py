@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedLog
-from fieldkit.parsing import Note, Reading, claims, parsers, read, read_plans
+from fieldkit.importing import Note, Reading
+from fieldkit.importing.read import read, read_plans
+from fieldkit.importing.recognize import claims, parsers
 from tests.samples import SAMPLES, any_motor, owner
 
 SIMULATED = [sample for sample in SAMPLES if owner(sample) in ("openrocket", "rocksim", "rasaero")]

@@ -13,10 +13,10 @@ from hypothesis import strategies as st
 from fieldkit.errors import UnknownMotor
 from fieldkit.motors import catalogue
 from fieldkit.motors.motor import impulse
-from fieldkit.simulator import coast as coasting
-from fieldkit.simulator import flight as flying
-from fieldkit.simulator import paper
-from fieldkit.simulator.atmosphere import (
+from fieldkit.physics import coast as coasting
+from fieldkit.physics import flight as flying
+from fieldkit.physics import paper
+from fieldkit.physics.atmosphere import (
     GRAVITY,
     HYDROSTATIC,
     LAPSE,
@@ -27,10 +27,10 @@ from fieldkit.simulator.atmosphere import (
     pad_air,
     station_pressure,
 )
-from fieldkit.simulator.burn import Track, burn
-from fieldkit.simulator.flight import apogees, fly
-from fieldkit.simulator.motor import Curve
-from fieldkit.simulator.state import Flown, Setup, State
+from fieldkit.physics.burn import Track, burn
+from fieldkit.physics.flight import apogees, fly
+from fieldkit.physics.state import Flown, Setup, State
+from fieldkit.physics.thrust_steps import Curve
 from tests.simulated import DENSITY, EVEN_AIR, LONG, ROUGH, STANDARD_AIR, STEADY, Push, rocket
 
 NAN = np.asarray(np.nan)

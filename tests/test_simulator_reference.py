@@ -8,8 +8,8 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from fieldkit.motors import Motor, catalogue
-from fieldkit.simulator import paper
-from fieldkit.simulator.flight import apogees, fly
+from fieldkit.physics import paper
+from fieldkit.physics.flight import apogees, fly
 from tests.simulated import rocket
 
 GRAVITY = 9.80665

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fieldkit.loop.small_matrices import inverses
+from fieldkit.inference.laplace.batched_inverse import inverses
 
 
 @pytest.mark.parametrize("many", [(), (7,), (18, 5)])

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.stats import kstest, t
 
-from fieldkit.loop.spread import FACTORS, TAIL, apogee_spread, tails
+from fieldkit.inference.laplace.apogee_scatter import FACTORS, TAIL, apogee_spread, tails
 
 FLIGHTS = 400
 

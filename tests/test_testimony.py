@@ -8,18 +8,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from fieldkit.analysis import Recorded
 from fieldkit.cli.main import main
-from fieldkit.loop.force import logs
-from fieldkit.loop.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
-from fieldkit.loop.force.law import missing_force
-from fieldkit.loop.force.regression import Regression, regression
-from fieldkit.loop.force.terms import library
-from fieldkit.loop.force.testimony import Witness, _says, document
-from fieldkit.loop.force.together import Common, common_law
-from fieldkit.loop.force.words import climbs_in_words
-from fieldkit.loop.model import SCATTER
-from fieldkit.recording import Recorded
-from fieldkit.standard_air import GRAVITY, height_pressure
+from fieldkit.model.rocket_model import SCATTER
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
+from fieldkit.selection.force import logs
+from fieldkit.selection.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
+from fieldkit.selection.force.log_evidence import Witness, _says, document
+from fieldkit.selection.force.one_flight import missing_force
+from fieldkit.selection.force.regression import Regression, regression
+from fieldkit.selection.force.several_flights import Common, common_law
+from fieldkit.selection.force.terms import library
+from fieldkit.selection.force.text import climbs_in_words
 from tests.test_missing_force import SLOW, climb, forces, noisy
 
 FLIGHTS = 6

@@ -14,7 +14,7 @@ import torch  # noqa: E402
 
 from fieldkit.cli.main import main  # noqa: E402
 from fieldkit.errors import BadValue  # noqa: E402
-from fieldkit.inference.ensemble import CARD, GRAPH, from_parts, load_folder  # noqa: E402
+from fieldkit.inference.network.ensemble import CARD, GRAPH, from_parts, load_folder  # noqa: E402
 from fieldkit.inference.training.fit import SCHEDULES, Schedule, fit, one_thread, outputs  # noqa: E402
 from fieldkit.inference.training.graph import graph  # noqa: E402
 from fieldkit.inference.training.network import Network, network  # noqa: E402

@@ -8,9 +8,9 @@ from unittest.mock import patch
 import pytest
 
 from fieldkit.flight import READOUTS
-from fieldkit.form import DRAFT
 from fieldkit.ledger import Ledger
-from fieldkit.tui.add_form import Draft
+from fieldkit.services.manual_entry import DRAFT
+from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.screens.add import AddScreen
 from tests.pressing import frozen, opened, press, season, shown, told, typed, words
 

@@ -10,10 +10,12 @@ from fieldkit.flight import BY_NAME, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site
 from fieldkit.motors import catalogue
-from fieldkit.tui import logged, motor_facts, shelf_card
-from fieldkit.tui.groups import grouped, placed
-from fieldkit.tui.intervals import Interval, Intervals, bar
-from fieldkit.tui.table import fitted
+from fieldkit.tui.flights import logged
+from fieldkit.tui.next import motor_facts
+from fieldkit.tui.next.intervals import Interval, Intervals, bar
+from fieldkit.tui.setup import shelf_card
+from fieldkit.tui.widgets.groups import grouped, placed
+from fieldkit.tui.widgets.table import fitted
 from tests.pressing import frozen, opened, press, season, typed, words
 
 LOGGED = {"apogee_sd_m": "1", "stated_apogee_m": "161.544", "time_to_apogee_s": "5.707", "time_to_apogee_sd_s": "0.12"}

@@ -9,10 +9,10 @@ from textual.pilot import Pilot
 from textual.widgets import Input
 
 from fieldkit.flight import TAGS, Flight
-from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
-from fieldkit.tui.bars import KeyBar
-from fieldkit.tui.table import Table
+from fieldkit.services.imports import bring_in
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, opened, press, season, shown, told, typed, words
 
 CHECK_SHAPES = False
@@ -136,7 +136,7 @@ async def test_a_flight_opens_in_the_colours_chosen_since_the_last_one(file: Pat
 
 
 async def test_a_log_is_drawn_with_its_events(tmp_path: Path) -> None:
-    from fieldkit.intake import bring_in
+    from fieldkit.services.imports import bring_in
     from tests.pressing import ROOT
 
     log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"

@@ -7,8 +7,8 @@ from textual.style import Style
 from textual.visual import RenderOptions
 
 from fieldkit.safe_text import printable
-from fieldkit.tui import cards
-from fieldkit.tui.hanging import Hanging, hanging, stacked
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
 
 WIDTH = 40
 

@@ -14,12 +14,12 @@ from fieldkit.flight import CONDITIONS, READOUTS, SETUP
 from fieldkit.ledger import Ledger
 from fieldkit.settings import read_settings
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.bars import KeyBar, shortened
-from fieldkit.tui.dialogs import HelpScreen
-from fieldkit.tui.flight_screen import FlightScreen
-from fieldkit.tui.forecast_card import ForecastCard
+from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.next.forecast_card import ForecastCard
 from fieldkit.tui.page import PageScreen, pages
-from fieldkit.tui.table import Table
+from fieldkit.tui.widgets.bars import KeyBar, shortened
+from fieldkit.tui.widgets.dialogs import HelpScreen
+from fieldkit.tui.widgets.table import Table
 from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
 from tests.test_openrocket import SIMULATION, design
 
@@ -258,7 +258,7 @@ async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
 
 async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
     found = looked_at()
-    from fieldkit.loop.closing import version_payload
+    from fieldkit.services.close_loop import version_payload
 
     with Ledger.open(file) as ledger:
         wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}

@@ -13,8 +13,8 @@ from textual.color import Color as TextualColor
 from textual.pilot import Pilot
 
 from fieldkit import settings
-from fieldkit.intake import bring_in
 from fieldkit.ledger import Ledger
+from fieldkit.services.imports import bring_in
 from fieldkit.tui.themes import SUN, THEMES
 from tests.pressing import ROOT, calm, frozen, looked_at, opened, press, season, shown, typed
 
@@ -58,9 +58,9 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.chdir(folder)
     monkeypatch.setattr("fieldkit.capture.ports", list)
     monkeypatch.setattr("fieldkit.tui.screens.import_files.told", lambda folder: folder.name)
-    monkeypatch.setattr("fieldkit.places.motor_folder", lambda: Path("/home/flyer/motors"))
-    monkeypatch.setattr("fieldkit.places.settings_file", lambda: Path("/home/flyer/settings.json"))
-    monkeypatch.setattr("fieldkit.tui.desk.Desk.name", "/home/flyer/ledger.db")
+    monkeypatch.setattr("fieldkit.paths.motor_folder", lambda: Path("/home/flyer/motors"))
+    monkeypatch.setattr("fieldkit.paths.settings_file", lambda: Path("/home/flyer/settings.json"))
+    monkeypatch.setattr("fieldkit.tui.next.desk.Desk.name", "/home/flyer/ledger.db")
     return tmp_path / "ledger.db"
 
 

@@ -10,7 +10,7 @@ from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import site_of
-from fieldkit.tui.tabs import TabLine
+from fieldkit.tui.widgets.tabs import TabLine
 from tests.pressing import calm, frozen, opened, press, season, told, typed, words
 
 CHECK_SHAPES = False
@@ -116,7 +116,7 @@ async def test_a_site_is_edited_in_place_with_what_its_safety_lines_ask_for(file
 
 
 async def test_forecasts_kept_are_listed_and_stale_ones_say_why(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("fieldkit.loop.kept._lapsed", lambda _: False)
+    monkeypatch.setattr("fieldkit.services.saved_forecasts._lapsed", lambda _: False)
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d")
         await front(pilot, "Kept")
@@ -136,8 +136,8 @@ async def test_a_report_is_written_where_the_flyer_says(
     file: Path, keys: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(file.parent)
-    monkeypatch.setattr("fieldkit.report.write.picture", lambda *_: b"a picture")
-    with patch("fieldkit.report.book.look", side_effect=NoFlights("too few")):
+    monkeypatch.setattr("fieldkit.presentation.report.write.picture", lambda *_: b"a picture")
+    with patch("fieldkit.presentation.report.book.look", side_effect=NoFlights("too few")):
         async with opened(file) as pilot:
             await press(pilot, "1", *keys, "w", "ctrl+u", *typed("card.doc"), "enter", "_")
             assert "expected a name that ends in .html" in words(pilot)

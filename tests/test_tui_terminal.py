@@ -10,8 +10,8 @@ from pathlib import Path
 
 import pytest
 
-from fieldkit.form import DRAFT
 from fieldkit.ledger import Ledger
+from fieldkit.services.manual_entry import DRAFT
 from tests.pressing import ROOT, season
 
 PATIENCE = 60.0

@@ -7,9 +7,9 @@ import pytest
 
 from fieldkit.errors import DamagedModel
 from fieldkit.flight import CHECKED, Flight
-from fieldkit.loop import unlike
-from fieldkit.loop.predict import predict
-from fieldkit.loop.unlike import fitting
+from fieldkit.forecast.predict import predict
+from fieldkit.inference.laplace import outliers
+from fieldkit.inference.laplace.outliers import fitting
 from fieldkit.motors import Found, catalogue
 from tests.test_forecast_model import PLAN, Flown, season
 
@@ -67,7 +67,7 @@ def test_without_the_ensemble_forecasts_go_on_and_say_so(monkeypatch: pytest.Mon
     def damaged() -> None:
         raise DamagedModel("field: found another graph, expected its own")
 
-    monkeypatch.setattr(unlike, "_ensemble", damaged)
+    monkeypatch.setattr(outliers, "_ensemble", damaged)
     flights, found = parts(season({}))
     assert fitting(flights, found) == (
         tuple(flights),

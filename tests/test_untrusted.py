@@ -20,12 +20,12 @@ from sqlalchemy import create_engine, text
 from fieldkit import files
 from fieldkit.cli.main import app, main
 from fieldkit.errors import DamagedLog, LedgerError
-from fieldkit.export import csv_table
 from fieldkit.flight import Flight
-from fieldkit.intake import read_file
 from fieldkit.ledger import Ledger
 from fieldkit.motors import own
+from fieldkit.presentation.export import csv_table
 from fieldkit.safe_text import as_cell, from_cell
+from fieldkit.services.imports import read_file
 from tests.test_openrocket import design
 
 ROOT = Path(__file__).parents[1]

@@ -12,8 +12,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.parsing import Reading, claims, parsers, recognise
-from fieldkit.standard_air import GRAVITY
+from fieldkit.importing import Reading
+from fieldkit.importing.recognize import claims, parsers, recognise
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.units import FOOT
 from tests.samples import SAMPLES, owner
 from tools.samples.one_parachute import flight

@@ -12,9 +12,9 @@ import pytest
 
 from bench import score
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.inference.simulated import Truth, motors_apart
 from fieldkit.inference.training import parts
-from fieldkit.work import done, workers
+from fieldkit.model.prior_predictive import Truth, motors_apart
+from fieldkit.parallel import done, workers
 
 
 def square(number: int) -> bytes:
@@ -50,7 +50,7 @@ LOSES_A_WORKER = """
 import os, sys
 from pathlib import Path
 from fieldkit.inference.training import parts
-from fieldkit.work import workers
+from fieldkit.parallel import workers
 
 OUT = Path(sys.argv[1])
 fly_part = parts.fly_part

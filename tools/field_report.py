@@ -16,14 +16,14 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldkit.inference import guard
-from fieldkit.inference.ensemble import read_card
-from fieldkit.inference.field import load_field
-from fieldkit.inference.flights import known_flights
-from fieldkit.inference.observed import SEEN, observe
+from fieldkit.inference.network import outliers
+from fieldkit.inference.network.ensemble import read_card
+from fieldkit.inference.network.field_ensemble import load_field
+from fieldkit.inference.network.flights import known_flights
 from fieldkit.ledger import Ledger
+from fieldkit.model.observations import SEEN, observe
 from fieldkit.motors import catalogue
-from fieldkit.shelf import trained_folder
+from fieldkit.plugins import trained_folder
 
 ROOT = Path(__file__).parents[1]
 MEASURED = ROOT / "docs" / "measured"
@@ -52,7 +52,7 @@ def _guarded(ledger: str) -> dict:
         known = known_flights([flight for flight in book.flights() if flight.clean], catalogue())
     ensemble = load_field()
     observed = observe([flight for flight, _ in known], [motor for _, motor in known])
-    which = guard.misfit(ensemble, observed)
+    which = outliers.misfit(ensemble, observed)
     counts = Counter(SEEN[number] for number in which if number >= 0)
     return {"flights": len(known), "warned": int((which >= 0).sum()), "by_readout": dict(counts)}
 

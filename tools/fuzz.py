@@ -30,8 +30,8 @@ def main() -> int:
     except ImportError:
         print("atheris is not installed (pip install atheris); tests/test_bad_input.py tries bad logs without it")
         return 0
-    with atheris.instrument_imports(include=["fieldkit.parsers", "fieldkit.logs"]):
-        from fieldkit.parsing import parsers
+    with atheris.instrument_imports(include=["fieldkit.parsers", "fieldkit.importing.tables"]):
+        from fieldkit.importing.recognize import parsers
 
         names = [options.format] if options.format else list(parsers())
     from tests.badinput import must_hold, patience

@@ -7,7 +7,7 @@ python -m tools.goldens [PART OF A NAME]
 import json
 import sys
 
-from fieldkit.parsing import read
+from fieldkit.importing.read import read
 from tests.samples import SAMPLES, any_motor
 from tests.test_every_parser import GOLDEN, summary
 

@@ -20,9 +20,9 @@ from typer.core import TyperGroup
 from typer.main import get_command
 
 from fieldkit.cli.main import app
-from fieldkit.inference.ensemble import read_card
-from fieldkit.shelf import trained, trained_digests, trained_folder
-from fieldkit.simulator.effect import Effect, Prior, effects
+from fieldkit.inference.network.ensemble import read_card
+from fieldkit.physics.effect import Effect, Prior, effects
+from fieldkit.plugins import trained, trained_digests, trained_folder
 
 ROOT = Path(__file__).parents[1]
 DOCS = ROOT / "docs"
@@ -179,10 +179,11 @@ def code_map() -> str:
     rows = [f"| {_linked(name)} | {_first_words(name)} |" for layer in layers for name in re.findall(r"\w+", layer)]
     return f"""# The map of the code
 
-Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/parsing/`, a row of the ledger in
-`fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/inference/flights.py`, a forecast in `fieldkit/loop/predict.py`,
-and what it missed becomes a better model in `fieldkit/loop/diagnose.py`. A module imports what stands below it in this
-table and nothing above; `lint-imports` keeps it so. Each says in its first lines what it is for.
+Bytes of a log become a `Reading` in `parsers/`, a `Flight` in `fieldkit/importing/`, a row of the ledger in
+`fieldkit/ledger/ledger.py`, Cd and alpha in `fieldkit/inference/network/flights.py`, a forecast in
+`fieldkit/forecast/predict.py`, and what it missed becomes a better model in `fieldkit/selection/diagnose.py`. A
+module imports what stands below it in this table and nothing above; `lint-imports` keeps it so. Each says in its
+first lines what it is for.
 {WRITTEN_BY}
 
 | in `fieldkit/` | what it is |

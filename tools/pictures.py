@@ -95,8 +95,8 @@ async def app_page(ledger: Path, theme: str, keys: list[str]) -> str:
 
 def app_pages() -> None:
     """Write the pictures of the app, over the reference flights and one log."""
-    from fieldkit.intake import bring_in
     from fieldkit.ledger import Ledger
+    from fieldkit.services.imports import bring_in
 
     for name, (theme, keys) in PAGES.items():
         with TemporaryDirectory() as folder:

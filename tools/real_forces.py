@@ -11,12 +11,12 @@ from pathlib import Path
 
 import numpy as np
 
+from fieldkit.analysis import Forces, Recorded, measure
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.loop.force.flights import FlightForce, flight_force, rocket_of
+from fieldkit.importing.read import read_recordings
 from fieldkit.motors import catalogue
-from fieldkit.parsing import read_recordings
-from fieldkit.recording import Forces, Recorded, measure
+from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
 
 
 @dataclass(frozen=True)

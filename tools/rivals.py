@@ -18,16 +18,16 @@ from pathlib import Path
 import numpy as np
 import torch
 
-from fieldkit.inference.ensemble import load_folder
-from fieldkit.inference.field import intervals, posterior
-from fieldkit.inference.field_features import features
-from fieldkit.inference.measured import SUBSETS, forget, measure
-from fieldkit.inference.mixture import logits, mixture
-from fieldkit.inference.simulated import motors_apart, simulate
+from fieldkit.inference.network.ensemble import load_folder
+from fieldkit.inference.network.field_ensemble import intervals, posterior
+from fieldkit.inference.network.mixture import logits, mixture
 from fieldkit.inference.training.density import FARTHEST, Plan, fit
 from fieldkit.inference.training.field import batch
 from fieldkit.inference.training.fit import one_thread
-from fieldkit.shelf import trained_folder
+from fieldkit.model.field_features import features
+from fieldkit.model.observation_noise import SUBSETS, forget, measure
+from fieldkit.model.prior_predictive import motors_apart, simulate
+from fieldkit.plugins import trained_folder
 
 JUDGED = 5000
 """Fresh flights."""

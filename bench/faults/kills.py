@@ -43,7 +43,7 @@ from fieldkit.cli.main import main as run
 from fieldkit.errors import CaptureTrouble
 from fieldkit.ledger import opening
 from fieldkit.ledger.backups import folder_of
-from fieldkit.places import capture_folder
+from fieldkit.paths import capture_folder
 
 MEASURED = 5
 """Trials without a kill, whose median length the moments are drawn over. [1]"""

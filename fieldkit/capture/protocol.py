@@ -13,7 +13,7 @@ from fieldkit.capture.events import Stored
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.errors import CaptureTrouble, PortTrouble
-from fieldkit.shelf import plugins
+from fieldkit.plugins import plugins
 
 
 def everything(flights: Sequence[Stored]) -> Sequence[int]:

@@ -6,7 +6,7 @@ The checksum is the sum of the characters from the name up to the comma before i
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from fieldkit.logs.checks import sum_256
+from fieldkit.importing.tables.checksums import sum_256
 
 
 @dataclass(frozen=True, slots=True)

@@ -56,8 +56,8 @@ def _from_options(changes: dict[str, str]) -> "Flight":
 
 def _doubt(ledger: "Ledger", flight: "Flight") -> None:
     """Say what looks mistyped; the flight is taken as it is."""
-    from fieldkit.form import usual
-    from fieldkit.sanity import doubts
+    from fieldkit.flight.plausibility import doubts
+    from fieldkit.services.manual_entry import usual
 
     for phrase in doubts(flight, usual(ledger, flight)):
         complain(f"note: {phrase}")
@@ -71,7 +71,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     import sys
 
     from fieldkit.cli.prompts import Talk, converse
-    from fieldkit.form import DRAFT, UNITS, with_offers
+    from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
 
     person = sys.stdin.isatty()
     talk = Talk(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
@@ -126,7 +126,7 @@ def _listen_to_pipe(_prompt: str) -> str | None:
 
 def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     """Put a flight in the ledger and show it."""
-    from fieldkit.form import enter
+    from fieldkit.services.manual_entry import enter
 
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:

@@ -13,7 +13,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_s
 
 if TYPE_CHECKING:
     from fieldkit.capture import Ended, Event, Port, Stored, Wishes
-    from fieldkit.intake import Receipt
+    from fieldkit.services.imports import Receipt
 
 app = typer.Typer()
 
@@ -80,7 +80,7 @@ def _events(
 ) -> "Iterator[Event]":
     """The events of the capture that was asked for. Raises PortTrouble, CaptureTrouble; wrong usage otherwise."""
     from fieldkit import capture
-    from fieldkit.places import capture_folder
+    from fieldkit.paths import capture_folder
 
     if not resume:
         if len(where) > 1:
@@ -97,7 +97,7 @@ def _events(
 def _capture_of(text: str) -> Path | None:
     """The capture that a text names, by its path or by its name in the user's folder, None for a port."""
     from fieldkit.capture import is_capture
-    from fieldkit.places import capture_folder
+    from fieldkit.paths import capture_folder
 
     return next((file for file in (Path(text), capture_folder() / text) if is_capture(file)), None)
 
@@ -105,7 +105,7 @@ def _capture_of(text: str) -> Path | None:
 def _unfinished() -> Path:
     from fieldkit.capture import unfinished
     from fieldkit.errors import CaptureTrouble
-    from fieldkit.places import capture_folder
+    from fieldkit.paths import capture_folder
 
     found = unfinished(capture_folder())
     if found is None:
@@ -191,7 +191,7 @@ def _received(
     context: typer.Context, end: "Ended", wanted: bool | None, defaults: dict[str, object], json: bool
 ) -> "Receipt | None":
     """Import a capture, where that is wanted; a damaged log stays in the capture, which the message names."""
-    from fieldkit.intake import bring_in
+    from fieldkit.services.imports import bring_in
 
     if wanted is None and end.whole and sys.stdin.isatty() and not json:
         wanted = typer.confirm("Import it now?", default=True, err=True)

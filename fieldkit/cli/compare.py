@@ -8,8 +8,8 @@ from fieldkit.cli.screen import complain, print_json, print_table, say
 from fieldkit.cli.session import open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.recording.compare import Comparison
-    from fieldkit.replay import Recording
+    from fieldkit.analysis.compare import Comparison
+    from fieldkit.services.replay import Recording
 
 app = typer.Typer()
 
@@ -24,10 +24,10 @@ def compare(
     """Compare recordings of one flight: two devices, or a flight with a simulation; the first is the measure."""
     from pathlib import Path
 
+    from fieldkit.analysis.compare import compare as against
     from fieldkit.errors import NoFlights
-    from fieldkit.logs.mapping import remembered
-    from fieldkit.recording.compare import compare as against
-    from fieldkit.replay import recordings
+    from fieldkit.importing.tables.mapping import remembered
+    from fieldkit.services.replay import recordings
 
     found: list[Recording] = []
     choices = list(remembered())
@@ -50,7 +50,7 @@ def compare(
 
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
     """A table of figures, a column a recording, with what is how far apart."""
-    from fieldkit.recording.words import TITLES, spoken
+    from fieldkit.analysis.labels import TITLES, spoken
 
     headers = ["", *(recording.name for recording in found), *("apart" for _ in compared)]
     rows = []
@@ -72,7 +72,7 @@ def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
 
 
 def _apart(name: str, value: float, apart: float | None) -> str:
-    from fieldkit.recording.words import spoken
+    from fieldkit.analysis.labels import spoken
 
     sign = "+" if value >= 0 else ""
     return sign + spoken(name, value, 0.0) + (f", {abs(apart):.1f} sd" if apart is not None else "")
@@ -80,7 +80,7 @@ def _apart(name: str, value: float, apart: float | None) -> str:
 
 def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[str, object]:
     """Recordings and comparisons as JSON, in the units of the flight table."""
-    from fieldkit.recording.words import at_the_edge, edge_header
+    from fieldkit.analysis.labels import at_the_edge, edge_header
 
     return {
         "recordings": [{"name": one.name, "kind": one.kind} | document(one) for one in found],
@@ -107,7 +107,7 @@ def _document(found: "list[Recording]", compared: "list[Comparison]") -> dict[st
 
 def document(recording: "Recording") -> dict[str, object]:
     """What was measured in a recording as JSON, in the units of the flight table."""
-    from fieldkit.recording.words import at_the_edge, edge_header
+    from fieldkit.analysis.labels import at_the_edge, edge_header
 
     recorded = recording.recorded
     return {

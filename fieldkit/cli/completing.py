@@ -41,7 +41,7 @@ def motor_names(context: typer.Context, incomplete: str) -> list[str]:
     from math import isfinite
 
     from fieldkit.motors.own import known_motors
-    from fieldkit.places import motor_folder
+    from fieldkit.paths import motor_folder
 
     motors, _ = known_motors(motor_folder())
     sold = (f"{motor.designation}-{delay:g}" for motor in motors.motors for delay in motor.delays if isfinite(delay))

@@ -11,7 +11,7 @@ from fieldkit.cli.screen import complain, print_json, say, say_wrapped
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.plan.contest import Outlook, Season
+    from fieldkit.planning.contest import Outlook, Season
 
 app = typer.Typer()
 
@@ -33,10 +33,10 @@ def contest(
     **given: str | None,
 ) -> None:
     """Score flights by the rule of a season and, with --motor, say what points a plan can expect."""
-    from fieldkit.places import data_folder
-    from fieldkit.plan.contest import allowed, copy_season, declared_score, outlook, score
-    from fieldkit.plan.day import read_declared, read_window
-    from fieldkit.plan.words import outlook_in_words
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.contest import allowed, copy_season, declared_score, outlook, score
+    from fieldkit.planning.contest_day import read_declared, read_window
+    from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:
         complain(f"your own rule, used from now on: {copy_season(season, data_folder() / 'seasons')}")
@@ -109,7 +109,7 @@ def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[
 
 
 def _plan_document(ahead: "Outlook", rule: "Season", area: float) -> dict[str, object]:
-    from fieldkit.plan.quantiles import named, three
+    from fieldkit.planning.quantiles import named, three
 
     said = ahead.forecast
     return {

@@ -11,7 +11,7 @@ from fieldkit.cli.screen import print_table, progress, say, say_report, say_wrap
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
-    from fieldkit.demo import Demo
+    from fieldkit.services.demo import Demo
 
 app = typer.Typer()
 
@@ -23,9 +23,9 @@ def demo(context: typer.Context) -> None:
     Your own ledger is left alone: the demo keeps its flights in a temporary one, or in the empty one
     that --ledger names.
     """
-    from fieldkit.demo import demo
     from fieldkit.ledger import Ledger
     from fieldkit.motors import catalogue
+    from fieldkit.services.demo import demo
 
     named = _named_ledger(context)
     with ExitStack() as stack:
@@ -110,7 +110,7 @@ def _predict(found: "Demo") -> None:
 
 
 def _loop(found: "Demo") -> None:
-    from fieldkit.loop.words import report
+    from fieldkit.presentation.loop_text import report
 
     say("4. The loop closed: what the model gets wrong, and what could be missing")
     say()

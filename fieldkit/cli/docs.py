@@ -41,7 +41,7 @@ def docs(
 
 
 def _text(name: str) -> str:
-    from fieldkit.shelf import shelf_folder
+    from fieldkit.plugins import shelf_folder
 
     return Path(shelf_folder("docs") / f"{name}.md").read_text(encoding="utf-8")
 

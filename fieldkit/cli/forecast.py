@@ -13,9 +13,9 @@ from fieldkit.cli.session import MotorCheck, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+    from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
-    from fieldkit.loop.prediction import Prediction
-    from fieldkit.plan.safety import Line
+    from fieldkit.planning.safety import Line
 
 app = typer.Typer()
 
@@ -37,8 +37,8 @@ def predict(
     **given: str | None,
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
-    from fieldkit.loop.desk import predict_plans
-    from fieldkit.loop.told import forecast_document
+    from fieldkit.presentation.forecast_text import forecast_document
+    from fieldkit.services.forecasts import predict_plans
 
     check = MotorCheck()
     with open_ledger(context) as ledger:
@@ -64,8 +64,8 @@ app.command()(predict)
 
 
 def _table(file: Path, check: MotorCheck) -> "list[Flight]":
-    from fieldkit.intake import read_file
-    from fieldkit.parsing import read_plans
+    from fieldkit.importing.read import read_plans
+    from fieldkit.services.imports import read_file
 
     return read_plans(read_file(file), str(file), check)
 
@@ -83,7 +83,7 @@ def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> 
 
 
 def _print_one(prediction: "Prediction") -> None:
-    from fieldkit.loop.told import in_words
+    from fieldkit.presentation.forecast_text import in_words
 
     for note in prediction.found.notes:
         complain(f"note: {note}")
@@ -117,8 +117,8 @@ def _print_table(predictions: "list[Prediction]") -> None:
 def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Line]]") -> None:
     """The air and every safety line of each planned flight, and who decides."""
     from fieldkit.cli.screen import say_wrapped
-    from fieldkit.plan.air import air_of
-    from fieldkit.plan.safety import DECIDES
+    from fieldkit.planning.air import air_of
+    from fieldkit.planning.safety import DECIDES
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor

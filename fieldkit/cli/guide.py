@@ -8,7 +8,7 @@ from fieldkit.cli.planning import Given, Plan, length, planning, print_condition
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
-    from fieldkit.plan.guide import Choice, Wanted
+    from fieldkit.planning.motor_guide import Choice, Wanted
 
 SHOWN = 12
 """How many motors have their checks told, where not all are asked for."""
@@ -28,8 +28,8 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
-    from fieldkit.plan.guide import LEAST_THRUST, by_closeness, fitting, guide, lifts
-    from fieldkit.plan.safety import DECIDES
+    from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, fitting, guide, lifts
+    from fieldkit.planning.safety import DECIDES
 
     target = length(fit["target"])
     with planning(context, given) as plan:
@@ -58,7 +58,7 @@ def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted
     import math
 
     from fieldkit.errors import UnknownMotor
-    from fieldkit.plan.guide import Wanted, mount_of, shortlist
+    from fieldkit.planning.motor_guide import Wanted, mount_of, shortlist
 
     mount = length(fit["mount"], "mm") or mount_of(plan.rocket, plan.flight.config)
     if mount is None:
@@ -84,8 +84,8 @@ def _classes(text: str) -> tuple[str, str] | None:
 
 
 def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "list[Choice]", weak: list[str]) -> None:
-    from fieldkit.plan.air import air_of, conditions
-    from fieldkit.plan.safety import DECIDES
+    from fieldkit.planning.air import air_of, conditions
+    from fieldkit.planning.safety import DECIDES
 
     said = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
@@ -135,7 +135,7 @@ def _ejections(choice: "Choice", most: int) -> str:
 
 
 def _table(choices: "list[Choice]", most: int) -> None:
-    from fieldkit.plan.quantiles import three
+    from fieldkit.planning.quantiles import three
 
     headers = ("motor", "shown", "90 %", "true", "rail", "T/W", "avg", "top", "✗", "eject")
     rows = []

@@ -31,7 +31,7 @@ def infer(
 ) -> None:
     """Infer what each flight says of the rocket's drag (Cd) and the motor's thrust (alpha, 1 as certified)."""
     from fieldkit.errors import NoFlights
-    from fieldkit.inference.flights import infer
+    from fieldkit.inference.network.flights import infer
 
     with open_ledger(context) as ledger:
         flown = ledger.flights(ids=flights or None)

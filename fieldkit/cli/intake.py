@@ -13,8 +13,8 @@ from fieldkit.cli.screen import complain, print_json, say, say_lines, say_wrappe
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
-    from fieldkit.intake import Receipt
     from fieldkit.ledger import Ledger
+    from fieldkit.services.imports import Receipt
 
 app = typer.Typer()
 
@@ -53,8 +53,8 @@ def import_(
 
     What cannot be taken in is named, and the rest goes in.
     """
-    from fieldkit.intake import gather, take_in
-    from fieldkit.logs.mapping import read_choice, remember, remembered
+    from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+    from fieldkit.services.imports import gather, take_in
 
     choices = ([read_choice(columns)] if columns else []) + list(remembered())
     check_motor = MotorCheck()
@@ -111,7 +111,7 @@ def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
     if not ledger.predictions():
         return
     from fieldkit.cli.session import known_motors
-    from fieldkit.loop.kept import by_flight, in_words, kept
+    from fieldkit.services.saved_forecasts import by_flight, in_words, kept
 
     said = by_flight(kept(ledger, known_motors()))
     flights = ledger.flights(ids=ids)
@@ -133,8 +133,8 @@ def export(
     import json
     import sys
 
-    from fieldkit.export import csv_table, document
     from fieldkit.files import write
+    from fieldkit.presentation.export import csv_table, document
 
     with open_ledger(context) as ledger:
         flights = ledger.flights(rocket)

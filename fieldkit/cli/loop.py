@@ -33,20 +33,20 @@ def loop(
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
     from fieldkit.cli.screen import progress
-    from fieldkit.loop import closing
-    from fieldkit.loop.desk import which_rocket
-    from fieldkit.loop.documents import loop_document
-    from fieldkit.loop.words import report
+    from fieldkit.presentation.json_documents import loop_document
+    from fieldkit.presentation.loop_text import report
+    from fieldkit.services import close_loop
+    from fieldkit.services.forecasts import which_rocket
 
     if page is not None:
-        from fieldkit.report.loop.page import check_page, write_page
+        from fieldkit.presentation.report.loop.page import check_page, write_page
 
         check_page(page)
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
         given = effect.split("+") if effect else []
         with progress("looking for an effect") as tell:
-            found = closing.look(ledger, known_motors(), name, tell, accept=not look, given=given)
+            found = close_loop.look(ledger, known_motors(), name, tell, accept=not look, given=given)
     if page is not None:
         write_page(found, page)
         complain(f"report written to {page}")
@@ -67,7 +67,7 @@ def model(
     ] = None,
 ) -> None:
     """List the model versions of a rocket, or go back to one."""
-    from fieldkit.loop.desk import version_adds, which_rocket
+    from fieldkit.services.forecasts import version_adds, which_rocket
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)

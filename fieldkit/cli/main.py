@@ -95,7 +95,7 @@ app = typer.Typer(
 def _version(wanted: bool) -> None:
     if wanted:
         from fieldkit import __version__
-        from fieldkit.shelf import trained_digests
+        from fieldkit.plugins import trained_digests
 
         typer.echo(f"fieldkit {__version__}")
         for name, digest in trained_digests().items():

@@ -98,8 +98,8 @@ app.command()(motors)
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
     """Add motors to a rocket's shortlist. More than a table holds are refused, as a slip."""
-    from fieldkit.loop.desk import which_rocket
-    from fieldkit.plan.guide import keep_shortlist, label, shortlist
+    from fieldkit.planning.motor_guide import keep_shortlist, label, shortlist
+    from fieldkit.services.forecasts import which_rocket
 
     if len(found) > MOST:
         raise typer.BadParameter(f"found {len(found)} motors to put by, expected at most {MOST}; a longer name narrows")
@@ -112,7 +112,7 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
 
 def _added(file: Path) -> "list[Motor]":
     from fieldkit.motors.own import import_file
-    from fieldkit.places import motor_folder
+    from fieldkit.paths import motor_folder
 
     found = import_file(file, motor_folder())
     complain(f"{len(found)} added from {file}")

@@ -8,7 +8,7 @@ import typer
 
 from fieldkit import flight
 from fieldkit.cli.completing import config_names, motor_names, rocket_names
-from fieldkit.measures import spelled
+from fieldkit.quantities import spelled
 
 TEXTS = tuple(name for name in flight.TEXT_COLUMNS if name != "log")
 SETUP, CONDITIONS, READOUTS = (

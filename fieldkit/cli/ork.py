@@ -26,9 +26,9 @@ def ork(
 ) -> None:
     """Start a rocket from its OpenRocket design: mass without motor, diameter, length and Cd, until it has flown."""
     from fieldkit.errors import BadValue
-    from fieldkit.intake import read_file
     from fieldkit.ledger import Start
     from fieldkit.openrocket import read_design
+    from fieldkit.services.imports import read_file
 
     design = read_design(read_file(file), file.name)
     name = rocket or design.name

@@ -7,7 +7,7 @@ import typer
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
-    from fieldkit.loop.paper.report import Report
+    from fieldkit.studies.paper.report import Report
 
 app = typer.Typer()
 
@@ -15,8 +15,8 @@ app = typer.Typer()
 @app.command()
 def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """Put the reference paper to the test on its own twelve flights."""
-    from fieldkit.loop.paper.report import report
-    from fieldkit.loop.paper.words import findings
+    from fieldkit.studies.paper.report import report
+    from fieldkit.studies.paper.text import findings
 
     found = report()
     if json:

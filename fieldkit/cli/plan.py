@@ -19,9 +19,9 @@ def delay(
     **given: str | None,
 ) -> None:
     """Choose the ejection delay to buy or drill, from how long the rocket coasts."""
-    from fieldkit.places import data_folder
-    from fieldkit.plan.delay import delays, drill_of
-    from fieldkit.plan.words import delays_in_words
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.delay import delays, drill_of
+    from fieldkit.presentation.planning_text import delays_in_words
     from fieldkit.units import parse
 
     with planning(context, given) as plan:
@@ -69,10 +69,10 @@ def ballast(
     **given: str | None,
 ) -> None:
     """Find the dry mass that best meets a target, and the grams to add or take off."""
-    from fieldkit.plan.ballast import Goal
-    from fieldkit.plan.ballast import ballast as solve
-    from fieldkit.plan.contest import allowed
-    from fieldkit.plan.words import ballast_in_words
+    from fieldkit.planning.ballast import Goal
+    from fieldkit.planning.ballast import ballast as solve
+    from fieldkit.planning.contest import allowed
+    from fieldkit.presentation.planning_text import ballast_in_words
 
     rule = None if season is None else season_rule(season).announced(length(target), None)
     wanted, band = rule.target if rule else length(target), length(within)

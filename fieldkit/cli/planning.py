@@ -13,14 +13,14 @@ from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+    from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger, Start
     from fieldkit.ledger.sites import Site
-    from fieldkit.loop.prediction import Prediction
     from fieldkit.motors import Catalogue, Found
-    from fieldkit.plan.contest import Season
-    from fieldkit.plan.desk import Rocket
-    from fieldkit.plan.limits import Limit
-    from fieldkit.plan.safety import Line
+    from fieldkit.planning.contest import Season
+    from fieldkit.planning.limits import Limit
+    from fieldkit.planning.safety import Line
+    from fieldkit.services.planning import Rocket
 
 Given = Mapping[str, str | None]
 """Options of a plan as typed, None where not given."""
@@ -48,8 +48,8 @@ class Plan:
 
     def safety(self, said: "Prediction") -> "list[Line]":
         """Every safety line of a forecast."""
-        from fieldkit.plan.descent import fall_of
-        from fieldkit.plan.safety import safety_lines
+        from fieldkit.planning.descent import fall_of
+        from fieldkit.planning.safety import safety_lines
 
         return safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
 
@@ -57,8 +57,8 @@ class Plan:
 @contextmanager
 def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
     """A plan for a rocket that has flown or has a design, with its ledger open. Raises NoFlights, BadValue."""
-    from fieldkit.loop.desk import which_rocket
-    from fieldkit.plan.desk import rocket_of
+    from fieldkit.services.forecasts import which_rocket
+    from fieldkit.services.planning import rocket_of
 
     motors = known_motors()
     with open_ledger(context) as ledger, progress("planning") as tell:
@@ -74,10 +74,10 @@ def begun_plan(ledger: "Ledger", given: Given) -> "Flight":
 
     Raises BadValue.
     """
-    from fieldkit.entry import read_changes
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
-    from fieldkit.plan.desk import begun
-    from fieldkit.plan.safety import motor_temperature
+    from fieldkit.importing.manual_entry import read_changes
+    from fieldkit.planning.safety import motor_temperature
+    from fieldkit.services.planning import begun
     from fieldkit.settings import read_settings
 
     changes = {name: text for name, text in given.items() if text is not None and name not in dict(FIELD)}
@@ -112,25 +112,25 @@ def length(text: str | None, default: str = "m") -> float | None:
 
 def season_rule(year: int) -> "Season":
     """The rule of a season, the flyer's own where there is one. Raises BadValue."""
-    from fieldkit.places import data_folder
-    from fieldkit.plan.contest import season
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.contest import season
 
     return season(year, data_folder() / "seasons")
 
 
 def own_limits() -> "dict[str, Limit]":
     """The thresholds, with the flyer's own in their place."""
-    from fieldkit.places import data_folder
-    from fieldkit.plan.limits import limits
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.limits import limits
 
     return limits(data_folder() / "limits.toml")
 
 
 def safety_of(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given) -> "list[list[Line]]":
     """Every safety line of each of some forecasts."""
-    from fieldkit.loop.desk import flown
-    from fieldkit.plan.descent import fall_of
-    from fieldkit.plan.safety import safety_lines
+    from fieldkit.planning.descent import fall_of
+    from fieldkit.planning.safety import safety_lines
+    from fieldkit.services.forecasts import flown
 
     limits = own_limits()
     falls = {name: fall_of(flown(ledger, motors, name)) for name in {one.plan.rocket for one in said}}
@@ -139,8 +139,8 @@ def safety_of(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]
 
 def about_plan(said: "Prediction", lines: "Sequence[Line]") -> dict[str, Any]:
     """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
-    from fieldkit.plan.air import air_of, conditions
-    from fieldkit.plan.safety import DECIDES
+    from fieldkit.planning.air import air_of, conditions
+    from fieldkit.planning.safety import DECIDES
 
     return {
         "conditions": conditions(said.plan),
@@ -152,7 +152,7 @@ def about_plan(said: "Prediction", lines: "Sequence[Line]") -> dict[str, Any]:
 
 def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
     """Print the air of a plan, what else of the day acts on it, and the design it starts from."""
-    from fieldkit.plan.words import conditions_in_words
+    from fieldkit.presentation.planning_text import conditions_in_words
 
     for text in conditions_in_words(plan, starts):
         say_wrapped(text, " " * 10)
@@ -171,7 +171,7 @@ _WIDTH = 79
 
 def print_safety(plan: "Flight", lines: "Sequence[Line]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan and all safety lines, well or not, and who decides."""
-    from fieldkit.plan.safety import told
+    from fieldkit.planning.safety import told
 
     print_conditions(plan, starts)
     say("  safety")

@@ -10,7 +10,7 @@ from fieldkit.cli.session import known_motors, open_ledger
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
-    from fieldkit.loop.kept import Kept
+    from fieldkit.services.saved_forecasts import Kept
 
 app = typer.Typer()
 
@@ -23,8 +23,8 @@ def predictions(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """List the predictions kept: those still open, those that became stale and why, and those flown."""
-    from fieldkit.loop.desk import which_rocket
-    from fieldkit.loop.kept import STANDING, kept, standing
+    from fieldkit.services.forecasts import which_rocket
+    from fieldkit.services.saved_forecasts import STANDING, kept, standing
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket) if rocket else None
@@ -71,7 +71,7 @@ def foretold(ledger: "Ledger", flight: "Flight") -> "Kept | None":
     """The prediction that a flight is measured against; a ledger without any wakes nothing to say so."""
     if not ledger.predictions(flight.rocket):
         return None
-    from fieldkit.loop.kept import of_flight
+    from fieldkit.services.saved_forecasts import of_flight
 
     return of_flight(ledger, known_motors(), flight)
 
@@ -80,7 +80,7 @@ def say_foretold(said: "Kept | None") -> None:
     """Print what was foretold for a flight beside what it flew, where something was."""
     if said is None:
         return
-    from fieldkit.loop.kept import in_words
+    from fieldkit.services.saved_forecasts import in_words
 
     first, *others = in_words(said)
     say_wrapped(f"Prediction  {first}", " " * 12)

@@ -3,15 +3,15 @@
 from collections.abc import Callable
 from dataclasses import dataclass, field
 
-from fieldkit import form
 from fieldkit.cli.screen import complain
 from fieldkit.cli.session import MotorCheck
-from fieldkit.entry import NOTHING, QUESTIONS, Question, oddities, read_answer
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, oddities, read_answer
 from fieldkit.ledger import Ledger
-from fieldkit.measures import spelled
+from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
+from fieldkit.services import manual_entry
 
 BACK = "<"
 
@@ -74,7 +74,7 @@ def offer(talk: Talk, question: Question) -> str:
     """What Enter takes: the answer given before, or the one of the last flight like this."""
     if question.name in talk.answers:
         return talk.answers[question.name]
-    return form.offer(talk.ledger, talk.flight, question)
+    return manual_entry.offer(talk.ledger, talk.flight, question)
 
 
 def _prompt(talk: Talk, question: Question) -> str:
@@ -88,7 +88,7 @@ def _unit(talk: Talk, question: Question) -> str:
     column = question.column
     if column is None:
         return ""
-    return talk.units.get(form.kind(column), column.unit) if talk.patient else column.unit
+    return talk.units.get(manual_entry.kind(column), column.unit) if talk.patient else column.unit
 
 
 def _answered(talk: Talk, question: Question, text: str) -> bool:
@@ -100,7 +100,7 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
         except (BadValue, UnknownMotor) as error:
             complain(f"{question.title}: {error}")
             return False
-        odd = oddities(talk.flight, question.name, form.usual(talk.ledger, talk.flight))
+        odd = oddities(talk.flight, question.name, manual_entry.usual(talk.ledger, talk.flight))
         for phrase in odd:
             complain(f"  odd: {phrase}")
         again = talk.listen("  Enter keeps it, or type it again: ") if odd and talk.patient else ""
@@ -111,7 +111,7 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
         text = again.strip()
     talk.answers[question.name] = _with_unit(talk, question, text)
     if talk.keeps:
-        talk.ledger.keep_draft(form.DRAFT, talk.answers)
+        talk.ledger.keep_draft(manual_entry.DRAFT, talk.answers)
     return True
 
 
@@ -132,8 +132,8 @@ def _with_unit(talk: Talk, question: Question, text: str) -> str:
     column = question.column
     if column is None or text in ("", NOTHING):
         return text
-    unit = talk.units[form.kind(column)] = form.typed_unit(text) or _unit(talk, question)
-    return form.with_unit(text, unit)
+    unit = talk.units[manual_entry.kind(column)] = manual_entry.typed_unit(text) or _unit(talk, question)
+    return manual_entry.with_unit(text, unit)
 
 
 def _look_up(talk: Talk, text: str) -> None:

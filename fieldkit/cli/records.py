@@ -12,7 +12,7 @@ from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_s
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
-    from fieldkit.replay import Recording
+    from fieldkit.services.replay import Recording
 
 app = typer.Typer()
 
@@ -36,7 +36,7 @@ def flights(
     json: AsJson = False,
 ) -> None:
     """List the flights of the ledger."""
-    from fieldkit.export import document
+    from fieldkit.presentation.export import document
 
     with open_ledger(context) as ledger:
         chosen = ledger.flights(rocket, tag=tag)
@@ -66,7 +66,7 @@ def flights(
 @app.command()
 def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None:
     """Show all that is known of a flight."""
-    from fieldkit.export import document
+    from fieldkit.presentation.export import document
 
     with open_ledger(context) as ledger:
         found = ledger.flight(flight)
@@ -93,8 +93,8 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
 def _recording(ledger: "Ledger", id: str) -> "Recording | None":
     """The samples of a flight, None where they cannot be read again: the card is printed all the same."""
     from fieldkit.errors import FieldkitError
-    from fieldkit.logs.mapping import remembered
-    from fieldkit.replay import recording_of
+    from fieldkit.importing.tables.mapping import remembered
+    from fieldkit.services.replay import recording_of
 
     try:
         return recording_of(ledger, id, list(remembered()))
@@ -114,7 +114,7 @@ def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
 
 def _print_events(recording: "Recording") -> None:
     """When what happened, on the clock of the log, and where each figure is from."""
-    from fieldkit.recording.words import TITLES, spoken
+    from fieldkit.analysis.labels import TITLES, spoken
 
     recorded = recording.recorded
     if recorded.events:

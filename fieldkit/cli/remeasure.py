@@ -10,7 +10,7 @@ from fieldkit.cli.session import open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
-    from fieldkit.intake import Remeasured
+    from fieldkit.services.imports import Remeasured
 
 app = typer.Typer()
 
@@ -27,9 +27,9 @@ def remeasure(
 ) -> None:
     """Read the logs of flights again; what you typed or edited stays, and undo takes the rest back."""
     from fieldkit.errors import FieldkitError
-    from fieldkit.intake import Remeasured, remeasured
+    from fieldkit.importing.tables.mapping import remembered
     from fieldkit.ledger import Renewal
-    from fieldkit.logs.mapping import remembered
+    from fieldkit.services.imports import Remeasured, remeasured
 
     choices, found, without, errors = list(remembered()), list[Remeasured](), 0, dict[str, str]()
     with open_ledger(context) as ledger:
@@ -57,7 +57,7 @@ def remeasure(
 
 
 def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: bool) -> None:
-    from fieldkit.recording.words import TITLES
+    from fieldkit.analysis.labels import TITLES
 
     rows = []
     for one in found:
@@ -76,8 +76,8 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
     """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash where there is none."""
-    from fieldkit.recording import measured_sd
-    from fieldkit.recording.words import spoken
+    from fieldkit.analysis import measured_sd
+    from fieldkit.analysis.labels import spoken
 
     return "-" if value is None else spoken(name, value, measured_sd(name, flight.extra) or 0.0)
 
@@ -85,7 +85,7 @@ def _figure(name: str, value: float | None, flight: "Flight") -> str:
 def _document(
     found: "Sequence[Remeasured]", changed: int, without: int, errors: dict[str, str], dry_run: bool
 ) -> dict[str, object]:
-    from fieldkit.recording.words import edge_header
+    from fieldkit.analysis.labels import edge_header
 
     return {
         "flights": [
@@ -112,8 +112,8 @@ def _document(
 
 def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
     """A readout and its standard deviation in the unit of the flight table, None where there is none."""
-    from fieldkit.recording import measured_sd
-    from fieldkit.recording.words import at_the_edge
+    from fieldkit.analysis import measured_sd
+    from fieldkit.analysis.labels import at_the_edge
 
     if value is None:
         return None

@@ -21,9 +21,9 @@ def report(
     out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .html, .pdf, .png or .md.", show_default=False)],
 ) -> None:
     """Write a flight card, or a day's or a rocket's report with what the loop finds, for the log book."""
+    from fieldkit.presentation.report.book import book
+    from fieldkit.presentation.report.write import check_report, write_report
     from fieldkit.progress import part
-    from fieldkit.report.book import book
-    from fieldkit.report.write import check_report, write_report
 
     check_report(out)
     with open_ledger(context) as ledger, progress("report") as tell:

@@ -10,7 +10,7 @@ from fieldkit.cli.screen import complain, print_json, print_table, progress, say
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.loop.rivals import Report
+    from fieldkit.forecast.evaluation.rivals import Report
 
 app = typer.Typer()
 
@@ -29,15 +29,15 @@ def score(
 ) -> None:
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
     from fieldkit.errors import NoFlights
-    from fieldkit.loop.desk import flown, keep_forecasts, which_rocket
-    from fieldkit.loop.documents import finite, kept_document, score_document
-    from fieldkit.loop.forward import corrected_by_earlier, corrected_shares, forward
-    from fieldkit.loop.kept import kept
-    from fieldkit.loop.rivals import judged_report
-    from fieldkit.loop.track_record import record
+    from fieldkit.forecast.evaluation.forward_in_time import corrected_by_earlier, corrected_shares, forward
+    from fieldkit.forecast.evaluation.rivals import judged_report
+    from fieldkit.presentation.json_documents import finite, kept_document, score_document
+    from fieldkit.services.forecasts import flown, keep_forecasts, which_rocket
+    from fieldkit.services.saved_forecasts import kept
+    from fieldkit.services.track_record import record
 
     if out is not None:
-        from fieldkit.report.score import check_picture
+        from fieldkit.presentation.report.score import check_picture
 
         check_picture(out)
     with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
@@ -52,7 +52,7 @@ def score(
         raise NoFlights("found no rocket with two clean flights that have an apogee, expected at least one")
     replayed, said = judged_report(rows), judged_report(before) if before else None
     if out is not None:
-        from fieldkit.report.score import write_picture
+        from fieldkit.presentation.report.score import write_picture
 
         write_picture({"kept predictions": said, "replayed forward in time": replayed}, out)
         complain(f"calibration drawn to {out}")
@@ -75,9 +75,9 @@ def score(
 
 def _print(found: "Report") -> None:
     """Errors by each way, the difference to each rival, the verdict on the bar, and calibration."""
-    from fieldkit.loop.fared import against_the_bar, histogram
-    from fieldkit.loop.forward import tally
-    from fieldkit.loop.rivals import RIVALS
+    from fieldkit.forecast.evaluation.forward_in_time import tally
+    from fieldkit.forecast.evaluation.rivals import RIVALS
+    from fieldkit.presentation.score_text import against_the_bar, histogram
 
     ways, inside = tally(found.rows)
     cells = [

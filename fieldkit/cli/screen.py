@@ -73,9 +73,9 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 
 def print_card(flight: "Flight", id: str) -> None:
     """Print what is known of a flight, a line each, in both units."""
-    from fieldkit.entry import answer_text
     from fieldkit.flight import COLUMNS
-    from fieldkit.measures import spelled
+    from fieldkit.importing.manual_entry import answer_text
+    from fieldkit.quantities import spelled
 
     texts = ("rocket", "config", "motor", "date_time", "site", "tags")
     lines = [
@@ -98,7 +98,7 @@ def in_both_units(name: str, value: float | None) -> str:
     """A number of a flight in its column's unit and, in brackets, in the other one: `281.3 m (923 ft)`."""
     from fieldkit import units
     from fieldkit.flight import BY_NAME
-    from fieldkit.measures import spelled, unit_of
+    from fieldkit.quantities import spelled, unit_of
 
     column = BY_NAME[name]
     if value is None:

@@ -28,7 +28,7 @@ def known_motors() -> "Catalogue":
     """The shipped motors and the flyer's own; one of those files that is damaged is complained about."""
     from fieldkit.cli.screen import complain
     from fieldkit.motors import own
-    from fieldkit.places import motor_folder
+    from fieldkit.paths import motor_folder
 
     motors, errors = own.known_motors(motor_folder())
     for error in errors:
@@ -48,9 +48,9 @@ def read_settings(
     settings: Mapping[str, str], check_motor: "MotorCheck", flight: "Flight | None" = None
 ) -> dict[str, object]:
     """Fields and values for columns and texts, of this flight where it is known. Raises BadValue."""
-    from fieldkit.entry import read_changes
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
+    from fieldkit.importing.manual_entry import read_changes
     from fieldkit.motors import is_cluster
 
     values = read_changes(flight or Flight(), settings)

@@ -42,10 +42,10 @@ def simulate(
     **given: str | None,
 ) -> None:
     """Fly one rocket once: needs motor, dry mass, diameter and Cd. Recorded wind turns it fully."""
-    from fieldkit.entry import read_changes
     from fieldkit.errors import BadValue
     from fieldkit.flight import Flight
-    from fieldkit.simulator.single import field_flight, paper_flight
+    from fieldkit.importing.manual_entry import read_changes
+    from fieldkit.physics.single import field_flight, paper_flight
 
     said = {name: text for name, text in given.items() if text is not None}
     for name in BODY:

@@ -19,8 +19,8 @@ Out = Annotated[
 @study.command()
 def reference(out: Out = None) -> None:
     """Trace the reference paper's bias in parts, and say what remains."""
-    from fieldkit.loop.paper.study import study
-    from fieldkit.loop.paper.study_page import page
+    from fieldkit.studies.paper.study import study
+    from fieldkit.studies.paper.study_page import page
 
     _hand_out(page(study()), out)
 
@@ -33,10 +33,10 @@ def rockets(
 ) -> None:
     """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
     from fieldkit.cli.screen import progress
-    from fieldkit.loop.desk import flown
-    from fieldkit.loop.forward import forward
-    from fieldkit.loop.histories import histories, page
+    from fieldkit.forecast.evaluation.forward_in_time import forward
+    from fieldkit.forecast.evaluation.histories import histories, page
     from fieldkit.progress import part
+    from fieldkit.services.forecasts import flown
 
     with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
         motors = known_motors()

@@ -80,8 +80,8 @@ def train(
     for file in summary["files"]:
         say(file)
     if report and recipe is Recipe.field:
-        from fieldkit.inference.ensemble import read_card
-        from fieldkit.inference.judge import table
+        from fieldkit.inference.network.ensemble import read_card
+        from fieldkit.inference.validation.calibration import table
 
         for line in table(read_card(out)):
             say(line)

@@ -4,7 +4,7 @@ SQLAlchemy Core rather than its ORM: records are frozen dataclasses with no iden
 alone spares every command about a tenth of a second of imports.
 """
 
-from fieldkit.arrival import Arrival
+from fieldkit.importing.incoming import Arrival
 from fieldkit.ledger.journal import Change
 from fieldkit.ledger.ledger import Ledger
 from fieldkit.ledger.records import Added, Conflict, Past, Prediction, Renewal, Start, Version

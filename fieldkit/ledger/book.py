@@ -4,9 +4,9 @@ from collections.abc import Sequence
 
 from sqlalchemy import Connection, func, select
 
-from fieldkit.arrival import OTHER_LOGS, Arrival, Original
 from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
+from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.ledger.finding import Held, Identity, find
 from fieldkit.ledger.journal import Pen
 from fieldkit.ledger.logs import keep_log

@@ -10,9 +10,9 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from fieldkit.arrival import Arrival, Original
 from fieldkit.errors import LedgerError
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.importing.incoming import Arrival, Original
 from fieldkit.ledger import book, drafts, journal, naming
 from fieldkit.ledger.beside import BesideFlights
 from fieldkit.ledger.journal import Change, Pen

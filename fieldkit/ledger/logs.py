@@ -5,8 +5,8 @@ from collections.abc import Iterable
 
 from sqlalchemy import Connection, insert, select
 
-from fieldkit.arrival import OTHER_LOGS, Original, digest_of
 from fieldkit.files import LARGEST
+from fieldkit.importing.incoming import OTHER_LOGS, Original, digest_of
 from fieldkit.ledger.finding import Held
 from fieldkit.ledger.rows import DamagedRow
 from fieldkit.ledger.tables import logs

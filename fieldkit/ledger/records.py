@@ -5,8 +5,8 @@ from dataclasses import dataclass
 from datetime import datetime
 from typing import Any
 
-from fieldkit.arrival import Arrival, Original
 from fieldkit.flight import Flight
+from fieldkit.importing.incoming import Arrival, Original
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,17 +16,17 @@ from textual.widgets import Input
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME
-from fieldkit.measures import measure, unit_of
+from fieldkit.quantities import measure, unit_of
 from fieldkit.settings import UNITS
 from fieldkit.tui import promptly
-from fieldkit.tui.bars import Notice, NoticeBar
-from fieldkit.tui.desk import Desk
-from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.in_order import InOrder
 from fieldkit.tui.keys import apart
+from fieldkit.tui.next.desk import Desk
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.themes import THEMES
+from fieldkit.tui.widgets.bars import Notice, NoticeBar
+from fieldkit.tui.widgets.dialogs import AskText
 
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""

@@ -20,11 +20,11 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
-from fieldkit.tui.bars import KeyBar, NoticeBar, TopBar
+from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
     from fieldkit.tui.app import FieldkitApp
-    from fieldkit.tui.desk import Desk
+    from fieldkit.tui.next.desk import Desk
 
 T = TypeVar("T")
 WAIT = 0.005
@@ -232,7 +232,7 @@ class PageScreen(Screen[None]):
 
     def action_help(self) -> None:
         """Explain the screen and its fields."""
-        from fieldkit.tui.dialogs import HelpScreen
+        from fieldkit.tui.widgets.dialogs import HelpScreen
 
         self.app.push_screen(HelpScreen(f"Help: {self.TITLE}", self.ABOUT, self._keys()))
 
@@ -266,6 +266,6 @@ class PageScreen(Screen[None]):
 
     def resting_place(self) -> Widget | None:
         """Where the focus goes when a field is left: the first table, if there is one."""
-        from fieldkit.tui.table import Table
+        from fieldkit.tui.widgets.table import Table
 
         return next(iter(self.query(Table)), None)

@@ -4,8 +4,8 @@ from functools import partial
 from pathlib import Path
 
 from fieldkit.progress import untold
-from fieldkit.tui.dialogs import AskText
 from fieldkit.tui.page import PageScreen
+from fieldkit.tui.widgets.dialogs import AskText
 
 ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit report`."
 
@@ -23,8 +23,8 @@ def _write(page: PageScreen, what: str, name: str | None) -> None:
     path = Path(name.strip()).expanduser()
 
     def work() -> list[Path]:
-        from fieldkit.report.book import book
-        from fieldkit.report.write import check_report, write_report
+        from fieldkit.presentation.report.book import book
+        from fieldkit.presentation.report.write import check_report, write_report
 
         check_report(path)
         return write_report(book(page.desk.ledger, page.desk.motors, what, untold), path)

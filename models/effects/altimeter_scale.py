@@ -1,7 +1,7 @@
 """Altimeter scale: the altimeter shows a share too much or too little, and its clock does not."""
 
+from fieldkit.physics.effect import Effect, Prior, Readings
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.effect import Effect, Prior, Readings
 
 
 def reading(readings: Readings, strength: Float[Array, "*draw flight"]) -> Readings:

@@ -2,9 +2,9 @@
 
 import numpy as np
 
+from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.state import State
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.effect import Effect, Prior
-from fieldkit.simulator.state import State
 
 
 def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, "*draw"]:

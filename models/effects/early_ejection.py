@@ -6,9 +6,9 @@ A tenth of the delay is ordinary scatter of motors; what is called early here is
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
+from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.effect import Effect, Prior
-from fieldkit.simulator.state import Setup
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:

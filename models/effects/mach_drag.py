@@ -2,10 +2,10 @@
 
 import numpy as np
 
+from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.forces import smooth_step
+from fieldkit.physics.state import State
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.effect import Effect, Prior
-from fieldkit.simulator.pull import smooth_step
-from fieldkit.simulator.state import State
 
 ONSET = 0.6
 """Mach number at which the rise begins. [1]"""

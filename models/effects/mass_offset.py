@@ -3,9 +3,9 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
+from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.effect import Effect, Prior
-from fieldkit.simulator.state import Setup
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:

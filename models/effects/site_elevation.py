@@ -7,11 +7,11 @@ from dataclasses import replace
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.physics.atmosphere import pad_air, standard_temperature
+from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.setups import recorded
+from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
-from fieldkit.simulator.atmosphere import pad_air, standard_temperature
-from fieldkit.simulator.effect import Effect, Prior
-from fieldkit.simulator.field import recorded
-from fieldkit.simulator.state import Setup
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:

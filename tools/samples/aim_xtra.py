@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fieldkit.standard_air import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from tools.samples.one_parachute import flight
 from tools.samples.writing import cells, noise
 

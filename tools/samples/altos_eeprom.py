@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator
 
 import numpy as np
 
-from fieldkit.standard_air import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from tools.samples.two_parachutes import PAD, STEP, Flight, air, flight
 from tools.samples.writing import little, noise, text
 

@@ -4,8 +4,8 @@ from datetime import datetime, timedelta
 
 import numpy as np
 
-from fieldkit.logs.checks import crc_buypass
-from fieldkit.standard_air import GRAVITY
+from fieldkit.importing.tables.checksums import crc_buypass
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.units import FOOT
 from tools.samples.one_parachute import ATM, flight
 from tools.samples.writing import clock, noise

@@ -4,8 +4,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from fieldkit.logs.checks import crc_x25
-from fieldkit.standard_air import GRAVITY
+from fieldkit.importing.tables.checksums import crc_x25
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.units import FOOT
 from tools.samples.two_parachutes import PAD, Flight, air, flight
 from tools.samples.writing import little, noise, text

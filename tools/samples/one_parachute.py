@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.standard_air import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY
 
 ATM = 101_325.0
 

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from fieldkit.standard_air import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.units import FOOT
 from tools.samples.one_parachute import ATM, flight
 from tools.samples.writing import noise

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterable
 
 import numpy as np
 
-from fieldkit.standard_air import GRAVITY
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.units import FOOT
 
 ZERO_WIDTH = "\u200b"

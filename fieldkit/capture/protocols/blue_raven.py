@@ -14,7 +14,7 @@ from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
-from fieldkit.logs.checks import crc_buypass
+from fieldkit.importing.tables.checksums import crc_buypass
 
 SILENCE = 5.0
 """Without a frame of flight data for so long, a download is over: the slower rate has 50 a second. [s]"""

@@ -13,7 +13,7 @@ from fieldkit.capture.events import Told
 from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
-from fieldkit.logs.checks import crc_x25
+from fieldkit.importing.tables.checksums import crc_x25
 
 WAIT = 180.0
 """How long the flyer may take to switch the unit on, again where need be. [s]"""

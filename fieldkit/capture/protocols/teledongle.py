@@ -14,7 +14,7 @@ from fieldkit.capture.line import Settings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
-from fieldkit.logs.checks import sum_256
+from fieldkit.importing.tables.checksums import sum_256
 
 STREAM = 1800.0
 """How long there may be no packet: rockets wait on pads. [s]"""

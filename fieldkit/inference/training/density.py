@@ -13,7 +13,7 @@ import torch
 from torch import Tensor, nn
 from torch.optim.lr_scheduler import OneCycleLR
 
-from fieldkit.inference.mixture import COMPONENTS, GUARD_SHARPEST, SHARPEST, WIDTH
+from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, SHARPEST, WIDTH
 from fieldkit.inference.training.fit import Progress
 
 MEMBERS = 5
@@ -32,7 +32,7 @@ Scale = np.ndarray[Any, np.dtype[np.float64]]
 class Members(nn.Module):  # type: ignore[misc]
     """Members that each map standardised features to their outputs; the first axis is the member.
 
-    A member's outputs are the mixture's (see `fieldkit.inference.mixture`), then for each readout the mean
+    A member's outputs are the mixture's (see `fieldkit.inference.network.mixture`), then for each readout the mean
     and the log precision with which the guard foretells it.
     """
 

@@ -9,26 +9,26 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import BadValue
-from fieldkit.inference import guard
-from fieldkit.inference.ensemble import from_parts
-from fieldkit.inference.extra_effects import known_effects, priors
-from fieldkit.inference.field import INTERVALS, intervals
-from fieldkit.inference.field_features import FEATURES, features, shown
-from fieldkit.inference.judge import judge
-from fieldkit.inference.measured import GAIN, NOISE, OFFSET, forget, measure
-from fieldkit.inference.mixture import COMPONENTS, WIDTH, logits
-from fieldkit.inference.observed import SEEN, Observed
-from fieldkit.inference.restricted import BURN_SD
-from fieldkit.inference.simulated import HELD_OUT, PRIORS, TAIL, Truth, motors_apart, simulate
+from fieldkit.inference.network import outliers
+from fieldkit.inference.network.ensemble import from_parts
+from fieldkit.inference.network.field_ensemble import INTERVALS, intervals
+from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, logits
 from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.training.parts import drop_parts, simulate_parts
 from fieldkit.inference.training.restricted import train_restricted
 from fieldkit.inference.training.shipping import claim, ship
+from fieldkit.inference.validation.calibration import judge
+from fieldkit.inference.validation.restricted import BURN_SD
+from fieldkit.model.field_features import FEATURES, features, shown
+from fieldkit.model.observation_noise import GAIN, NOISE, OFFSET, forget, measure
+from fieldkit.model.observations import SEEN, Observed
+from fieldkit.model.prior_predictive import HELD_OUT, PRIORS, TAIL, Truth, motors_apart, simulate
+from fieldkit.model.random_effects import known_effects, priors
 from fieldkit.motors import Motor
+from fieldkit.parallel import workers
 from fieldkit.shapes import Array, Float
-from fieldkit.work import workers
 
 PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=20)}
 """A first look, and what is shipped."""
@@ -50,8 +50,8 @@ def train_field(
 ) -> dict[str, Any]:
     """Simulate, train, export into a new folder, judge, and say how good it came out.
 
-    On a `cluster`, as `fieldkit.work.workers` has it, flights are simulated in parts that are kept until the end in the
-    new folder, where a run that was cut short finds them; they are other flights than one machine draws in one go.
+    On a `cluster`, as `fieldkit.parallel.workers` has it, flights are simulated in parts that are kept until the end in
+    the new folder, where a run that was cut short finds them; they are other flights than one machine draws in one go.
 
     Effects that are named act in every simulated flight, in training and in judging, at strengths drawn from their
     priors: a posterior that is honest about them. Raises BadValue for an unknown schedule or effect, too few flights
@@ -82,7 +82,7 @@ def train_field(
         "seconds": round(time.perf_counter() - began, 1),
         "reach": reach(features(measure(streams[2], truth.rows(slice(0, 100_000))))),
     }
-    card["guard"] = guard.limits(from_parts(exported, card, out), _fresh(streams[3], known, effects))
+    card["guard"] = outliers.limits(from_parts(exported, card, out), _fresh(streams[3], known, effects))
     ensemble = from_parts(exported, card, out)
     card["test"] = judge(ensemble, streams[4], known, JUDGED, effects)
     card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED, effects)

@@ -13,14 +13,14 @@ import numpy as np
 import torch
 
 from fieldkit.errors import BadValue
-from fieldkit.inference.ensemble import from_parts
-from fieldkit.inference.features import PAPER_FEATURES
-from fieldkit.inference.score import score
-from fieldkit.inference.synthetic import ALPHA_RANGE, APOGEE_NOISE, CD_RANGE, PaperDraws, paper_draws
+from fieldkit.inference.network.ensemble import from_parts
 from fieldkit.inference.training.fit import BATCH, SCHEDULES, WEIGHT_DECAY, Progress, Schedule, fit, one_thread
 from fieldkit.inference.training.graph import graph
 from fieldkit.inference.training.network import network
 from fieldkit.inference.training.shipping import claim, ship
+from fieldkit.inference.validation.score import score
+from fieldkit.model.features import PAPER_FEATURES
+from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, APOGEE_NOISE, CD_RANGE, PaperDraws, paper_draws
 from fieldkit.shapes import Array, Float
 
 MEMBERS = 5

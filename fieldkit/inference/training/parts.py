@@ -12,9 +12,9 @@ from pathlib import Path
 
 import numpy as np
 
-from fieldkit import __version__, work
-from fieldkit.inference.observed import DECLARED, FIGURES, READOUT_NAMES
-from fieldkit.inference.simulated import Truth, motors_apart, simulate
+from fieldkit import __version__, parallel
+from fieldkit.model.observations import DECLARED, FIGURES, READOUT_NAMES
+from fieldkit.model.prior_predictive import Truth, motors_apart, simulate
 from fieldkit.shapes import Array, Float
 
 SIZE = 50_000
@@ -44,7 +44,7 @@ def simulate_parts(
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
     items = {f"{n:05d}.npy": Part(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
     found: dict[str, Truth] = {}
-    for name, content in work.done(fly_part, items, out / FOLDER / _digest(items), pool):
+    for name, content in parallel.done(fly_part, items, out / FOLDER / _digest(items), pool):
         found[name] = unpacked(content)
         if told:
             told(len(found), len(items))

@@ -4,10 +4,10 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.inference.field_features import features, shown
-from fieldkit.inference.mixture import logits, mixture
-from fieldkit.inference.observed import READOUT_NAMES, Observed
-from fieldkit.inference.restricted import (
+from fieldkit.inference.network.mixture import logits, mixture
+from fieldkit.inference.training.density import FARTHEST, Batch, Members, Plan, Scale, fit
+from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.validation.restricted import (
     SUBSETS,
     Restricted,
     against_exact,
@@ -16,8 +16,8 @@ from fieldkit.inference.restricted import (
     measured,
     restricted_draws,
 )
-from fieldkit.inference.training.density import FARTHEST, Batch, Members, Plan, Scale, fit
-from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.model.field_features import features, shown
+from fieldkit.model.observations import READOUT_NAMES, Observed
 from fieldkit.shapes import Array, Float
 
 PLAN = Plan(epochs=20)

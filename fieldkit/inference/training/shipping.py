@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import BadValue
-from fieldkit.inference.ensemble import CARD, GRAPH
+from fieldkit.inference.network.ensemble import CARD, GRAPH
 
 
 def claim(out: Path) -> None:

@@ -11,11 +11,11 @@ from textual.binding import Binding, BindingType
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
-from fieldkit.entry import QUESTIONS, Question
 from fieldkit.errors import FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.measures import unit_of
-from fieldkit.tui.add_form import (
+from fieldkit.importing.manual_entry import QUESTIONS, Question
+from fieldkit.quantities import unit_of
+from fieldkit.tui.add.add_form import (
     BY_NAME,
     MORE,
     READ,
@@ -26,11 +26,11 @@ from fieldkit.tui.add_form import (
     answered,
     beside,
 )
-from fieldkit.tui.add_hand import Hand
-from fieldkit.tui.add_sheet import Sheet, field_of
-from fieldkit.tui.bars import KeyBar
-from fieldkit.tui.fields import Field
+from fieldkit.tui.add.add_hand import Hand
+from fieldkit.tui.add.add_sheet import Sheet, field_of
+from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.widgets.bars import KeyBar
 
 AT_MOST = 0.02
 """How long a key waits at most to be shown until it is kept: on most discs it is by then. [s]"""
@@ -138,7 +138,7 @@ class AddScreen(PageScreen):
 
     def unit(self, question: Question) -> str:
         """The unit of a number typed without one: the last typed, else that of the settings."""
-        from fieldkit.form import kind
+        from fieldkit.services.manual_entry import kind
 
         column = question.column
         if column is None:
@@ -165,7 +165,7 @@ class AddScreen(PageScreen):
 
     def _unit_of_answer(self, question: Question) -> str:
         """The unit that was typed with an answer, else that of a number without one."""
-        from fieldkit.form import typed_unit
+        from fieldkit.services.manual_entry import typed_unit
 
         known = question.column is not None and self._said.flight.number(question.name) is not None
         return (typed_unit(self.field(question.name).answer) if known else "") or self.unit(question)
@@ -210,7 +210,7 @@ class AddScreen(PageScreen):
 
     def _answers(self) -> dict[str, str]:
         """What was typed, units and all."""
-        from fieldkit.form import with_unit
+        from fieldkit.services.manual_entry import with_unit
 
         texts = {name: text for name, text in self._sheet.answers().items() if name in self._sheet.touched}
         return {name: with_unit(text, self.unit(BY_NAME[name])) for name, text in texts.items()}
@@ -238,7 +238,7 @@ class AddScreen(PageScreen):
     @on(Input.Blurred)
     def _left(self, event: Input.Blurred) -> None:
         """A field was left: its unit is the next one's, another rocket suggests other answers."""
-        from fieldkit.form import kind, typed_unit
+        from fieldkit.services.manual_entry import kind, typed_unit
 
         field = field_of(event.input)
         if field is None or field.question.name not in self._sheet.touched:

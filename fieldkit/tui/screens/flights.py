@@ -12,21 +12,21 @@ from textual.timer import Timer
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from fieldkit.measures import spelled, unit_of
-from fieldkit.tui import cards
-from fieldkit.tui.fields import Line
-from fieldkit.tui.flight_card import FlightCard
-from fieldkit.tui.flight_facts import or_why
-from fieldkit.tui.flight_rows import Row, Shown, columns, haystack, read_rows
-from fieldkit.tui.log_plot import Drawn, drawn
+from fieldkit.quantities import spelled, unit_of
+from fieldkit.tui.add.fields import Line
+from fieldkit.tui.flights.flight_card import FlightCard
+from fieldkit.tui.flights.flight_facts import or_why
+from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
+from fieldkit.tui.flights.log_plot import Drawn, drawn
+from fieldkit.tui.flights.removal import REMOVE, remove
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.removal import REMOVE, remove
 from fieldkit.tui.report import ask_report
-from fieldkit.tui.table import Head, Table
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.inference.flights import Inferred
-    from fieldkit.tui.flight_screen import FlightScreen
+    from fieldkit.inference.network.flights import Inferred
+    from fieldkit.tui.flights.flight_screen import FlightScreen
 
 FEW = 200
 """Flights whose drag and thrust are worked out together, so that others need not wait for it."""
@@ -135,7 +135,7 @@ class FlightsScreen(PageScreen):
             self.field_app.settled()
 
     def _inferred(self, rows: Sequence[Row]) -> "list[tuple[Row, Inferred]]":
-        from fieldkit.inference.flights import infer
+        from fieldkit.inference.network.flights import infer
 
         owners = {id(row.flight): row for row in rows}
         found = infer([row.flight for row in rows], self.desk.motors).inferred
@@ -230,7 +230,7 @@ class FlightsScreen(PageScreen):
     @cached_property
     def _flight(self) -> "FlightScreen":
         """The screen of a flight, one for all of them: to build it takes longer than a key may."""
-        from fieldkit.tui.flight_screen import FlightScreen
+        from fieldkit.tui.flights.flight_screen import FlightScreen
 
         screen = FlightScreen()
         self.app.install_screen(screen, "flight")
@@ -268,7 +268,7 @@ class FlightsScreen(PageScreen):
         """Choose tags for the flight under the cursor."""
         row = self._row()
         if row is not None:
-            from fieldkit.tui.tag_screen import TagScreen
+            from fieldkit.tui.flights.tag_screen import TagScreen
 
             self.app.push_screen(TagScreen(row.id, row.flight))
 

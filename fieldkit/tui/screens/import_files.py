@@ -16,10 +16,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
-from fieldkit.tui.bars import KeyBar
-from fieldkit.tui.dialogs import AskText
-from fieldkit.tui.hanging import stacked
-from fieldkit.tui.import_look import (
+from fieldkit.tui.imports.import_look import (
     UP,
     Look,
     Reading,
@@ -35,10 +32,13 @@ from fieldkit.tui.import_look import (
     what_it_holds,
 )
 from fieldkit.tui.page import Help, Page, PageScreen
-from fieldkit.tui.table import Head, Table
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.hanging import stacked
+from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
-    from fieldkit.intake import Receipt
+    from fieldkit.services.imports import Receipt
 
 
 class ImportScreen(PageScreen):
@@ -205,7 +205,7 @@ class ImportScreen(PageScreen):
 
     def action_format(self) -> None:
         """Name a parser."""
-        from fieldkit.parsing import parsers
+        from fieldkit.importing.recognize import parsers
 
         known = ", ".join(parsers())
         self.app.push_screen(
@@ -240,7 +240,7 @@ class ImportScreen(PageScreen):
 
     def action_columns(self) -> None:
         """Say which column of a table is what."""
-        from fieldkit.logs.headings import QUANTITIES
+        from fieldkit.importing.tables.headings import QUANTITIES
 
         known = ", ".join(QUANTITIES)
         about = f"CHANNEL=COLUMN, several apart by ; such as altitude=Alt (ft). Channels: {known}. Empty: as guessed."

@@ -13,16 +13,16 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from fieldkit.safe_text import printable
-from fieldkit.tui.flight_facts import or_why
-from fieldkit.tui.loop_look import PANELS, Standing, look, standing_of
+from fieldkit.tui.flights.flight_facts import or_why
+from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
 from fieldkit.tui.page import Help, Page, PageScreen
 from fieldkit.tui.report import ask_report
-from fieldkit.tui.table import Table
-from fieldkit.tui.tabs import TabLine
+from fieldkit.tui.widgets.table import Table
+from fieldkit.tui.widgets.tabs import TabLine
 
 if TYPE_CHECKING:
-    from fieldkit.loop.findings import Findings
-    from fieldkit.tui.loop_panels import Panels
+    from fieldkit.services.findings import Findings
+    from fieldkit.tui.loop.loop_panels import Panels
 
 
 class LoopScreen(PageScreen):
@@ -96,7 +96,7 @@ class LoopScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """What is at hand, the names of the panels, the panels."""
-        from fieldkit.tui.loop_panels import Panels
+        from fieldkit.tui.loop.loop_panels import Panels
 
         yield Static("reading the ledger ...", id="what")
         yield TabLine(PANELS, "screen.panel", id="tabs")
@@ -225,7 +225,7 @@ class LoopScreen(PageScreen):
         if found is None:
             self.complain("nothing to accept yet: l looks for what is missing, and Verdict shows how far it is")
             return
-        from fieldkit.loop.closing import adopt
+        from fieldkit.services.close_loop import adopt
 
         plain = self._standing is None or self._standing.plain
         if plain and not found.diagnosis.accepted and found.unexplained is None:
@@ -267,7 +267,7 @@ class LoopScreen(PageScreen):
         found = self.panels.found
         if found is None or PANELS[self._panel] == "Versions":
             return self.query_one("#versions", Table).current_text()
-        from fieldkit.loop.words import report
+        from fieldkit.presentation.loop_text import report
 
         return "\n".join(report(found))
 

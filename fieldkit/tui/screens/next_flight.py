@@ -12,17 +12,17 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
-from fieldkit.tui.fields import Line
-from fieldkit.tui.motor_list import MotorList
-from fieldkit.tui.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
+from fieldkit.tui.add.fields import Line
+from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.next.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.table import Table
+from fieldkit.tui.widgets.table import Table
 
 if TYPE_CHECKING:
-    from fieldkit.loop.prediction import Prediction
+    from fieldkit.forecast.prediction import Prediction
     from fieldkit.motors import Motor
-    from fieldkit.plan.guide import Choice
-    from fieldkit.tui.forecast_card import ForecastCard
+    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.tui.next.forecast_card import ForecastCard
 
 ROOMY = 150
 """Columns of a screen with room for every figure beside the card."""
@@ -110,7 +110,7 @@ class NextScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The plan in a line, a search, the motors, the forecast."""
-        from fieldkit.tui.forecast_card import ForecastCard
+        from fieldkit.tui.next.forecast_card import ForecastCard
 
         yield Static("p plans a flight: rocket, mass, conditions", id="plan")
         with Horizontal(id="search"):
@@ -177,7 +177,7 @@ class NextScreen(PageScreen):
             return
 
         def work() -> "list[Choice]":
-            from fieldkit.plan.guide import guide
+            from fieldkit.planning.motor_guide import guide
 
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
@@ -190,7 +190,7 @@ class NextScreen(PageScreen):
 
     def _refill(self) -> None:
         """The motors in their order, those not forecast yet last."""
-        from fieldkit.tui.motor_rows import listed
+        from fieldkit.tui.next.motor_rows import listed
 
         settings, table = self.desk.settings, self.query_one(Table)
         brief = not self.has_class("-comparing") and self.size.width < ROOMY
@@ -241,9 +241,9 @@ class NextScreen(PageScreen):
 
     async def action_decide(self) -> None:
         """What is left to decide with the motor under the cursor."""
-        from fieldkit.plan.guide import label
-        from fieldkit.tui.decisions import Decision
-        from fieldkit.tui.plan_screen import PlanScreen
+        from fieldkit.planning.motor_guide import label
+        from fieldkit.tui.next.decisions import Decision
+        from fieldkit.tui.next.plan_screen import PlanScreen
 
         await self.settled("change", "plan")
         plan, motor = self._motors.plan, self.query_one(Table).current
@@ -254,7 +254,7 @@ class NextScreen(PageScreen):
 
     async def action_plan(self) -> None:
         """Change the plan."""
-        from fieldkit.tui.plan_form import ask_plan
+        from fieldkit.tui.next.plan_form import ask_plan
 
         await self.settled("change", "plan")
         ask_plan(self, self._motors.plan.flight if self._motors.plan is not None else Flight(), self._keep_plan)
@@ -274,14 +274,14 @@ class NextScreen(PageScreen):
             return
 
         def work() -> "list[Prediction]":
-            from fieldkit.loop.desk import predict_plans
+            from fieldkit.services.forecasts import predict_plans
 
             return predict_plans(self.desk.ledger, self.desk.motors, [one.plan])
 
         self.ask(work, self._kept, "keep")
 
     def _kept(self, made: "list[Prediction]") -> None:
-        from fieldkit.tui.next_words import kept_in_words
+        from fieldkit.tui.next.next_words import kept_in_words
 
         self.tell(kept_in_words(made[0], self.desk.settings.units))
         self.changed_for_others()

@@ -15,18 +15,18 @@ from textual.widget import Widget
 from textual.widgets import Digits, Static
 
 from fieldkit.flight import BY_NAME
-from fieldkit.measures import measure, number, spelled, unit_of
+from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
-from fieldkit.tui import cards
-from fieldkit.tui.bars import shortened
-from fieldkit.tui.dialogs import AskText, AskYes
-from fieldkit.tui.hanging import hanging
 from fieldkit.tui.page import Help, Page, PageScreen
-from fieldkit.tui.table import Head, Table
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.bars import shortened
+from fieldkit.tui.widgets.dialogs import AskText, AskYes
+from fieldkit.tui.widgets.hanging import hanging
+from fieldkit.tui.widgets.table import Head, Table
 
 if TYPE_CHECKING:
     from fieldkit.capture import Ended, Port, Progress
-    from fieldkit.intake import Receipt
+    from fieldkit.services.imports import Receipt
 
 SHOWN = 600
 """Altitudes of a telemetry stream that are drawn."""
@@ -89,7 +89,7 @@ class CaptureScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The ports, and what comes in."""
-        from fieldkit.tui.plots import Plot
+        from fieldkit.tui.widgets.plots import Plot
 
         yield Table(id="ports", empty="no serial port: plug the logger in, then r looks again", enter="Capture")
         with Vertical(id="live"):
@@ -152,7 +152,7 @@ class CaptureScreen(PageScreen):
 
     def _nothing_yet(self) -> None:
         """Nothing of the capture before stands beside what comes now."""
-        from fieldkit.tui.plots import Plot
+        from fieldkit.tui.widgets.plots import Plot
 
         self.query_one("#big", Digits).update("")
         for place in ("#count", "#state"):
@@ -163,7 +163,7 @@ class CaptureScreen(PageScreen):
         """All events of a capture, each told to the screen; the last one is returned."""
         from fieldkit import capture
         from fieldkit.errors import CaptureTrouble, FieldkitError
-        from fieldkit.places import capture_folder
+        from fieldkit.paths import capture_folder
 
         try:
             if port is not None:
@@ -209,7 +209,7 @@ class CaptureScreen(PageScreen):
 
     def _progress(self, progress: "Progress") -> None:
         """Counts, the share done, and the altitude where a stream tells it."""
-        from fieldkit.tui.plots import Plot
+        from fieldkit.tui.widgets.plots import Plot
 
         parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
         parts += [f"{progress.damaged:,} damaged"] if progress.damaged else []
@@ -247,7 +247,7 @@ class CaptureScreen(PageScreen):
             self.ask(partial(self._store, end), self._stored, "store")
 
     def _store(self, end: "Ended") -> "Receipt":
-        from fieldkit.intake import bring_in
+        from fieldkit.services.imports import bring_in
 
         return bring_in(self.desk.ledger, [end.file], self.desk.motors.complaint)
 

@@ -11,17 +11,17 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from fieldkit.settings import THEMES, UNITS
-from fieldkit.tui.bars import KeyBar
-from fieldkit.tui.fields import Line
-from fieldkit.tui.groups import Kept, grouped, placed
+from fieldkit.tui.add.fields import Line
 from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
-from fieldkit.tui.shelf_lists import MEANS, Listed, builds_listed, motors_listed, settings_listed, sites_listed
-from fieldkit.tui.table import Table
-from fieldkit.tui.tabs import TabLine
+from fieldkit.tui.setup.shelf_lists import MEANS, Listed, builds_listed, motors_listed, settings_listed, sites_listed
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.groups import Kept, grouped, placed
+from fieldkit.tui.widgets.table import Table
+from fieldkit.tui.widgets.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
-    from fieldkit.tui.shelf_card import Facts, ShelfCard
+    from fieldkit.tui.setup.shelf_card import Facts, ShelfCard
 
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
 
@@ -91,7 +91,7 @@ class ShelfScreen(PageScreen):
 
     def body(self) -> Iterable[Widget]:
         """The names of the lists, a search, the list, and what is known of its row in hand."""
-        from fieldkit.tui.shelf_card import ShelfCard
+        from fieldkit.tui.setup.shelf_card import ShelfCard
 
         yield TabLine(KINDS, "screen.kind")
         with Horizontal(id="search"):
@@ -170,7 +170,7 @@ class ShelfScreen(PageScreen):
         cast("ShelfCard", self.query_one("#card")).show(self._in_hand)
 
     def _facts(self, kind: str, key: Any, system: str) -> "Facts":
-        from fieldkit.tui import shelf_card
+        from fieldkit.tui.setup import shelf_card
 
         if key is None:
             return shelf_card.Facts(())
@@ -215,7 +215,7 @@ class ShelfScreen(PageScreen):
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
-        from fieldkit.tui import shelf_forms
+        from fieldkit.tui.setup import shelf_forms
 
         match KINDS[self._kind]:
             case "Motors":
@@ -228,8 +228,8 @@ class ShelfScreen(PageScreen):
                 self._change_setting(message.key)
 
     def _about_motor(self, motor: "Motor") -> None:
-        from fieldkit.tui import motor_facts
-        from fieldkit.tui.dialogs import HelpScreen
+        from fieldkit.tui.next import motor_facts
+        from fieldkit.tui.widgets.dialogs import HelpScreen
 
         text = f"{motor.maker} {motor.designation}"
         about = Help("What is on record of this motor.", motor_facts.facts(motor), (f"fieldkit motors {text} --json",))
@@ -244,7 +244,7 @@ class ShelfScreen(PageScreen):
         elif name == "target":
             self.field_app.ask_target()
         elif name == "rail":
-            from fieldkit.tui.shelf_forms import ask_rail
+            from fieldkit.tui.setup.shelf_forms import ask_rail
 
             ask_rail(self)
         else:
@@ -252,7 +252,7 @@ class ShelfScreen(PageScreen):
 
     def action_import_motors(self) -> None:
         """Add the motors of a file."""
-        from fieldkit.tui.shelf_forms import ask_motors
+        from fieldkit.tui.setup.shelf_forms import ask_motors
 
         ask_motors(self)
 

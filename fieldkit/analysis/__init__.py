@@ -1,0 +1,16 @@
+"""From the samples of a log to what is measured in them: `measure`, and the records it returns."""
+
+from fieldkit.analysis.columns import columns, measured_sd
+from fieldkit.analysis.measure import measure
+from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded
+
+__all__ = [
+    "Climb",
+    "Event",
+    "Figure",
+    "Forces",
+    "Recorded",
+    "columns",
+    "measure",
+    "measured_sd",
+]

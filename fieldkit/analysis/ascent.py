@@ -1,0 +1,183 @@
+"""From the pad to just past apogee: height, speed and acceleration, with draws of them for the uncertainties.
+
+A first guess of the acceleration, the accelerometer's or a coast against drag, is integrated twice; what the
+barometer says beyond that is a curve whose acceleration wanders (`wander`, `smooth`).
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.analysis.ballistic import Coast, fitted_coast
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
+from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
+from fieldkit.analysis.process_noise import SOUND, Marks, Samples, Settled, samples_on, settled
+from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.analysis.smooth import Grid, apply, basis
+from fieldkit.shapes import Array, Flags, Float
+
+DRAWS = 200
+_KNOTS = 1200
+_AFTER, _LONG_AFTER = 2.0, 20.0
+"""How far past apogee the curve goes, and that of a log with few samples. [s]"""
+_MOST = 4000
+"""Of the samples of a climb, so many tell how far apart they are. [1]"""
+_FEWEST = 10
+"""Samples below which there is no curve. [1]"""
+_NEAR_SOUND = 0.13
+"""How near to the speed of sound, as a part of it, no sample is believed once some seemed to fall. [1]"""
+_MARGIN = 0.4
+"""How long before and after a seeming fall its samples are not believed. [s]"""
+_SLOW, _BLOWN = 8.0, 2.0
+"""Nearer to the top than this a coast is far too slow for shocks of the air [s]: what seems to fall there is gas of a
+charge in the airframe, which comes and goes for so long [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Ascent:
+    """The ascent on even knots, and draws of it from the posterior; heights above the pad, vertical, SI."""
+
+    time: Float[Array, "knot"]
+    height: Float[Array, "knot"]
+    speed: Float[Array, "knot"]
+    acceleration: Float[Array, "knot"]
+    heights: Float[Array, "draw knot"]
+    speeds: Float[Array, "draw knot"]
+    accelerations: Float[Array, "draw knot"]
+    noise: float
+    """Of a sample, as the fit has it. [m]"""
+    burnout_sd: float
+    """Of the time of burnout as heights alone have it; 0 where an accelerometer saw it. [s]"""
+    fused: bool
+    """Whether an accelerometer shaped the curve."""
+
+
+def ascend(
+    track: Heights, push: Push | None, seen: Outline, lift: float | None, blow: float | None, marked: float | None
+) -> Ascent | None:
+    """The ascent, or None where it has too few samples.
+
+    `blow` is when the charge was felt, `marked` where the logger saw apogee, after which it may have fired one. [s]
+    """
+    climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MOST]
+    if climb.size < 2:
+        return None
+    begin = max(float(track.time[0]), lift - 1.5 if lift is not None else seen.top - LONGEST_CLIMB)
+    end = min(float(track.time[-1]), seen.top + float(np.clip(4 * median_step(climb), _AFTER, _LONG_AFTER)))
+    fallen = _dip(track, seen, lift)
+    near = (track.time >= begin) & (track.time <= end) & ~fallen
+    if near.sum() < _FEWEST:
+        return None
+    grid = _grid(begin, end, median_step(climb))
+    marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
+    begun = _begun(track, seen, grid, near, push, marks)
+    slow = near & ~_near_sound(track, grid, begun.guess)
+    if fallen.any() and (near & ~slow).any() and slow.sum() >= _FEWEST:
+        begun = _begun(track, seen, grid, slow, push, marks)
+    return _fitted(begun, marks)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Begun:
+    """What a fit begins with: the samples that count, the coast that they suggest, and a first guess.
+
+    `fused` where an accelerometer gave the guess.
+    """
+
+    samples: Samples
+    coast: Coast | None
+    guess: Guess
+    fused: bool
+
+
+def _grid(begin: float, end: float, step: float) -> Grid:
+    """Knots about as far apart as the samples are, but not too many and not too few. [s]"""
+    pace = float(np.clip(step, max(0.02, (end - begin) / _KNOTS), 0.1))
+    return Grid(begin, pace, int(np.ceil((end - begin) / pace)))
+
+
+def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
+    """When a parachute may first be out: at a charge that was felt, or at an apogee that was marked, or the top. [s]"""
+    free = blow if blow is not None else marked
+    return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
+
+
+def _begun(track: Heights, seen: Outline, grid: Grid, counts: Flags, push: Push | None, marks: Marks) -> _Begun:
+    """The samples that count on a grid, and a first guess by them and by an accelerometer."""
+    time, height = track.time[counts], track.height[counts] - seen.pad
+    coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
+    guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
+    return _Begun(samples_on(grid, time, height, track.noise), coast, guess, fused)
+
+
+def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
+    """Samples at which a guess is about as fast as sound."""
+    return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SOUND - 1) < _NEAR_SOUND)
+
+
+def _fitted(begun: _Begun, marks: Marks) -> Ascent:
+    """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted anew."""
+    samples, grid = begun.samples, begun.samples.grid
+    if begun.fused:
+        marks = replace(marks, burnout=fastest(grid, begun.guess, marks.lift, marks.released))
+    found = settled(samples, begun.guess, begun.fused, marks)
+    if begun.fused or marks.lift is None:
+        return _drawn(grid, begun.guess, found, begun.fused, 0.0)
+    burnout, spread = _likeliest(begun, found, marks, marks.lift)
+    marks = replace(marks, burnout=burnout)
+    guess, _ = first_guess(grid, begun.coast, None, marks.lift, burnout, marks.released)
+    return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
+
+
+def _likeliest(begun: _Begun, found: Settled, marks: Marks, lift: float) -> tuple[float, float]:
+    """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
+    about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
+    every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)
+    evidence = []
+    for burnout in every:
+        guess, _ = first_guess(begun.samples.grid, begun.coast, None, lift, burnout, marks.released)
+        evidence.append(found.again(begun.samples, guess, replace(marks, burnout=burnout)).evidence)
+    share = np.exp(np.array(evidence) - np.max(evidence))
+    share /= share.sum()
+    mean = float(share @ every)
+    return mean, float(np.sqrt(share @ (every - mean) ** 2))
+
+
+def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
+    """Samples of a climb in which the rocket seems to fall: shocks of the air near the speed of sound, or a charge."""
+    climb = np.flatnonzero((track.time > (lift if lift is not None else -np.inf)) & (track.time < seen.top - 1))
+    low = np.zeros(track.time.size, bool)
+    if climb.size:
+        height = track.height[climb]
+        fallen = np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0)
+        first = np.searchsorted(track.time, track.time[climb[fallen]] - _MARGIN)
+        slow = max(seen.top - _SLOW, (seen.fastest + seen.top) / 2)
+        lasts = np.where(track.time[climb[fallen]] > slow, _BLOWN, _MARGIN)
+        last = np.searchsorted(track.time, track.time[climb[fallen]] + lasts)
+        edges = np.zeros(track.time.size + 1)
+        np.add.at(edges, first, 1)
+        np.add.at(edges, last, -1)
+        low = np.cumsum(edges[:-1]) > 0
+    return low
+
+
+def _drawn(grid: Grid, guess: Guess, found: Settled, fused: bool, spread: float) -> Ascent:
+    """The curve, guess and rest together, and draws of it."""
+    knots = grid.time
+    coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))
+    shapes = [basis(grid, knots, order) for order in range(3)]
+    mean = [apply(rows, found.curve.mean) for rows in shapes]
+    drawn = [apply(rows, coefficients) for rows in shapes]
+    return Ascent(
+        knots,
+        guess.height + mean[0],
+        guess.speed + mean[1],
+        guess.acceleration + mean[2],
+        guess.height + drawn[0],
+        guess.speed + drawn[1],
+        guess.acceleration + drawn[2],
+        found.noise,
+        spread,
+        fused,
+    )

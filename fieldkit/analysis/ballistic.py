@@ -1,0 +1,98 @@
+"""A coast against drag and gravity, straight up: the shape that heights after burnout are first compared with.
+
+Drag per mass is `k v²`, thinner with height as the air is, and greater by half beyond the speed of sound, which is
+typical of slender rockets. Where a rocket has another drag, the true curve bends a little away from this one: that
+is what the fit to the rest is for.
+"""
+
+from dataclasses import dataclass
+from math import exp
+
+import numpy as np
+
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float
+
+_STEP = 0.1
+_SCALE_HEIGHT = 9500.0
+"""Height in which the air of the lower troposphere thins by e. [m]"""
+_SOUND, _TRANSITION = 335.0, 12.0
+_FASTEST = 1200.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Coast:
+    """A coast on even times: height from the pad [m], speed [m/s], acceleration [m/s^2]."""
+
+    time: Float[Array, "step"]
+    height: Float[Array, "step"]
+    speed: Float[Array, "step"]
+    acceleration: Float[Array, "step"]
+
+
+def coast(apogee: float, top: float, drag: float, begin: float, end: float) -> Coast:
+    """The coast through an apogee [s], [m] with a drag per mass at the pad [1/m], integrated back and forth from there.
+
+    Going back it is stopped at a speed that no hobby rocket has, and goes on at that speed.
+    """
+    back = _integrated(top, drag, -_STEP, max(0, int((apogee - begin) / _STEP) + 2))
+    forth = _integrated(top, drag, _STEP, max(0, int((end - apogee) / _STEP) + 2))
+    rows = np.array([*back[:0:-1], *forth])
+    time = np.asarray(apogee + _STEP * (np.arange(len(rows)) - len(back) + 1), float)
+    return Coast(time, *rows.T)
+
+
+def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[float, float, float]]:
+    """Height, speed and acceleration from apogee on, by the midpoint rule."""
+
+    def push(height: float, speed: float) -> float:
+        rise = 1 + 0.5 / (1 + exp((_SOUND - abs(speed)) / _TRANSITION))
+        return -GRAVITY - drag * rise * exp(min(-height / _SCALE_HEIGHT, 1.0)) * speed * abs(speed)
+
+    height, speed = top, 0.0
+    rows = [(height, speed, -GRAVITY)]
+    for _ in range(count):
+        now = push(height, speed)
+        middle = speed + now * step / 2
+        height += step * middle
+        speed += step * push(height - step * middle / 2, middle)
+        if abs(speed) > _FASTEST:
+            speed = _FASTEST if speed > 0 else -_FASTEST
+        rows.append((height, speed, push(height, speed) if abs(speed) < _FASTEST else 0.0))
+    return rows
+
+
+def fitted_coast(
+    time: Float[Array, "time"], height: Float[Array, "time"], begin: float, burnout: float, end: float
+) -> Coast | None:
+    """The coast that heights from a little after burnout to `end` suggest, from `begin` on; None if they are few."""
+    from scipy.optimize import least_squares
+
+    inside = (time > burnout + 0.25) & (time < end + 0.3)
+    if inside.sum() < 6:
+        return None
+    every = max(1, inside.sum() // 300)
+    when, where = time[inside][::every], height[inside][::every]
+    scale = max(0.003 * float(np.ptp(where)), 0.3)
+
+    def curve(values: Float[Array, "three"], start: float) -> Coast:
+        return coast(float(values[0]), float(values[1]), exp(float(values[2])), start, end + 3)
+
+    def misfit(values: Float[Array, "three"]) -> Float[Array, "time"]:
+        found = curve(values, float(when[0]))
+        return np.asarray((np.interp(when, found.time, found.height) - where) / scale)
+
+    top = int(np.argmax(where))
+    start = np.array([when[top], where[top], np.log(1e-3)])
+    room = np.array([60.0, 1e4, 5.0])
+    steps = [1.0, 10.0, 0.3]
+    found = least_squares(
+        misfit,
+        start,
+        loss="soft_l1",
+        bounds=(start - room, start + room),
+        max_nfev=25,
+        x_scale=steps,
+        diff_step=[1e-5] * 3,
+    )
+    return curve(found.x, begin)

@@ -1,0 +1,193 @@
+"""Channels of a log made fit for measuring: one height above sea level or pad, and one acceleration, cleaned.
+
+What is cleaned away here is what no rocket can have done: samples that are missing, stand at one time twice, or jump
+out of their neighbours' line and back. Shocks that last longer are left to the fit, which is robust.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.analysis.robust_statistics import mad_sd, median_step, running_median
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY, pressure_height
+from fieldkit.shapes import Array, Float
+
+HEIGHTS = ("altitude", "pressure", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
+"""Channels that tell heights, the best first."""
+SPOKEN = {
+    "altitude": "barometric altitude",
+    "pressure": "pressure",
+    "altitude_msl": "barometric altitude",
+    "gps_altitude_msl": "GPS altitude",
+    "inertial_altitude": "inertial altitude",
+    "felt": "acceleration",
+    "acceleration": "acceleration",
+    "inertial_speed": "inertial speed",
+}
+FEWEST = 12
+"""Samples below which nothing is measured."""
+_MANY, _FINE, _COARSE = 20_000, 200.0, 20.0
+_CLIMBING = 8.0
+"""Speed at which something in a log moves as a rocket does. [m/s]"""
+_STRONGEST = 10_000.0
+"""Accelerations beyond this are faults of the log. [m/s^2]"""
+_FLAT, _FLATTER = 4, 3
+"""Samples in a row of one value that make an end of range, and how many times more than of any other value. [1]"""
+_WINDOW = 0.5
+"""Length of the running median that shows up spikes. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Heights:
+    """Clean heights on one clock; `zeroed` where the logger itself took the pad's off.
+
+    `noise` is the standard deviation of a sample on the pad or in quiet flight [m].
+    """
+
+    time: Float[Array, "time"]
+    height: Float[Array, "time"]
+    zeroed: bool
+    noise: float
+    source: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Push:
+    """Acceleration along the axis on one clock, as an accelerometer feels it: one g at rest, nose up. [m/s^2]
+
+    `vertical` where it is the vertical one already, gravity added, as from an inertial speed.
+    """
+
+    time: Float[Array, "time"]
+    felt: Float[Array, "time"]
+    vertical: bool
+    source: str
+
+
+def heights(clocks: Sequence[Series]) -> Heights | None:
+    """The best height channel of a log, or None where none has enough samples."""
+    for name in HEIGHTS:
+        for series in clocks:
+            values = getattr(series, name)
+            if values is None or np.isfinite(values).sum() < FEWEST:
+                continue
+            time, values = _thinned(*_usable(series.time, values), name == "pressure")
+            height = pressure_height(values) if name == "pressure" else values
+            found = _despiked(time, height, name)
+            if found is not None:
+                return found
+    return None
+
+
+def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
+    """The best acceleration along the axis from one time to another, or None."""
+    for name in ("felt", "acceleration", "inertial_speed"):
+        for series in clocks:
+            values = getattr(series, name)
+            if values is None:
+                continue
+            near = slice(*np.searchsorted(series.time, (begin, end)))
+            time, values = _usable(series.time[near], values[near])
+            if time.size < FEWEST or np.ptp(values) == 0:
+                continue
+            if name == "inertial_speed":
+                values = np.gradient(values, time)
+            believed = np.abs(values) < _STRONGEST
+            time, values = time[believed], values[believed]
+            if time.size < FEWEST:
+                continue
+            return Push(time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", SPOKEN[name])
+    return None
+
+
+def is_clipped(push: Push, begin: float, end: float) -> bool:
+    """Whether an accelerometer was at the end of its range: its highest value comes again and again, no other does.
+
+    A converter that is full gives one number; a thrust that only happens to be even has the sensor's noise.
+    """
+    felt = push.felt[(push.time >= begin) & (push.time <= end)]
+    if felt.size < _FLAT:
+        return False
+    edges = np.flatnonzero(np.concatenate(([True], np.diff(felt) != 0, [True])))
+    lengths, values = np.diff(edges), felt[edges[:-1]]
+    full = values >= felt.max()
+    others = int(lengths[~full].max(initial=1))
+    return bool(not push.vertical and lengths[full].max() >= max(_FLAT, _FLATTER * others))
+
+
+def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:
+    """Times and values without missing samples; of several at one time, their mean."""
+    kept = np.isfinite(values) & np.isfinite(time)
+    if not kept.all():
+        time, values = time[kept], values[kept]
+    again = np.diff(time) <= 0
+    if again.any():
+        start = np.flatnonzero(np.concatenate(([True], ~again)))
+        values = np.add.reduceat(values, start) / np.diff(np.append(start, values.size))
+        time = time[start]
+    return time, values
+
+
+def _thinned(time: Float[Array, "_"], values: Float[Array, "_"], pressure: bool) -> tuple[Array, Array]:
+    """A channel with too many samples to need them all, by medians of blocks: `_FINE` a second about the climb.
+
+    Where the climb is shows in `_MANY` blocks of the whole; away from it `_COARSE` a second are enough.
+    """
+    if time.size <= 2 * _MANY:
+        return time, values
+    rough_time, rough = _blocks(time, values, time.size // _MANY + 1)
+    height = pressure_height(rough) if pressure else rough
+    usual = running_median(height, 5)
+    calm = np.abs(height - usual) <= 5 * max(mad_sd(height - usual), 0.5) + 50
+    moving = np.abs(np.gradient(usual[calm], rough_time[calm])) > _CLIMBING
+    if moving.any():
+        lift, top = rough_time[calm][moving][0], rough_time[calm][int(np.argmax(usual[calm]))]
+    else:
+        lift, top = rough_time[0], rough_time[-1]
+    first, last = np.searchsorted(time, (min(lift, top) - 30, top + 30))
+    step = median_step(time[first:last]) if last - first > 2 else median_step(time)
+    fine, coarse = max(1, int(1 / (_FINE * step))), max(1, int(1 / (_COARSE * step)))
+    parts = [(slice(0, first), coarse), (slice(first, last), fine), (slice(last, None), coarse)]
+    thin = [_blocks(time[part], values[part], size) for part, size in parts]
+    return np.concatenate([one[0] for one in thin]), np.concatenate([one[1] for one in thin])
+
+
+def _blocks(time: Float[Array, "_"], values: Float[Array, "_"], size: int) -> tuple[Array, Array]:
+    """Medians over blocks of samples, and the middles of their times; a rest shorter than a block is left out."""
+    count = time.size // size
+    if size == 1 or count == 0:
+        return time, values
+    whole = slice(0, count * size)
+    return time[whole].reshape(count, size).mean(axis=1), np.median(values[whole].reshape(count, size), axis=1)
+
+
+def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> Heights | None:
+    """Heights without samples that leave their neighbours' line and come back to it (Hampel's identifier).
+
+    What a sample may differ from the running median is five robust standard deviations of what the samples
+    around it do, and the sagitta of a climb that brakes with two g.
+    """
+    kept = np.isfinite(height) & (np.abs(height) < 200_000)
+    time, height = time[kept], height[kept]
+    if time.size < FEWEST:
+        return None
+    step = median_step(time)
+    size = int(np.clip(_WINDOW / step, 5, 61)) | 1
+    middle = running_median(height, size)
+    away = np.abs(height - middle)
+    usual = 1.4826 * running_median(away, int(np.clip(4 * size, 41, 241)) | 1)
+    noise = max(mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height) / np.sqrt(12), 0.02)
+    sagitta = GRAVITY * (size / 2 * step) ** 2
+    line = away <= 5 * np.maximum(usual, noise) + sagitta
+    if line.sum() < FEWEST:
+        return None
+    return Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, SPOKEN[name])
+
+
+def _resolution(height: Float[Array, "_"]) -> float:
+    """The step in which heights are written, as the median of those that differ at all. [m]"""
+    steps = np.abs(np.diff(height[: 1 << 16]))
+    steps = steps[steps > 1e-6]
+    return float(np.quantile(steps, 0.1)) if steps.size else 0.0

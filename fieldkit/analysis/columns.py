@@ -1,0 +1,53 @@
+"""What was measured, in the columns of a flight: readouts, and their uncertainties beside them."""
+
+from collections.abc import Mapping
+
+from fieldkit import units
+from fieldkit.analysis.measure import NO_FLIGHT
+from fieldkit.analysis.records import Figure, Recorded
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, READOUTS, Column
+from fieldkit.flight.plausibility import check
+
+
+def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str, object], dict[str, str]]:
+    """Fields of a flight and its extra columns, from what was measured and what the device stated.
+
+    The measured figure is the readout, for its uncertainty is known and a device may state a spike for the apogee; what
+    the device stated is kept beside it. Where the samples do not show a figure, as the apogee of a log that ends
+    before it, the stated one is the readout. Of a log without a flight in it nothing stated is believed either.
+    """
+    fields = dict(stated)
+    extra: dict[str, str] = {}
+    for column in READOUTS:
+        said, figure = stated.get(column.name), recorded.figures.get(column.name)
+        if isinstance(said, float):
+            extra[column.stated_header] = column.render(said)
+            if NO_FLIGHT in recorded.notes:
+                del fields[column.name]
+        if figure and _possible(column, figure):
+            fields[column.name] = round(figure.value, 3)
+            scale = units.unit(column.quantity, column.unit)
+            extra[column.sd_header] = f"{scale.from_si(figure.sd) - scale.from_si(0):.2g}"
+    if top := recorded.figures.get("time_to_apogee"):
+        extra |= {"time_to_apogee_s": f"{top.value:.3f}", "time_to_apogee_sd_s": f"{top.sd:.2g}"}
+    return fields, extra
+
+
+def _possible(column: Column, figure: Figure) -> bool:
+    try:
+        check(column, figure.value)
+    except BadValue:
+        return False
+    return True
+
+
+def measured_sd(name: str, extra: Mapping[str, str]) -> float | None:
+    """The standard deviation of a readout that was measured in a log, from a flight's extra columns. [SI]"""
+    column = BY_NAME[name]
+    try:
+        sd = float(extra[column.sd_header])
+    except (KeyError, ValueError):
+        return None
+    scale = units.unit(column.quantity, column.unit)
+    return scale.to_si(sd) - scale.to_si(0)

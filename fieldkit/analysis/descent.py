@@ -1,0 +1,165 @@
+"""The way down: ejection, landing, and the speed between them."""
+
+from collections.abc import Mapping
+
+import numpy as np
+
+from fieldkit.analysis.ascent import Ascent
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.records import Event, Figure
+from fieldkit.analysis.robust_statistics import local_slopes, mad_sd, median_step, typical_line
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float
+
+_CHARGES = ("ejection", "drogue")
+"""Events of a logger that are the first charge to bring a parachute out."""
+_SHOCK = 4 * GRAVITY
+"""A push this strong after burnout is no drag: a charge, or a line that goes taut. [m/s^2]"""
+
+
+def shock(push: Push | None, burnout: float, top: float) -> Event | None:
+    """The first blow that an accelerometer felt around apogee."""
+    if push is None or push.vertical:
+        return None
+    near = (push.time > max(burnout + 0.7, top - 8)) & (push.time < top + 15)
+    time, felt = push.time[near], push.felt[near]
+    if time.size < 8:
+        return None
+    blow = np.flatnonzero(np.abs(felt - np.median(felt)) > max(_SHOCK, 8 * mad_sd(felt)))
+    if blow.size == 0:
+        return None
+    return Event(float(time[blow[0]]), max(median_step(time), 0.05), push.source)
+
+
+def ejection(
+    stated: Mapping[str, float], blow: Event | None, track: Heights, apogee: Event, landed: Event | None
+) -> Event | None:
+    """When the first charge went: as the logger marked it, as it was felt, or as the fall was braked in the air."""
+    for name in _CHARGES:
+        if name in stated:
+            return Event(float(stated[name]), 0.1, f"{name} event of the logger")
+    if blow and (landed is None or blow.time < landed.time - 3 * landed.sd):
+        return blow
+    return _braked(track, apogee, landed.time - 1 if landed else np.inf)
+
+
+def _braked(track: Heights, apogee: Event, down: float) -> Event | None:
+    """When a free fall of some length turned into a steady descent, before it was down; None where it did not.
+
+    A fall that was braked before it was faster than the parachute lets it be cannot be told from ejection
+    at apogee, and then nothing is said.
+    """
+    span = (track.time > apogee.time - 0.5) & (track.time < min(apogee.time + 15, down))
+    time, height = track.time[span], track.height[span]
+    if time.size < 20:
+        return None
+    step = median_step(time)
+    even = np.arange(time[0], time[-1], max(step, 0.05))
+    width = max(5, round(0.8 / (even[1] - even[0]))) | 1
+    if even.size < 2 * width:
+        return None
+    speed = local_slopes(np.interp(even, time, height), width, even[1] - even[0])
+    middle = even[width // 2 : -(width // 2)]
+    after = middle > apogee.time
+    fall, when = -speed[after], middle[after]
+    steady = float(np.median(fall[-len(fall) // 3 :]))
+    fastest = int(np.argmax(fall))
+    blur = 3 * track.noise / (width * (even[1] - even[0]))
+    late = when[fastest] - apogee.time
+    if (
+        fall[fastest] < 1.5 * steady + max(2.0, blur)
+        or fall[fastest] < 0.55 * GRAVITY * late
+        or fastest > 0.8 * fall.size
+    ):
+        return None
+    return Event(float(when[fastest]), 0.4, track.source)
+
+
+def landing(track: Heights, seen: Outline, apogee: float) -> tuple[Event | None, float | None]:
+    """When the descent met the ground, and the ground's height in this channel; (None, None) if it is not in the log.
+
+    The descent's last line, by the Theil-Sen estimator, is cut with the level that follows it.
+    """
+    time, calm, height = track.time, seen.calm, track.height
+    fall = np.flatnonzero(time > apogee)
+    if fall.size < 8:
+        return None, None
+    even = np.arange(apogee, time[-1], max(0.25, (time[-1] - apogee) / 2000))
+    smooth = np.interp(even, time[fall], calm[fall])
+    reach = max(1, round(2.0 / (even[1] - even[0]))) if even.size > 2 else 1
+    if even.size < 4 * reach:
+        return None, None
+    speed = (smooth[:-reach] - smooth[reach:]) / (reach * (even[1] - even[0]))
+    typical = float(np.median(speed[speed > max(0.5, 0.1 * np.quantile(speed, 0.9))])) if (speed > 0.5).any() else 0.0
+    going = np.flatnonzero(
+        speed > max(0.12 * typical, min(0.5 * typical, max(1.0, _restless(track, seen, reach, even))))
+    )
+    if typical < 0.5 or going.size == 0:
+        return None, None
+    about = float(even[min(going[-1] + reach, even.size - 1)])
+    rest = (time > about + 0.5) & (time < about + 8)
+    if rest.sum() < 4 or time[-1] - about < 2.0:
+        return None, None
+    level = float(np.median(height[rest]))
+    last = (time > max(apogee, about - 8)) & (time < about - 0.5) & (height > level + 4 * track.noise)
+    if last.sum() < 4:
+        return Event(about, 1.0, track.source), level
+    every = max(1, last.sum() // 200)
+    slope, middle = typical_line(time[last][::every], height[last][::every])
+    moment = (level - middle) / slope if slope < -0.3 else about
+    moment = float(np.clip(moment, about - 2, about + 1))
+    return Event(moment, float(np.hypot(0.2, 2 * track.noise / max(-slope, 0.5) / np.sqrt(10))), track.source), level
+
+
+def _restless(track: Heights, seen: Outline, reach: int, even: Float[Array, "time"]) -> float:
+    """How fast heights seem to change where nothing moves, wind and noise together: three deviations. [m/s]"""
+    step = even[1] - even[0]
+    pad = np.arange(max(track.time[0], even[0] - 60), seen.lift - 1, step) if seen.lift is not None else even[:0]
+    if pad.size < 4 * reach:
+        return 1.5 * track.noise
+    smooth = np.interp(pad, track.time, seen.calm)
+    return 3 * mad_sd((smooth[reach:] - smooth[:-reach]) / (reach * step))
+
+
+def descent_speed(track: Heights, seen: Outline, begin: Event, end: Event | None, level: float | None) -> Figure | None:
+    """Mean speed from ejection, or apogee, to landing, as the AltimeterTwo gives it.
+
+    In a ledger of that device, ejection height over the time from ejection to landing is 1.03 of its descent
+    speed in the median of 47 flights. Without landing it is the mean over what the log has, where it has a fifth of
+    the way down; the rest may be as much slower or faster as it is long, for a second parachute may open in it.
+    """
+    start = begin.time
+    upper = float(np.interp(start, track.time, seen.calm))
+    if end is not None and level is not None and end.time - start > 1:
+        value = (upper - level) / (end.time - start)
+        sd = np.hypot(2 * track.noise / (end.time - start), value * np.hypot(begin.sd, end.sd) / (end.time - start))
+        return Figure(value, float(np.hypot(sd, 0.01 * value)), track.source) if value > 0 else None
+    last = float(np.median(track.height[track.time > track.time[-1] - 1]))
+    gone, rest, way = float(track.time[-1]) - 0.5 - start, last - seen.pad, upper - seen.pad
+    if gone < 2 or upper - last < 0.2 * way:
+        return None
+    value = (upper - last) / gone
+    unseen = float(np.clip(rest / way, 0, 1)) / 2
+    return Figure(value, float(value * np.sqrt(0.03**2 + unseen**2 + (begin.sd / gone) ** 2)), track.source)
+
+
+def height_at(ascent: Ascent, track: Heights, seen: Outline, moment: Event) -> Figure:
+    """Height above the pad at an event, by the parabola through what came in the second before it. [m]"""
+    if ascent.time[0] <= moment.time <= ascent.time[-1]:
+        value = float(np.interp(moment.time, ascent.time, ascent.height))
+        slope = float(np.interp(moment.time, ascent.time, ascent.speed))
+        spread = float(np.interp(moment.time, ascent.time, ascent.heights.std(axis=0)))
+    else:
+        last = int(np.searchsorted(track.time, moment.time - 0.02))
+        first = min(int(np.searchsorted(track.time, moment.time - 1)), max(0, last - 6))
+        when, where = track.time[first:last] - moment.time, track.height[first:last] - seen.pad
+        if when.size < 3:
+            return Figure(
+                float(np.interp(moment.time, track.time, seen.calm)) - seen.pad, 3 * track.noise + 5, track.source
+            )
+        _, slope, value = (float(one) for one in np.polyfit(when, where, 2))
+        left = where - np.polyval(np.polyfit(when, where, 2), when)
+        spread = max(3 * track.noise / np.sqrt(when.size), float(left.std()))
+    sd = np.sqrt(spread**2 + seen.pad_sd**2 + (slope * moment.sd) ** 2)
+    return Figure(value, float(sd), track.source)

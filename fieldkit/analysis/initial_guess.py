@@ -1,0 +1,76 @@
+"""A first guess of a rocket's acceleration: its accelerometer's, or a coast against drag after an even push."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.analysis.ballistic import Coast
+from fieldkit.analysis.channels import Push
+from fieldkit.analysis.smooth import Grid
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float
+
+_BLIND = 0.3
+"""An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Guess:
+    """An acceleration on the knots and its integrals. [m/s^2], [m/s], [m]"""
+
+    acceleration: Float[Array, "knot"]
+    speed: Float[Array, "knot"]
+    height: Float[Array, "knot"]
+
+
+def fastest(grid: Grid, guess: Guess, lift: float | None, released: float) -> float:
+    """When a guess is fastest between lift-off and release. [s]"""
+    inside = (grid.time >= (lift if lift is not None else grid.start)) & (grid.time <= released)
+    return float(grid.time[inside][np.argmax(guess.speed[inside])]) if inside.any() else released
+
+
+def first_guess(
+    grid: Grid, coast: Coast | None, push: Push | None, lift: float | None, burnout: float, released: float
+) -> tuple[Guess, bool]:
+    """A first acceleration, zero on the pad, and whether an accelerometer gave it."""
+    knots = grid.time
+    start = lift if lift is not None else knots[0]
+    if coast is None:
+        guess, top_speed = np.full(knots.size, -GRAVITY), GRAVITY * max(released - burnout, 0.0)
+    else:
+        guess = np.interp(knots, coast.time, coast.acceleration)
+        top_speed = float(np.interp(burnout, coast.time, coast.speed))
+    if lift is not None:
+        guess[(knots >= start) & (knots < burnout)] = top_speed / max(burnout - start, 0.1)
+    fused = False
+    if push is not None:
+        level = levelled(push, lift)
+        inside = (knots >= push.time[0]) & (knots <= push.time[-1]) & (knots < released)
+        boost = push.time[(push.time > start) & (push.time < burnout)]
+        if (
+            level is not None
+            and np.diff(boost).max(initial=0.0) < _BLIND
+            and (inside & (knots > start) & (knots < burnout)).sum() > 2
+        ):
+            total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))
+            gained = np.gradient(np.interp(knots, push.time, total), grid.step)
+            guess[inside] = gained[inside]
+            fused = True
+    if lift is not None:
+        guess[knots < lift] = 0.0
+    speed = np.concatenate(([0.0], np.cumsum((guess[1:] + guess[:-1]) / 2))) * grid.step
+    rise = speed[:-1] * grid.step + (2 * guess[:-1] + guess[1:]) * grid.step**2 / 6
+    return Guess(guess, speed, np.concatenate(([0.0], np.cumsum(rise)))), fused
+
+
+def levelled(push: Push, lift: float | None) -> Float[Array, "time"] | None:
+    """Net acceleration with the accelerometer's zero as the pad shows it; None where it is not believed."""
+    if lift is None:
+        return push.felt - GRAVITY
+    rest = push.felt[(push.time < lift - 0.1) & (push.time > lift - 10)]
+    if rest.size < 3:
+        return push.felt - GRAVITY
+    level = float(np.median(rest))
+    if abs(level - GRAVITY) > 12.0:
+        return None
+    return push.felt - (level if abs(level - GRAVITY) < 1.5 else GRAVITY)

@@ -1,0 +1,98 @@
+"""When the rocket left the pad."""
+
+import numpy as np
+
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.records import Event
+from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float, Int, Integers
+
+
+def liftoff(track: Heights, push: Push | None, seen: Outline) -> Event | None:
+    """Lift-off by the accelerometer where it saw it, else by the rise from the pad; None where neither did."""
+    return (_by_push(push, seen) if push else None) or _by_rise(track, seen)
+
+
+def _by_push(push: Push, seen: Outline) -> Event | None:
+    """When the acceleration that lasts to the fastest climb sets in: where it crosses a fifth of its median."""
+    about = seen.lift if seen.lift is not None else seen.fastest - 1.5
+    near = (push.time > about - 3) & (push.time <= seen.fastest + 0.05)
+    time, felt = push.time[near], push.felt[near] - GRAVITY
+    if time.size < 8:
+        return None
+    step = median_step(time)
+    boost = felt[time > about]
+    strong = float(np.quantile(boost, 0.6)) if boost.size > 2 else 0.0
+    quiet = felt[: max(3, int(np.searchsorted(time, about - 0.3)))]
+    level, noise = float(np.median(quiet)), mad_sd(quiet)
+    bar = level + max(0.2 * (strong - level), 5 * noise, 2.0)
+    if strong < bar + 1 or felt[0] >= bar:
+        return None
+    width = max(1, round(0.05 / step))
+    lasting = np.convolve(felt >= bar, np.ones(width), "full")[width - 1 :] >= 0.8 * width
+    crossing = np.flatnonzero(lasting[1:] & (felt[1:] >= bar) & (felt[:-1] < bar))
+    if crossing.size == 0:
+        return None
+    first = crossing[_sustained(crossing, felt, level, bar)]
+    share = (bar - felt[first]) / (felt[first + 1] - felt[first])
+    return Event(
+        float(time[first] + share * (time[first + 1] - time[first])), float(np.hypot(step / 2, 0.02)), "acceleration"
+    )
+
+
+def _sustained(crossing: Int[Integers, "_"], felt: Float[Array, "_"], level: float, bar: float) -> int:
+    """Which crossing begins the boost: the first after which most of the push stays above the bar."""
+    for place, index in enumerate(crossing):
+        if np.mean(felt[index + 1 :] > bar) > 0.6:
+            return place
+    return len(crossing) - 1
+
+
+def _by_rise(track: Heights, seen: Outline) -> Event | None:
+    """The corner where a flat pad turns into a rise with acceleration and jerk, by least squares over the corner.
+
+    A log that begins in the boost, but low, is followed back to the pad's level where the logger knows it.
+    """
+    known = seen.lift is not None
+    if not known and not track.zeroed:
+        return None
+    about = seen.lift if seen.lift is not None else float(track.time[0])
+    step = median_step(track.time[max(0, np.searchsorted(track.time, about) - 50) :][:100])
+    rise = max(30 * track.noise, 0.04 * (seen.top_height - seen.pad), 6.0)
+    until = min(_reached(track, seen, about, rise), seen.fastest + step)
+    near = (track.time >= about - 2) & (track.time <= until)
+    if (near & (track.time > about)).sum() < 4 and known:
+        near = (track.time >= about - 2) & (track.time <= about + 4.5 * step)
+    time, height = track.time[near], track.height[near] - seen.pad
+    if time.size < 5 or (not known and height[0] > rise):
+        return None
+    corners = np.arange(about - (0.6 if known else 1.5), min(until, about + float(np.clip(3 * step, 1.0, 10.0))), 0.01)
+    misfit = np.array([_misfit(time, height, corner, known) for corner in corners])
+    sigma = max(np.sqrt(misfit.min() / max(time.size - 4, 1)), track.noise)
+    weight = np.exp(-0.5 * (misfit - misfit.min()) / sigma**2)
+    weight /= weight.sum()
+    mean = float(weight @ corners)
+    sd = float(np.sqrt(weight @ (corners - mean) ** 2))
+    if not known and (mean < time[0] - 1.2 or sd > 0.4):
+        return None
+    early = max(0.0, float(track.time[0]) - mean) / 2
+    seldom = track.time[(track.time >= about) & (track.time <= until)]
+    blind = max(step, hole_at(track.time, mean), np.diff(seldom).max(initial=0.0)) / 4
+    return Event(mean, float(np.sqrt(sd**2 + 0.03**2 + blind**2 + early**2)), track.source)
+
+
+def _reached(track: Heights, seen: Outline, about: float, rise: float) -> float:
+    """When the climb has come up by some height. [s]"""
+    there = np.flatnonzero((track.time > about) & (track.height > seen.pad + rise))
+    return float(track.time[there[0]]) if there.size else seen.fastest
+
+
+def _misfit(time: Float[Array, "_"], height: Float[Array, "_"], corner: float, level: bool) -> float:
+    """Sum of squares about the best rise from a corner; `level` where the pad's height is free too. [m^2]"""
+    after = np.maximum(time - corner, 0)
+    columns = [after**2 / 2, after**3 / 6, *([np.ones_like(time)] if level else [])]
+    design = np.stack(columns, axis=1)
+    found, *_ = np.linalg.lstsq(design, height, rcond=None)
+    return float(((height - design @ found) ** 2).sum()) + (1e6 if found[0] < 0 else 0)

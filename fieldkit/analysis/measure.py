@@ -1,0 +1,242 @@
+"""From the samples of a flight to its readouts: `measure`, the one way in."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from fieldkit.analysis.ascent import Ascent, ascend
+from fieldkit.analysis.channels import SPOKEN, Heights, Push, heights, is_clipped, pushes
+from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
+from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
+from fieldkit.analysis.liftoff import liftoff
+from fieldkit.analysis.phases import Outline, outline
+from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import pressure_height
+
+_LATE, _FALL = 0.8, 1.0
+"""So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
+_LEAST_GPS = 1.0
+"""Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
+_LEAST = 0.15
+"""Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
+_BLIND = 1.3
+"""Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
+Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
+_BLIND_PART = 0.75
+"""Nor does a log whose samples are further apart than this part of the boost. [1]"""
+NO_HEIGHT = "the log has no height or pressure to measure with"
+NO_FLIGHT = "nothing in this log rises as a rocket does: no figure is taken from it"
+NO_APOGEE = "no apogee in this log: it ends before the top"
+NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
+NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn time, no acceleration"
+NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
+CLIPPED = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
+NO_LANDING = "the log ends before landing: no duration"
+
+
+def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None) -> Recorded:
+    """Events, figures and forces of one flight from its samples; what they do not show is left out.
+
+    `clocks` are the channels, a `Series` for each clock; `stated` the events that the logger marked [s]. A figure
+    rests on many samples, never on one. Heights are what an altimeter shows that believes in the standard
+    atmosphere; their standard deviations are of reading the sensor, not of the weather.
+    """
+    stated = stated or {}
+    track = heights(clocks)
+    if track is None:
+        return Recorded(notes=(NO_HEIGHT,))
+    seen = outline(track)
+    if seen is None:
+        return Recorded(notes=(NO_FLIGHT,))
+    start = seen.lift if seen.lift is not None else seen.fastest
+    push = pushes(clocks, start - 15, seen.top + 20)
+    lift = liftoff(track, push, seen)
+    if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
+        lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
+    blow = shock(push, seen.fastest, seen.top)
+    clipped = push is not None and is_clipped(push, start, seen.fastest)
+    shape = None if clipped else push
+    try:
+        ascent = ascend(
+            track, shape, seen, lift.time if lift else None, blow.time if blow else None, stated.get("apogee")
+        )
+    except np.linalg.LinAlgError:  # samples so wild that no curve goes through them
+        ascent = None
+    if ascent is None:
+        return Recorded(notes=(NO_FLIGHT,))
+    told = _told(_Log(track, seen, ascent, shape, push, stated), lift, clocks)
+    return replace(told, notes=(*told.notes, CLIPPED)) if clipped else told
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Log:
+    """What a log holds, and the curve of its ascent. `push` is the acceleration that is believed for its size, `felt`
+    that for its blows; `stated` are the events that the logger marked [s]."""
+
+    track: Heights
+    seen: Outline
+    ascent: Ascent
+    push: Push | None
+    felt: Push | None
+    stated: Mapping[str, float]
+
+    @property
+    def source(self) -> str:
+        """The channels that shaped the curve."""
+        return self.track.source + (f" and {self.push.source}" if self.push and self.ascent.fused else "")
+
+
+@dataclass(frozen=True, slots=True)
+class _Part:
+    """What one part of a flight tells."""
+
+    events: Mapping[str, Event] = field(default_factory=dict)
+    figures: Mapping[str, Figure] = field(default_factory=dict)
+    notes: tuple[str, ...] = ()
+
+
+def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
+    """What a fitted ascent and the descent after it come to."""
+    begin = lift.time if lift else float(log.ascent.time[0])
+    apogee = _apogee(log.ascent, log.seen, log.track) if log.seen.down or _falls(log.ascent) else None
+    end = apogee[0].time if apogee else float(log.ascent.time[-1])
+    lift, boost = _boost(log, lift, begin, end)
+    burnt = boost.events.get("burnout")
+    burnout = burnt.time if burnt else begin
+    top = _top(log, lift, burnt, apogee)
+    down = _down(log, apogee[0], lift, burnout) if apogee else _Part()
+    events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
+    figures = {**boost.figures, **top.figures, **down.figures}
+    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
+    climb = climb_of(log.ascent, begin, burnout, end, log.source)
+    free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
+    pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
+    return Recorded(events, known, climb, pressed, (*top.notes[:1], *boost.notes, *top.notes[1:], *down.notes))
+
+
+def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _Part]:
+    """Lift-off, if it is believed, and what the boost tells."""
+    found = boost_event(log.ascent, log.push, begin, end, log.source)
+    lost = _lost(log.track, begin, found[0].time) if found else None
+    notes: tuple[str, ...] = ()
+    if lost is not None and lost < begin:
+        lift = None
+    blind = found is not None and (lost is not None or _is_unseen(log.track, begin, found[0].time))
+    if blind and not log.ascent.fused:
+        found, notes = None, (NO_BOOST,)
+    if lift is None:
+        notes += (NO_LIFTOFF,)
+    if found is None or lift is None or found[0].time >= end - 0.2:
+        return lift, _Part(notes=notes)
+    burnout, speed = found
+    figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
+    return lift, _Part({"burnout": burnout}, figures, notes)
+
+
+def _burn(log: _Log, lift: Event, burnout: Event, speed: Figure) -> dict[str, Figure]:
+    """Burn time, mean and peak acceleration."""
+    burn = _between(lift, burnout, log.source)
+    if burn.value <= 0:
+        return {}
+    mean = speed.value / burn.value
+    sd = mean * np.hypot(speed.sd / speed.value, burn.sd / burn.value)
+    figures = {"burn_time": burn, "avg_accel": Figure(mean, float(sd), log.source)}
+    peak = peak_push(log.push, log.ascent, lift.time, burnout.time, figures["avg_accel"])
+    return figures | ({"peak_accel": peak} if peak else {})
+
+
+def _top(log: _Log, lift: Event | None, burnout: Event | None, apogee: tuple[Event, Figure] | None) -> _Part:
+    """Apogee, and the times to it."""
+    if apogee is None:
+        return _Part(notes=(NO_APOGEE,))
+    figures = {"apogee": apogee[1]}
+    if lift:
+        figures["time_to_apogee"] = _between(lift, apogee[0], log.track.source)
+    if lift and burnout:
+        figures["coast_to_apogee"] = _between(burnout, apogee[0], log.source)
+    return _Part({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
+
+
+def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _Part:
+    """What the way down tells."""
+    track, seen = log.track, log.seen
+    landed, level = landing(track, seen, apogee.time)
+    ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
+    events: dict[str, Event] = {}
+    figures: dict[str, Figure] = {}
+    if ejected:
+        events["ejection"] = ejected
+        figures["apogee_to_eject"] = _between(apogee, ejected, ejected.source)
+        figures["eject_altitude"] = height_at(log.ascent, track, seen, ejected)
+    if landed:
+        events["landing"] = landed
+    if landed and lift:
+        figures["duration"] = _between(lift, landed, track.source)
+    speed = descent_speed(track, seen, ejected or replace(apogee, sd=2.0), landed, level)
+    if speed:
+        figures["descent_speed"] = speed
+    return _Part(events, figures, () if landed else (NO_LANDING,))
+
+
+def _is_unseen(track: Heights, begin: float, burnout: float) -> bool:
+    """Whether heights are too far apart, from lift-off to burnout, to show a boost."""
+    first, last = np.searchsorted(track.time, (begin, burnout))
+    between = float(np.diff(track.time[first:last]).max(initial=0.0))
+    longest = max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
+    usual = median_step(track.time[max(0, first - 5) : last + 5])
+    return longest > _BLIND or usual > _BLIND_PART * (burnout - begin)
+
+
+def _lost(track: Heights, begin: float, burnout: float) -> float | None:
+    """When a receiver seems to fall about the boost, or None: it lost its satellites and went on along a course. [s]"""
+    inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
+    height = track.height[inside]
+    if track.source != SPOKEN["gps_altitude_msl"] or not height.size:
+        return None
+    fallen = np.flatnonzero(np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0))
+    return float(track.time[inside][fallen[0]]) if fallen.size else None
+
+
+def _falls(ascent: Ascent) -> bool:
+    """Whether the curve surely comes down at its end, though the samples that show it are few."""
+    late = ascent.time[-1] - ascent.time[int(np.argmax(ascent.height))]
+    return bool(late > _LATE and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL)
+
+
+def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
+    """The top of the curve, or None where it is still rising when the log ends."""
+    place = int(np.argmax(ascent.height))
+    if place >= ascent.time.size - 2 or place == 0:
+        return None
+    tops = ascent.heights.max(axis=1)
+    moments = ascent.time[np.argmax(ascent.heights, axis=1)]
+    near = np.abs(track.time - ascent.time[place]) < 1.0
+    left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
+    rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
+    least = _LEAST_GPS if track.source == SPOKEN["gps_altitude_msl"] else _LEAST
+    sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
+    spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
+    event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)
+    return event, Figure(float(ascent.height[place]), sd, track.source)
+
+
+def _between(first: Event, second: Event, source: str) -> Figure:
+    """The time from one event to another. [s]"""
+    return Figure(second.time - first.time, float(np.hypot(first.sd, second.sd)), source)
+
+
+def _elevation(clocks: Sequence[Series], lift: Event | None) -> float:
+    """The pad above sea level, as its pressure or a channel above sea level has it; 0 where none does. [m]"""
+    for name in ("pressure", "altitude_msl", "gps_altitude_msl"):
+        for series in clocks:
+            values = getattr(series, name)
+            if values is not None and lift is not None:
+                early = values[series.time <= lift.time + 0.2]
+                early = early[np.isfinite(early)]
+                if early.size:
+                    level = np.median(early, keepdims=True)
+                    return float((pressure_height(level) if name == "pressure" else level)[0])
+    return 0.0

@@ -1,0 +1,211 @@
+"""A curve through heights whose acceleration wanders more in some phases of a flight than in others, and how much.
+
+How much it wanders under thrust and in the coast, and how noisy the samples are, is what makes the samples most
+probable (type-II maximum likelihood), with priors as wide as loggers and rockets differ.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.analysis.initial_guess import Guess
+from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
+from fieldkit.analysis.smooth import Design, Fit, Grid, apply, design, fit
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
+
+SOUND = 335.0
+"""Speed of sound. [m/s]"""
+_STUDENT = 4.0
+"""Degrees of freedom of the errors of a sample. [1]"""
+_RAM = 0.006
+"""Error of the pressure in a fast airframe, as a part of the dynamic pressure. [1]
+
+A judgement: in logs with an accelerometer beside the barometer heights in boost were off by at least so much of v²/2g.
+"""
+_LASTING = 0.3
+"""How long such an error stays alike. [s]"""
+_GAS, _GAS_LASTS = 4.0, 0.7
+"""What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
+_STILL, _FREE = 0.01, 300.0
+"""How much acceleration wanders on the pad, and once a parachute may be out. [m^2/s^5]"""
+_SINK, _HARDEST = 8.0, 20 * GRAVITY
+"""Speed at which a usual parachute brakes by one g, by four at twice that [m/s]; and no airframe bears more [m/s^2]"""
+_OPENS, _SUDDEN = 1.0, 0.3
+"""How long a parachute may take to open, and in which part of that it brakes hardest. [s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Marks:
+    """When a flight changes from one phase to the next [s]: lift-off, None where the log begins later; burnout; when a
+    parachute may first be out; and when a charge was felt, infinite where none was."""
+
+    lift: float | None
+    burnout: float
+    released: float
+    charge: float
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Samples:
+    """The heights above the pad that count [m], their times [s], their splines, and the noise of one [m]."""
+
+    time: Float[Array, "time"]
+    height: Float[Array, "time"]
+    splines: Design
+    noise: float
+
+    @property
+    def grid(self) -> Grid:
+        """The knots of the splines."""
+        return self.splines.grid
+
+    def above(self, guess: Guess) -> Float[Array, "time"]:
+        """What the heights say beyond a guess. [m]"""
+        return np.asarray(self.height - np.interp(self.time, self.grid.time, guess.height))
+
+
+def samples_on(grid: Grid, time: Float[Array, "time"], height: Float[Array, "time"], noise: float) -> Samples:
+    """Heights above the pad, made ready for fits on a grid."""
+    return Samples(time, height, design(grid, time), noise)
+
+
+def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
+    """0 on the pad, 1 under thrust, 2 in the coast, 3 once a parachute may be out, 4 while a charge's one opens."""
+    middle = grid.middles
+    thrust = middle < marks.burnout + max(0.15, 2 * grid.step)
+    pad = middle < (marks.lift - max(0.05, grid.step) if marks.lift is not None else -np.inf)
+    opens = (middle > marks.charge - 2 * grid.step) & (middle < marks.charge + _OPENS)
+    return np.select([pad, thrust, opens, middle < marks.released], [0, 1, 4, 2], 3)
+
+
+def wanders(phase: Int[Integers, "interval"], thrust: float, coast: float, opening: float) -> Float[Array, "interval"]:
+    """The variance that acceleration gains in a second, in each interval. [m^2/s^5]"""
+    return np.asarray(np.choose(phase, [_STILL, thrust, coast, _FREE, opening]))
+
+
+def _opening(grid: Grid, guess: Guess, charge: float) -> float:
+    """How much acceleration wanders while a parachute opens that a charge threw out at speed. [m^2/s^5]"""
+    speed = float(np.interp(charge, grid.time, guess.speed))
+    return max(_FREE, min(GRAVITY * (speed / _SINK) ** 2, _HARDEST) ** 2 / _SUDDEN)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Settled:
+    """What a fit came to: the curve, and the variances and the wander it was made with."""
+
+    curve: Fit
+    noise: float
+    variance: Float[Array, "time"]
+    thrust: float
+    coast: float
+    opening: float
+
+    def again(self, samples: Samples, guess: Guess, marks: Marks) -> Fit:
+        """The curve about another guess with the same settings."""
+        wander = wanders(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
+        return fit(samples.splines, samples.above(guess), 1 / self.variance, wander)
+
+
+def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Settled:
+    """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
+
+    `fused` where an accelerometer gave the guess its shape.
+    """
+    model = _model(samples, guess, fused, marks)
+    settings, weight = model.centre, np.ones(samples.time.size)
+    for tries in (45, 30, 20):
+        for _ in range(4):
+            left = model.left(settings, weight) / np.sqrt(model.variance(settings))
+            weight = (_STUDENT + 1) / (_STUDENT + left**2)
+        settings = model.searched(settings, weight, tries)
+    left = model.left(settings, weight)
+    alike = lag_one(left[(weight > 0.5) & ~model.early])
+    share = (1 - alike) / (1 + alike)
+    return Settled(
+        model.curve(settings, share * weight),
+        max(float(np.exp(settings[2])), mad_sd(left[~model.early])),
+        model.variance(settings) / weight / share,
+        float(np.exp(settings[0])),
+        float(np.exp(settings[1])),
+        model.opening,
+    )
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Model:
+    """The errors of samples and the wander of a curve by four settings.
+
+    The settings are logarithms: of the wander under thrust and in the coast [m^2/s^5], of the noise of a sample [m],
+    and of how many times noisier one is under thrust [1]. `centre` and `spread` are their prior; `known` are variances
+    of each sample that are there anyhow, `opening` the wander of a parachute's opening.
+    """
+
+    samples: Samples
+    rest: Float[Array, "time"]
+    phase: Int[Integers, "interval"]
+    early: Flags
+    known: Float[Array, "time"]
+    opening: float
+    centre: Float[Array, "four"]
+    spread: Float[Array, "four"]
+
+    def variance(self, settings: Float[Array, "four"]) -> Float[Array, "time"]:
+        """Of each sample. [m^2]"""
+        noisier = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
+        return np.asarray(np.exp(2 * settings[2]) * noisier + self.known)
+
+    def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Fit:
+        """The curve through the rest."""
+        wander = wanders(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
+        return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander)
+
+    def left(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:
+        """What the curve leaves of the rest. [m]"""
+        return self.rest - apply(self.samples.splines.rows, self.curve(settings, weight).mean)
+
+    def cost(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> float:
+        """The negative logarithm of how probable the settings are; filtered samples scatter less than they err."""
+        far = (settings - self.centre) / self.spread
+        far[2] *= 1.0 if far[2] < 0 else 0.35
+        if np.any(np.abs(far) > 6):
+            return 1e12
+        return float(-self.curve(settings, weight).evidence + 0.5 * (far**2).sum())
+
+    def searched(self, start: Array, weight: Float[Array, "time"], tries: int) -> Array:
+        """The most probable settings near some, by Nelder and Mead's simplex."""
+        from scipy.optimize import minimize
+
+        simplex = start + np.vstack([np.zeros(4), np.diag([0.7, 1.0, 0.3, 0.5])])
+        options = {"maxfev": tries, "initial_simplex": simplex}
+        cost: Callable[..., float] = self.cost
+        found = minimize(cost, start, (weight,), "Nelder-Mead", options=options)  # type: ignore[call-overload]
+        return np.asarray(found.x)
+
+
+def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
+    """The model of a flight: where an accelerometer gives the shape, the curve wanders less from it."""
+    phase = phases(samples.grid, marks)
+    return _Model(
+        samples,
+        samples.above(guess),
+        phase,
+        phase[np.minimum(samples.splines.rows.first, phase.size - 1)] == 1,
+        _ram(samples, guess, fused) ** 2 + _gas(samples.time, marks.charge) ** 2,
+        _opening(samples.grid, guess, marks.charge),
+        np.log([3.0 if fused else 2000.0, 0.3 if fused else 5.0, samples.noise, 1.5]),
+        np.array([0.3, 0.5, 0.35, 0.7]) if fused else np.array([0.7, 0.8, 0.35, 0.7]),
+    )
+
+
+def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
+    """Error of each height by the pressure in a fast airframe, which counts where an accelerometer tells better. [m]"""
+    lasting = np.sqrt(max(1.0, _LASTING / median_step(samples.time))) if fused else 0.15
+    speed = np.clip(np.interp(samples.time, samples.grid.time, guess.speed), 0, 4 * SOUND)
+    return np.asarray(lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * SOUND)) ** 6))
+
+
+def _gas(time: Float[Array, "time"], charge: float) -> Float[Array, "time"]:
+    """Error of each height by the gas of a charge. [m]"""
+    return np.where((time >= charge - 0.05) & (time < charge + _GAS_LASTS), _GAS, 0.0)

@@ -1,0 +1,197 @@
+"""Every rocket of a ledger: which effect its history calls for, and what that is worth to the flights that came later.
+
+A flight is forecast from those before it alone, by the plain model and by the one that the loop, closed on those
+before it, makes of them. The loop is run anew at every flight, with nothing carried back from later ones.
+"""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from textwrap import fill
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, tally
+from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.model.readout_data import observe
+from fieldkit.motors import Found
+from fieldkit.progress import Tell, untold
+from fieldkit.safe_text import as_markdown
+from fieldkit.scoring.bootstrap import LEVELS, resampled
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.unexplained import leftover
+from fieldkit.shapes import Array, Float
+
+FEWEST = 4
+"""Clean flights with an apogee from which on the loop is closed."""
+DRAWS = 600
+
+
+@dataclass(frozen=True, slots=True)
+class History:
+    """One rocket: what all its flights call for, and the shares by which those that came later were missed.
+
+    `before` and `after` are forecast over flown apogee, less one; `inside` says whether the flight lay in the 90 %
+    interval, before and after; `said` is the verdict at each of these flights.
+    """
+
+    rocket: str
+    flights: int
+    effect: str
+    place: str
+    before: Float[Array, "later"]
+    after: Float[Array, "later"]
+    inside: Float[Array, "2 later"]
+    said: tuple[str, ...]
+
+
+def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell = untold) -> list[History]:
+    """Every rocket with flights enough, most flights first."""
+    known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= FEWEST}
+    found = []
+    for number, (name, flown) in enumerate(known.items()):
+
+        def told(flight: str, share: float, name: str = name, number: int = number) -> None:
+            tell(f"{name} {flight}", (number + share) / len(known))
+
+        found.append(_history(name, flown, told))
+    return sorted(found, key=lambda one: -one.flights)
+
+
+def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
+    return [row for row, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
+
+
+def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: Tell) -> History:
+    clean = _clean(flown)
+    rows = []
+    for place, row in enumerate(clean[FEWEST:], start=FEWEST):
+        tell(flown[row][0].flight_id, place / len(clean))
+        rows.append(_forecast(flown[:row], flown[row]))
+    whole = _close(flown)
+    columns = np.array([row[:4] for row in rows], float).reshape(-1, 4).T
+    said = tuple(row[4] for row in rows)
+    return History(rocket, len(clean), whole.effect, _where(whole), columns[0], columns[1], columns[2:], said)
+
+
+def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
+    """The loop on these flights."""
+    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
+    teach = [flight.clean and flight.apogee is not None for flight in flights]
+    return diagnose(rocket_model(flights, found, slack=SEARCH_SLACK), observe(flights, teach))
+
+
+def _forecast(
+    before: Sequence[tuple[Flight, Found]], flown: tuple[Flight, Found]
+) -> tuple[float, float, bool, bool, str]:
+    """How far a flight was missed without and with the loop closed on those before it, and the verdict then."""
+    flight, motor = flown
+    assert flight.apogee is not None
+    plan = (flight.with_changes(**dict.fromkeys(flight.readouts())), motor)
+    diagnosis = _close(before)
+    wider = leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
+    (plain,) = predict(before, [plan], draws=DRAWS)
+    (closed,) = predict(before, [plan], diagnosis.places, draws=DRAWS)
+    one, other = (forecast.apogee_quantiles() for forecast in (plain, closed.widened(wider)))
+    return (
+        float(one[1] / flight.apogee - 1),
+        float(other[1] / flight.apogee - 1),
+        bool(one[0] <= flight.apogee <= one[2]),
+        bool(other[0] <= flight.apogee <= other[2]),
+        diagnosis.effect,
+    )
+
+
+def _where(diagnosis: Diagnosis) -> str:
+    if diagnosis.effect == "unexplained":
+        return leftover(diagnosis).in_words
+    return ", ".join(f"{trial.candidate.place}" for trial in diagnosis.accepted)
+
+
+def page(found: Sequence[History], forecasts: Sequence[Forecast], *, unnamed: bool = False) -> str:
+    """The histories as a page of Markdown; `unnamed` numbers the rockets and leaves out where effects act.
+
+    `forecasts` are of every flight from those before it, by the model as it is and by simpler ways.
+    """
+    return "\n".join([*_lines(found, unnamed), *_learning(forecasts)]) + "\n"
+
+
+def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
+    """What it is worth to learn from earlier flights at all, in all rockets with two of them."""
+    if not forecasts:
+        return
+    ways, inside = tally(forecasts)
+    yield ""
+    yield fill(
+        f"And all {len(forecasts)} flights that had at least one clean flight of their rocket before them, "
+        "forecast from those, next to four simpler ways (`fieldkit score`):",
+        118,
+    )
+    yield ""
+    yield "| forecast by | median error | mean error |"
+    yield "|---|---|---|"
+    for way in ways:
+        yield f"| {way.name} | {way.median_share:.1%} | {way.mean_share:.1%} |"
+    yield ""
+    yield f"Of these flights {inside:.0%} lay in the 90 % interval."
+
+
+def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
+    yield "# What real histories call for"
+    yield ""
+    yield fill(
+        f"Every rocket with at least {FEWEST} clean flights that have an apogee. The verdict is the loop's on all of "
+        "them. Each flight that came after the first "
+        f"{FEWEST} was forecast from those before it alone, by the plain model (*before*) and by what the loop, closed "
+        "anew on those before it, made of that (*after*). Errors are shares of the apogee flown.",
+        118,
+    )
+    yield ""
+    if not found:
+        yield "No rocket has flights enough."
+        return
+    headers = "rocket", "flights", "verdict", "later flights", "error before", "after", "in the 90 % interval", "after"
+    yield f"| {' | '.join(headers)} |"
+    yield f"|{'---|' * len(headers)}"
+    for number, one in enumerate(found, start=1):
+        said = one.effect if unnamed or not one.place else f"{one.effect}: {as_markdown(one.place)}"
+        name = f"{number}" if unnamed else as_markdown(one.rocket)
+        yield _row(name, one.flights, said, one.before, one.after, one.inside)
+    before, after = (np.concatenate([getattr(one, name) for one in found]) for name in ("before", "after"))
+    inside = np.hstack([one.inside for one in found])
+    yield _row("**all**", sum(one.flights for one in found), "", before, after, inside)
+    yield ""
+    yield from _totals(found, before, after)
+
+
+def _row(name: str, flights: int, said: str, before: Array, after: Array, inside: Array) -> str:
+    if not len(before):
+        return f"| {name} | {flights} | {said} | 0 | | | | |"
+    shares = (np.abs(before).mean(), np.abs(after).mean(), inside[0].mean(), inside[1].mean())
+    return f"| {name} | {flights} | {said} | {len(before)} | {' | '.join(f'{share:.0%}' for share in shares)} |"
+
+
+def _totals(found: Sequence[History], before: Array, after: Array) -> Iterator[str]:
+    if not len(before):
+        return
+    old, new = np.abs(before), np.abs(after)
+    yield fill(
+        f"Over {len(old)} later flights the mean error is {old.mean():.1%} before and {new.mean():.1%} after, the "
+        "median "
+        f"{np.median(old):.1%} and {np.median(new):.1%}. {_changed(found, old, new)}",
+        118,
+    )
+
+
+def _changed(found: Sequence[History], old: Array, new: Array) -> str:
+    named = np.array([name not in ("none", "unexplained") for one in found for name in one.said])
+    if not named.any():
+        return "At none of them had the flights before called for an effect, so nothing was added."
+    fell = (old - new)[named]
+    low, high = 100 * np.quantile(fell[resampled(len(fell))].mean(axis=1), LEVELS)
+    return (
+        f"At {named.sum()} of them the flights before called for an effect: there it is {old[named].mean():.1%} "
+        "before and "
+        f"{new[named].mean():.1%} after, smaller by {100 * fell.mean():.1f} points ({low:+.1f} to {high:+.1f}, 90 % "
+        "bootstrap interval)."
+    )

@@ -1,0 +1,31 @@
+"""Intervals after a residual that nothing accounts for: as much wider as flights left out show that they must be."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import declared_places, forecast_model
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.leave_one_out import leave_one_out
+from fieldkit.model.readout_data import Data
+from fieldkit.motors import Found
+from fieldkit.scoring.score import forecasts_of
+from fieldkit.selection.candidates import Place
+
+FURTHEST = 4.0
+"""Standard deviations beyond which a flight left out counts no more: it may be an accident. [1]"""
+
+
+def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, pattern: Sequence[Place] = ()) -> float:
+    """How much further flights left out lie from their forecasts than these claim, at least 1. [1]
+
+    The forecasts are those of the model that predicts, with `pattern` alone accepted; the distances are of its mixture,
+    as standard deviations of a normal with the same probability, and their root mean square is what comes back.
+    """
+    from scipy.special import ndtri
+
+    result = fit_robustly(forecast_model(flights, found, (*pattern, *declared_places(flights, pattern))), data)
+    below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
+    distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
+    return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0

@@ -1,0 +1,100 @@
+"""Files that a logger writes of one flight, put together as one reading."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime, time, timedelta
+from pathlib import Path
+
+from fieldkit.importing.incoming import OTHER_LOGS
+from fieldkit.importing.reading import Found, Note, Reading
+
+SAME_MOMENT = timedelta(seconds=2)
+"""Files of one logger that state the same lift-off to within this are of one flight."""
+KINDS = "log_kinds"
+"""The extra column of a flight that names the kinds of file it was read from, where its logger writes several."""
+Opened = tuple[str, str, Sequence[Found]]
+"""A file as it was opened: its name, the parser, what that found."""
+
+
+def joined(opened: Sequence[Opened], digests: Sequence[str]) -> list[Opened]:
+    """Files in which the parts of each flight are one reading; the files of the other parts say where it is.
+
+    The one reading names the digests of the other files. A part that has no other says that it may have.
+    """
+    places = [(i, item) for i, (_, _, found) in enumerate(opened) for item in found if isinstance(item, Reading)]
+    groups: list[list[tuple[int, Reading]]] = []
+    for place in (place for place in places if place[1].part):
+        same = [other for group in groups for other in group if _folder(opened, other) == _folder(opened, place)]
+        fitting = [group for group in groups if all(_are_parts(place, other, same) for other in group)]
+        fitting[0].append(place) if len(fitting) == 1 else groups.append([place])
+    found = [list(items) for _, _, items in opened]
+    for group in [*groups, *_by_number(opened, places)]:
+        (home, main), *others = sorted(group, key=lambda place: _worth(place[1]))
+        if not others:
+            found[home].append(Note(_PART.format(main.part, main.device), main.row))
+            continue
+        whole = _whole(main, [other for _, other in others])
+        named = dict.fromkeys(digests[i] for i, _ in others)
+        whole = replace(whole, extra={**whole.extra, OTHER_LOGS: " ".join(named)})
+        found[home] = [whole if item is main else item for item in found[home]]
+        for i, other in others:
+            note = Note(f"is part of the flight of {opened[home][0]}")
+            found[i] = [note if item is other else item for item in found[i]]
+    return [(source, format, items) for (source, format, _), items in zip(opened, found, strict=True)]
+
+
+def _by_number(opened: Sequence[Opened], places: Sequence[tuple[int, Reading]]) -> list[list[tuple[int, Reading]]]:
+    """Files of several formats in one folder that tell of the same flight by its number and its logger's."""
+    groups: dict[tuple[Path, str, str], list[tuple[int, Reading]]] = {}
+    for i, item in places:
+        if item.serial and item.clocks and not item.part and (number := item.extra.get("flight")):
+            groups.setdefault((Path(opened[i][0]).parent, item.serial, number), []).append((i, item))
+    return [group for group in groups.values() if len({opened[i][1] for i, _ in group}) == len(group) > 1]
+
+
+_PART = "is the {} file of a flight by {}; its other files count where they are imported with it or after it"
+
+
+def _worth(part: Reading) -> int:
+    """Which part of a flight to name it by: one with heights, else one with samples, else any."""
+    return 0 if any(series.altitude is not None for series in part.clocks) else 1 if part.clocks else 2
+
+
+def _folder(opened: Sequence[Opened], place: tuple[int, Reading]) -> tuple[str, Path]:
+    return place[1].device, Path(opened[place[0]][0]).parent
+
+
+def _are_parts(place: tuple[int, Reading], other: tuple[int, Reading], same: Sequence[tuple[int, Reading]]) -> bool:
+    """Whether two readings of files, among others of one folder, can be of one flight."""
+    one, two = place[1], other[1]
+    if other not in same or place[0] == other[0] or one.part == two.part or len({one.serial, two.serial} - {""}) > 1:
+        return False
+    first, second = one.stated.get("date_time"), two.stated.get("date_time")
+    if not isinstance(first, datetime) or not isinstance(second, datetime):
+        return all(one.part != third.part for _, third in same)
+    if time() in (first.time(), second.time()):
+        return first.date() == second.date()
+    return same_moment(first, second)
+
+
+def same_moment(first: object, second: object) -> bool:
+    """Whether two lift-offs are the same, as files of one logger state them: day and time of day, both known."""
+    if not isinstance(first, datetime) or not isinstance(second, datetime) or time() in (first.time(), second.time()):
+        return False
+    return abs(first - second) < SAME_MOMENT
+
+
+def _whole(main: Reading, others: Sequence[Reading]) -> Reading:
+    """One reading of its parts; where they differ the first counts."""
+    parts = [*reversed(others), main]
+    return replace(
+        main,
+        stated={name: value for part in parts for name, value in part.stated.items()},
+        extra={name: value for part in parts for name, value in part.extra.items()},
+        events={name: when for part in parts for name, when in part.events.items()},
+        series=tuple(series for part in (main, *others) for series in part.clocks),
+        device=next((part.device for part in (main, *others) if part.device), ""),
+        firmware=next((part.firmware for part in (main, *others) if part.firmware), ""),
+        serial=next((part.serial for part in (main, *others) if part.serial), ""),
+        part=" ".join(sorted({kind for part in parts for kind in part.part.split()})),
+    )

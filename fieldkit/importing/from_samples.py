@@ -1,0 +1,54 @@
+"""Readings with samples: their readouts measured, and the name of the flight taken from the bytes."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from datetime import datetime
+
+from fieldkit.flight import READOUTS
+from fieldkit.importing.companion_files import KINDS
+from fieldkit.importing.reading import Found, Note, Reading
+
+
+def with_figures(found: Sequence[Found], format: str, digest: str) -> Sequence[Found]:
+    """What was found in a log, with the readouts of flights that were recorded measured in their samples."""
+    with_samples = [id(item) for item in found if isinstance(item, Reading) and item.clocks]
+    told: list[Found] = []
+    for item in found:
+        if not isinstance(item, Reading) or item.describes != "flight":
+            told.append(item)
+        elif item.clocks:
+            told += _recorded(item, format, digest[:10], with_samples.index(id(item)) + 1, len(with_samples))
+        else:
+            told.append(_stated(item, format) if item.part else item)
+    return told
+
+
+def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int) -> list[Found]:
+    """A reading with samples as one whose readouts are measured in them, and what is to be said of that.
+
+    Its flight is named after the bytes of its log, so that another way of measuring does not make it another flight;
+    the extra columns say which parser reads the log again, and which of its flights this is.
+    """
+    from fieldkit.analysis import columns, measure
+
+    recorded = measure(reading.clocks, reading.events)
+    fields, extra = columns(recorded, reading.stated)
+    if not fields.get("flight_id"):
+        when = fields.get("date_time")
+        start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"
+        fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
+    known = _origin(reading, format) | ({"log_part": str(part)} if parts > 1 else {})
+    measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known})
+    return [measured, *(Note(text, reading.row) for text in recorded.notes)]
+
+
+def _stated(reading: Reading, format: str) -> Reading:
+    """A summary of a flight that other files hold the samples of, its figures marked as the device's own."""
+    said = {c.stated_header: c.render(v) for c in READOUTS if isinstance(v := reading.stated.get(c.name), float)}
+    return replace(reading, extra={**reading.extra, **said, **_origin(reading, format)})
+
+
+def _origin(reading: Reading, format: str) -> dict[str, str]:
+    """Extra columns that say what recorded a flight, in which kinds of file, and which parser reads them."""
+    told = {"device": reading.device, "firmware": reading.firmware, "serial": reading.serial, "log_format": format}
+    return {name: text for name, text in (told | {KINDS: reading.part}).items() if text}

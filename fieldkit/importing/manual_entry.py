@@ -1,0 +1,147 @@
+"""Typing in a flight: what is asked, how an answer is read, and what looks odd about it.
+
+Headless, so that the prompts of `fieldkit add`, `fieldkit edit column=value` and a form on a screen
+take and refuse the same.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from datetime import datetime
+from difflib import get_close_matches
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.flight import (
+    BY_NAME,
+    COLUMNS,
+    READOUTS,
+    TAGS,
+    TEXT_COLUMNS,
+    Column,
+    Flight,
+    read_date,
+    read_tags,
+)
+from fieldkit.flight.plausibility import check, doubts
+
+NOTHING = "-"
+"""Typed for "not recorded" where an empty answer would take what is offered."""
+
+
+@dataclass(frozen=True, slots=True)
+class Question:
+    """One thing asked of a flight; `offered` means that the last flight's answer is offered for it."""
+
+    name: str
+    title: str
+    help: str
+    offered: bool = False
+
+    @property
+    def column(self) -> Column | None:
+        """The column of a number, None for a text."""
+        return BY_NAME.get(self.name)
+
+
+def _asked(name: str, *, offered: bool = False) -> Question:
+    column = BY_NAME[name]
+    return Question(name, column.title, column.help, offered)
+
+
+QUESTIONS = (
+    Question("rocket", "Rocket", "Its name.", offered=True),
+    Question("config", "Configuration", "What distinguishes this build of it, such as A or ballast.", offered=True),
+    Question("motor", "Motor", "As printed, F24-4W; ?F24 searches.", offered=True),
+    *(_asked(column.name) for column in READOUTS),
+    Question("tags", "Tags", f"Apart by ;, free or of these: {', '.join(TAGS)}."),
+    _asked("dry_mass", offered=True),
+    _asked("diameter", offered=True),
+    Question("site", "Site", "Name of the field.", offered=True),
+    _asked("wind", offered=True),
+    _asked("temperature", offered=True),
+    Question("notes", "Notes", "Anything else."),
+)
+"""What is asked of a flight, the readouts in the order in which the altimeter shows them."""
+
+
+def field_of(name: str) -> tuple[str, str]:
+    """The field of `Flight` that a column's name means, and the unit it names: `apogee_ft`, `apogee`.
+
+    Raises BadValue that suggests near names.
+    """
+    plain = name.strip().lower().replace("-", "_")
+    if plain in TEXT_COLUMNS:
+        return plain, ""
+    for column in COLUMNS:
+        ending = plain.removeprefix(column.name)
+        if ending == "" or (ending.startswith("_") and ending[1:] in units.UNITS[column.quantity]):
+            return column.name, ending[1:]
+    known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
+    near = get_close_matches(plain, known, n=3, cutoff=0.5)
+    raise BadValue(f"no column {name!r}, {'did you mean ' + ' or '.join(near) if near else 'see flights --json'}")
+
+
+def read_answer(name: str, text: str, unit: str = "") -> object:
+    """The value of a field as typed; an empty text is "not recorded". Raises BadValue. [SI]"""
+    text = text.strip()
+    if name in BY_NAME:
+        return _number(BY_NAME[name], text, unit)
+    if name == "tags":
+        return read_tags(text)
+    return read_date(text) if name == "date_time" else text
+
+
+def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:
+    """Fields and values of `column=value` changes to a flight; its extra columns may be changed as well.
+
+    Raises BadValue that names the column.
+    """
+    values: dict[str, object] = {}
+    extra = dict(flight.extra)
+    for name, text in changes.items():
+        if name in extra:
+            extra = {key: text if key == name else old for key, old in extra.items() if text or key != name}
+            continue
+        field, unit = field_of(name)
+        try:
+            values[field] = read_answer(field, text, unit)
+        except BadValue as error:
+            raise BadValue(f"{name}: {error}") from error
+    return values | ({"extra": extra} if extra != dict(flight.extra) else {})
+
+
+def answer_text(flight: Flight, name: str) -> str:
+    """A field of a flight as one would type it."""
+    value = getattr(flight, name)
+    if value is None:
+        return ""
+    if name in BY_NAME:
+        column = BY_NAME[name]
+        return f"{units.unit(column.quantity, column.unit).from_si(value):.6g} {column.unit}"
+    if isinstance(value, datetime):
+        return value.isoformat(" ", "minutes")
+    return "; ".join(value) if isinstance(value, tuple) else str(value)
+
+
+def oddities(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[str]:
+    """What is odd about one answer, a phrase each: alone, beside the others, and beside the `usual` readouts, which are
+    `sanity.middles`."""
+    every = doubts(flight, usual or {})
+    without = doubts(flight.with_changes(**{name: None}), usual or {}) if name in BY_NAME else every
+    return [phrase for phrase in every if phrase not in without]
+
+
+def _number(column: Column, text: str, unit: str) -> float | None:
+    if text in ("", NOTHING):
+        return None
+    try:
+        return check(column, column.parse(text, unit or None))
+    except BadValue as error:
+        raise BadValue(f"{error}, such as {_example(column)}") from error
+
+
+def _example(column: Column) -> str:
+    """An answer that would be right, with its unit: `281.3 m`."""
+    scale = units.unit(column.quantity, column.unit)
+    middle = (column.low * column.high) ** 0.5 if column.low > 0 else (column.low + column.high) / 2
+    return f"{scale.from_si(middle):.3g}{column.unit}"

@@ -1,0 +1,141 @@
+"""The flash of an Altus Metrum device as records, out of the lines of hex bytes that a download writes.
+
+A record is a letter, a checksum, a clock of 16 bits and what the letter says; its length and what is where in it
+tells the log format. Erased bytes are ff; a checksum that is wrong costs its record.
+Source: altoslib and libaltos of AltOS; formats 1, 7, 16 and 22 are known from real files, but the accelerometer that
+a TeleMega and an EasyMega have along their axis only from `struct ao_log_mega` (ao_log.h).
+"""
+
+import re
+from collections import Counter
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.tables.altos import sound
+from fieldkit.importing.tables.damage import Damaged, damage
+from fieldkit.importing.tables.text import blocks, first_lines, is_cut, shown
+from fieldkit.shapes import Int, Integers
+
+Octets = np.ndarray[Any, np.dtype[np.uint8]]
+LARGEST_FLASH = 16 << 20
+"""Twice the flash of the largest of these devices. [bytes]"""
+OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
+
+    `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
+    record of the flight) are 2 bytes, None where the format has none.
+    """
+
+    device: str
+    size: int
+    counts: int = 4
+    acceleration: int | None = None
+    ground: int | None = None
+    positions: bool = False
+
+
+MEGA = {5: "TeleMega", 10: "TeleMega 2", 15: "TeleMega 3", 19: "TeleMega 4", 21: "TeleMega 5", 22: "TeleMega 6"}
+EASY_MEGA = {16: "EasyMega 2", 24: "EasyMega 3"}
+MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
+LAYOUTS: Mapping[int, Layout] = {
+    1: Layout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
+    7: Layout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
+    **{number: Layout(device, 32, acceleration=26, ground=2) for number, device in (MEGA | EASY_MEGA).items()},
+    **{number: Layout(device, 16, counts=3) for number, device in MINI.items()},
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Flash:
+    """Records without those that are damaged, the text above them, and what is to be said of the rest."""
+
+    settings: str
+    records: Int[Octets, "record byte"]
+    found: tuple[Found, ...]
+
+
+def new_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
+    """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
+    damaged = Damaged()
+    flash, missing = bytearray(), 0
+    widths = Counter(len(hex_bytes(line) or b"") for line in first_lines(log, after=row - 1, most=100) if line.strip())
+    width = widths.most_common(1)[0][0]
+    for first, lines in blocks(log, row - 1):
+        for number, line in enumerate(lines, start=first):
+            if not line.strip():
+                continue
+            data = hex_bytes(line)
+            if data is None or len(data) != width:
+                damaged.add(DamagedLog(f"found {shown(line)}, expected {width} bytes in hex", row=number))
+                data = (data or b"")[:width]
+            missing = width - len(data)
+            flash += data.ljust(width, b"\xff")
+        if len(flash) > LARGEST_FLASH:
+            raise DamagedLog(
+                f"found more than {LARGEST_FLASH >> 20} MB of memory, expected what a device has", row=first
+            )
+    if is_cut(log) and missing:
+        del flash[-missing:]
+    found = damage(damaged, "lines", log)
+    size = layout.size
+    whole = np.frombuffer(bytes(flash[: len(flash) // size * size]), np.uint8).reshape(-1, size)
+    written = whole[(whole != 0xFF).any(axis=1)]
+    good = sound(written)
+    if not good.all():
+        first_bad = int(np.flatnonzero(~good)[0]) + 1
+        records = "record has" if (~good).sum() == 1 else "records have"
+        found.append(Note(f"{(~good).sum()} {records} a wrong checksum, left out; the first is record {first_bad}"))
+    return Flash(settings, written[good], tuple(found))
+
+
+def hex_bytes(line: str) -> bytes | None:
+    try:
+        return bytes.fromhex(line)
+    except ValueError:
+        return None
+
+
+def old_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
+    """The records of lines of a letter, a clock and bytes, or of two numbers in format 1."""
+    damaged = Damaged()
+    records = bytearray()
+    for first, lines in blocks(log, row - 1):
+        for number, line in enumerate(lines, start=first):
+            record = _old_record(line, layout)
+            if record is not None:
+                records += record
+            elif re.match(r"[A-Z] [0-9a-fA-F]", line):
+                expected = "two numbers" if layout.size == 8 else f"{layout.size - 4} bytes"
+                damaged.add(DamagedLog(f"found {shown(line)}, expected {expected} in hex", row=number))
+    whole = np.frombuffer(bytes(records), np.uint8).reshape(-1, layout.size)
+    return Flash(settings, whole, tuple(damage(damaged, "records", log)))
+
+
+def _old_record(line: str, layout: Layout) -> bytes | None:
+    match = OLD_RECORD.match(line)
+    if not match:
+        return None
+    clock = int(match[2], 16).to_bytes(2, "little")
+    if layout.size > 8 and len(match[3]) == 3 * (layout.size - 4):
+        return bytes([ord(match[1]), 0]) + clock + bytes.fromhex(match[3])
+    words = match[3].split()
+    size = 2 if layout.size == 8 else 1
+    if len(words) * size != layout.size - 4 or any(len(word) > 2 * size for word in words):
+        return None
+    payload = b"".join(int(word, 16).to_bytes(size, "little") for word in words)
+    return bytes([ord(match[1]), 0]) + clock + payload
+
+
+def number_at(records: Int[Octets, "record byte"], place: int, size: int, *, signed: bool = False) -> Integers:
+    """The whole number at a place behind the clock of records."""
+    values: Integers = records[:, 4 + place : 4 + place + size].astype(np.int64) @ (1 << 8 * np.arange(size))
+    return values - ((values >> (8 * size - 1)) << 8 * size) if signed else values

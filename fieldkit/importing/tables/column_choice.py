@@ -1,0 +1,186 @@
+"""Which columns of a table are taken for which channels: by their names, or as the flyer says."""
+
+import re
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import Choice
+from fieldkit.importing.tables.columns import Table
+from fieldkit.importing.tables.headings import QUANTITIES, barometric, channel, heading, stated_unit, unit_named
+from fieldkit.importing.tables.layout import Layout
+from fieldkit.importing.tables.text import shown
+from fieldkit.shapes import Array, Float
+from fieldkit.units import UNITS, Unit
+
+HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
+ENOUGH = (*HEIGHTS, "pressure", "felt_x", "felt_y", "felt_z", "felt_total", "felt", "felt?", "acceleration")
+"""Beside time, one of these makes a table worth reading."""
+VITAL = ("time", "altitude", "altitude_msl", "pressure")
+"""Channels that are never left out for want of a unit."""
+LIMIT = 1e12
+"""No sample is this far from zero; what is, was damaged. [any unit but of time]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Pick:
+    """A column taken for a channel: its place, its name, the unit it or the flyer states ("" if none)."""
+
+    channel: str
+    place: int
+    name: str
+    unit: str
+    chosen: bool = False
+
+
+def side_by_side(layout: Layout) -> list[range]:
+    """The columns of each of the tables that stand side by side: each begins with a clock of the same name."""
+    heads = [heading(name) for name in layout.headers]
+    starts = [i for i, head in enumerate(heads) if channel(head) == "time" and head.words == heads[0].words]
+    if not starts or starts[0] or any(b - a < 2 for a, b in pairwise(starts)):
+        starts = [0]
+    return [range(a, b) for a, b in pairwise([*starts, len(heads)])]
+
+
+def guessed(layout: Layout, columns: Container[int] | None = None) -> list[Pick]:
+    """The columns, some or all, whose names say what they hold."""
+    heads = [heading(name) for name in layout.headers]
+    picks = []
+    for place, head in enumerate(heads):
+        name = channel(head)
+        if name and not layout.says(place) and (columns is None or place in columns):
+            unit = stated_unit(head, "felt" if name == "felt?" else name)
+            picks.append(Pick(name, place, head.spelled, _clock_unit(name, unit, layout, place)))
+    if not {pick.channel for pick in picks} & {*HEIGHTS, "pressure"}:
+        picks += [
+            Pick("altitude", place, head.spelled, stated_unit(head, "altitude"))
+            for place, head in enumerate(heads)
+            if barometric(head) and not layout.says(place) and (columns is None or place in columns)
+        ]
+    return _without_clocks_of_others(picks)
+
+
+def _clock_unit(name: str, unit: str, layout: Layout, place: int) -> str:
+    """The unit of a column; a clock written `0:01:02.5` needs none."""
+    return "clock" if name == "time" and place < len(layout.first) and ":" in layout.first[place] else unit
+
+
+def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
+    """The columns with the first of the clocks only: later ones belong to an update or another sensor."""
+    clocks = [pick for pick in picks if pick.channel == "time"]
+    return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
+
+
+def chosen(layout: Layout, choice: Choice, columns: Container[int] | None = None) -> list[Pick]:
+    """The columns that the flyer named, and what is guessed of the rest. Raises DamagedLog for one not there."""
+    picks: list[Pick] = []
+    for name, text in choice.channels.items():
+        place, unit = _find(layout, text)
+        stated = unit or stated_unit(heading(layout.headers[place]), name)
+        if stated and QUANTITIES[name] != "degree" and not unit_named(QUANTITIES[name], stated):
+            expected = ", ".join(UNITS[QUANTITIES[name]])
+            raise DamagedLog(f"found the unit {shown(stated)} for {name}, expected one of {expected}")
+        picks.append(Pick(name, place, layout.headers[place], _clock_unit(name, stated, layout, place), chosen=True))
+    taken, places = {pick.channel for pick in picks}, {pick.place for pick in picks}
+    if "felt" in taken or "acceleration" in taken:
+        taken |= {"felt?"}
+    return picks + [pick for pick in guessed(layout, columns) if pick.channel not in taken and pick.place not in places]
+
+
+def _find(layout: Layout, text: str) -> tuple[int, str]:
+    """The place of a column, and the unit that follows its name in brackets. Raises DamagedLog."""
+    bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
+    ways: list[tuple[str, str, Callable[[str], str]]] = [(text, "", _folded)]
+    if bare:
+        ways.append((bare[1], bare[2], _folded))
+    ways.append((text, "", lambda name: " ".join(heading(name).words)))
+    for wanted, unit, spelling in ways:
+        places = [place for place, name in enumerate(layout.headers) if spelling(name) == _folded(wanted)]
+        if wanted.startswith("#") and wanted[1:].isdecimal() and 1 <= int(wanted[1:][:6]) <= len(layout.headers):
+            places = [int(wanted[1:][:6]) - 1]
+        if len(places) == 1:
+            return places[0], unit
+        if places:
+            numbers = " or ".join(f"#{place + 1}" for place in places)
+            raise DamagedLog(f"found {len(places)} columns {shown(wanted)}, expected one; write {numbers} for it")
+    columns = ", ".join(shown(name) for name in layout.headers[:30])
+    raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}")
+
+
+def _folded(name: str) -> str:
+    return " ".join(name.lower().split())
+
+
+def missing_channel(channels: set[str]) -> str:
+    if "time" not in channels:
+        return "time"
+    return "" if channels & set(ENOUGH) else "altitude"
+
+
+def _column(pick: Pick, table: Table) -> Float[Array, "row"]:
+    """The numbers of a picked column, without those that no sensor gives; a clock's are in seconds."""
+    if pick.unit == "clock":
+        words, which = table.words[f"{pick.place}"]
+        return np.array([_seconds(word) for word in words])[which]
+    values = table.values[f"{pick.place}"]
+    return _running_on(values) if pick.channel == "time" else np.where(np.abs(values) < LIMIT, values, np.nan)
+
+
+def to_si(unit: Unit, values: Float[Array, "row"]) -> Float[Array, "row"]:
+    """Values in a unit as SI values."""
+    return values * unit.factor + unit.offset
+
+
+def _seconds(word: str) -> float:
+    """The seconds of `1:02:03.5` or `02:03.5`, after a date or not; nan for anything else. [s]"""
+    match = re.fullmatch(r"(?:.*[T ])?(?:(\d{1,3}):)?(\d{1,3}):(\d{1,2}(?:[.,]\d{1,9})?)Z?", word, re.ASCII)
+    if not match:
+        return float("nan")
+    hours, minutes, seconds = match.groups()
+    return 3600.0 * int(hours or 0) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
+
+
+def one_a_channel(picks: Sequence[Pick], table: Table) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
+    """One column for each channel. Raises DamagedLog for two that disagree and matter."""
+    kept: list[Pick] = []
+    values: dict[str, Float[Array, "row"]] = {}
+    for pick in picks:
+        column = _column(pick, table)
+        if np.isnan(column).all():
+            continue
+        if pick.channel not in values:
+            kept.append(pick)
+            values[pick.channel] = column
+            continue
+        rival = next(one for one in kept if one.channel == pick.channel)
+        if not _agree(rival, values[pick.channel], pick, column) and pick.channel in VITAL:
+            raise DamagedLog(
+                f"found two columns for {pick.channel} that differ, {shown(rival.name)} and {shown(pick.name)}; "
+                f"choose one with --map '{pick.channel}=its column'"
+            )
+    if missing := missing_channel(set(values)):
+        raise DamagedLog(f"found no number in the columns of {missing}, expected some")
+    return kept, values
+
+
+def _agree(one: Pick, values: Float[Array, "row"], other: Pick, others: Float[Array, "row"]) -> bool:
+    """Whether two columns tell the same in the units they state."""
+    units = [unit_named(QUANTITIES[pick.channel.rstrip("?")], pick.unit) for pick in (one, other)]
+    if units[0] is None or units[1] is None:
+        return False
+    apart = np.abs(to_si(units[0], values) - to_si(units[1], others))
+    apart = apart[np.isfinite(apart)]
+    reach = np.nanmax(np.abs(to_si(units[0], values)), initial=0.0)
+    return len(apart) > 0 and float(np.percentile(apart, 90)) <= 0.02 * reach
+
+
+def _running_on(counter: Float[Array, "row"]) -> Float[Array, "row"]:
+    """A counter of 16 or 32 bits that went on counting where it ran over."""
+    for span in (2.0**16, 2.0**32):
+        over = np.diff(counter, prepend=counter[:1]) < -0.9 * span
+        if over.any() and float(np.nanmax(counter)) < span:
+            return counter + np.cumsum(over) * span
+    return counter

@@ -1,0 +1,127 @@
+"""The units of the columns that were picked: as the header or the flyer states them, or as physics settles them.
+
+One that stays open is an error for time, height and pressure, and leaves out any other column.
+"""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.column_choice import VITAL, Pick, to_si
+from fieldkit.importing.tables.headings import QUANTITIES, plain, unit_named
+from fieldkit.importing.tables.text import shown
+from fieldkit.importing.tables.unit_inference import (
+    Settled,
+    height_unit_by_pressure,
+    rest,
+    settle_felt,
+    settle_pressure,
+    settle_time_heights,
+)
+from fieldkit.safe_text import printable
+from fieldkit.shapes import Array, Float
+from fieldkit.units import STANDARD_GRAVITY, UNITS, Unit
+
+AXES = ("felt_x", "felt_y", "felt_z")
+ABOVE_GROUND = 30.0
+"""A height that is steady above this before lift-off counts from elsewhere than the pad. [m]"""
+
+
+def units_of(
+    picks: Sequence[Pick], values: dict[str, Float[Array, "row"]]
+) -> tuple[dict[str, tuple[Unit, str, str]], list[str]]:
+    """Of every channel its unit, that unit's name and why it is known; and the columns left out.
+
+    `values` follow: `felt?` becomes what it proves to be, a height of elsewhere `altitude_msl`.
+    """
+    by_channel = {pick.channel: pick for pick in picks}
+    units: dict[str, tuple[Unit, str, str]] = {}
+    for name, pick in by_channel.items():
+        if pick.unit == "clock":
+            units[name] = Unit(1.0), "clock", ""
+        elif pick.unit and (unit := unit_named(QUANTITIES[name.rstrip("?")], pick.unit)):
+            units[name] = unit, pick.unit, ""
+    if "altitude" in units:
+        units["altitude"] = _beside_pressure(by_channel["altitude"], units["altitude"], values)
+    settled = _settled(values, {name: plain(text) for name, (_, text, _) in units.items()}, units)
+    for name, one in settled.items():
+        units[name] = UNITS[QUANTITIES[name.rstrip("?")]][one.unit], one.unit, one.why
+    left_out = []
+    for name, pick in by_channel.items():
+        spare = name in ("altitude_msl", "pressure") and "altitude" in units
+        if name not in units and (pick.chosen or (name in VITAL and not spare)):
+            expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
+            found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that settles it"
+            column = pick.name.split("[")[0].split("(")[0].strip() or pick.name
+            raise DamagedLog(
+                f"found {found}, expected one of {expected}: write --map '{name}={printable(column)} [{_usual(name)}]'",
+                column=printable(pick.name),
+            )
+        if name not in units:
+            left_out.append(pick.name)
+    _settle_kind(values, units)
+    return units, left_out
+
+
+def _beside_pressure(
+    pick: Pick, stated: tuple[Unit, str, str], values: Mapping[str, Float[Array, "row"]]
+) -> tuple[Unit, str, str]:
+    """The unit of heights as stated. Where the pressure shows another, it is said if the flyer chose the one stated,
+    else DamagedLog is raised."""
+    unit, name, _ = stated
+    shows = height_unit_by_pressure(values)
+    if not shows or 0.7 < unit.factor / UNITS["length"][shows].factor < 1.4:
+        return stated
+    if pick.chosen:
+        return unit, name, f"as you chose, though the pressure beside it shows {shows}"
+    raise DamagedLog(
+        f"found heights in {shown(pick.unit)} that the pressure beside them shows to be in {shows}; "
+        f"write --map 'altitude=#{pick.place + 1} [{shows}]', or the unit that you trust",
+        column=pick.name,
+    )
+
+
+def _usual(name: str) -> str:
+    return {"time": "s", "pressure": "Pa"}.get(name, next(iter(UNITS[QUANTITIES[name]])))
+
+
+def _settled(
+    values: Mapping[str, Float[Array, "row"]],
+    known: Mapping[str, str],
+    units: Mapping[str, tuple[Unit, str, str]],
+) -> dict[str, Settled]:
+    """Units that physics settles."""
+    if "time" in units:
+        values = {**values, "time": to_si(units["time"][0], values["time"])}
+        known = {**known, "time": "s"}
+    settled = settle_time_heights(values, known)
+    if "pressure" in values and "pressure" not in units and (one := settle_pressure(values["pressure"])):
+        settled["pressure"] = one
+    felt = "felt_total" if "felt_total" in values else "felt?"
+    if felt in values and felt not in units and (one := settle_felt(values[felt])):
+        settled[felt] = one
+    axes = [name for name in AXES if name in values]
+    if len(axes) == 3 and not any(name in units for name in axes):
+        total = np.sqrt(sum((values[name] ** 2 for name in axes), np.zeros_like(values["time"])))
+        if one := settle_felt(total):
+            settled |= dict.fromkeys(axes, one)
+    return {name: one for name, one in settled.items() if name not in units}
+
+
+def _settle_kind(values: dict[str, Float[Array, "row"]], units: dict[str, tuple[Unit, str, str]]) -> None:
+    """Call a column what it proves to be: felt or net acceleration, height above the pad or above elsewhere."""
+    if "felt?" in units:
+        unit = units.pop("felt?")
+        at_rest = rest(to_si(unit[0], values["felt?"])) / STANDARD_GRAVITY
+        name = "felt" if 0.9 < abs(at_rest) < 1.1 else "acceleration" if abs(at_rest) < 0.1 else ""
+        if name and name not in units:
+            units[name] = unit[0], unit[1], unit[2] or "by what it shows at rest"
+            values[name] = values["felt?"] * (-1 if name == "felt" and at_rest < 0 else 1)
+    if "altitude" in units and "altitude_msl" not in units:
+        height = to_si(units["altitude"][0], values["altitude"])
+        start = height[np.isfinite(height)][:20]
+        if len(start) == 20 and float(np.median(start)) > ABOVE_GROUND and float(np.ptp(start)) < 5.0:
+            units["altitude_msl"] = *units["altitude"][:2], "it does not start at zero"
+            values["altitude_msl"] = values["altitude"]
+            del units["altitude"]

@@ -1,0 +1,62 @@
+"""Numbers out of the table of a log: block by block in C, and cell by cell only where a row is damaged.
+
+A parser says which columns it wants, by their place in a row, and in which unit they are; it gets SI arrays.
+A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
+of them are told of as one. Memory is that of the columns asked for, and half a megabyte of text.
+"""
+
+import re
+from collections.abc import Collection, Mapping, Sequence
+
+from fieldkit.importing.tables.cell import SI, Channel
+from fieldkit.importing.tables.layout import decimal_mark, split
+from fieldkit.importing.tables.rows import Rows
+from fieldkit.importing.tables.table import Table
+from fieldkit.importing.tables.text import blocks, first_lines, is_cut
+
+__all__ = ["SI", "Channel", "Table", "read_columns"]
+
+FIRST_ROWS = 100
+"""So many rows say what the decimal mark is. [1]"""
+MOST_REMARKS, LONGEST_REMARK = 1000, 1000
+"""So many comment lines are kept apart, and so much of each. [1], [characters]"""
+_POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
+
+
+def read_columns(
+    log: bytes,
+    channels: Sequence[Channel],
+    *,
+    after: int,
+    separator: str | None = ",",
+    decimal: str | None = None,
+    widths: Collection[int] | None = None,
+    words: Mapping[str, int] | None = None,
+    comment: str = "",
+) -> Table:
+    """The rows of a log below row `after` (0: all), as numbers in SI and as words.
+
+    `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the
+    needed ones if None. `words` names columns that are kept as text. Lines that begin with `comment` are
+    kept apart. `decimal` None is found in the first rows: a spreadsheet may have made commas of points. Raises
+    DamagedLog if not one row can be read.
+    """
+    decimal = decimal or _decimal(log, after, separator)
+    reader = Rows(channels, separator, widths, words or {})
+    for first, lines in blocks(log, after):
+        kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
+        if comment:
+            remarks = [(first + i, lines[i][:LONGEST_REMARK]) for i in kept if lines[i].startswith(comment)]
+            reader.remarks += remarks[: MOST_REMARKS - len(reader.remarks)]
+            kept = [i for i in kept if not lines[i].startswith(comment)]
+        rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
+        reader.read([first + i for i in kept], rows)
+        if reader.is_hopeless():
+            break
+    return reader.table(cut=is_cut(log))
+
+
+def _decimal(log: bytes, after: int, separator: str | None) -> str:
+    """The decimal mark of the first rows: a point where any has one. Raises DamagedLog where `1,148` may be two."""
+    cells = [cell for line in first_lines(log, after, FIRST_ROWS) for cell in split(line, separator)]
+    return "." if any(_POINT.fullmatch(cell) for cell in cells) else decimal_mark(cells, separator)

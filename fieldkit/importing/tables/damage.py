@@ -1,0 +1,39 @@
+"""What is damaged in a log, told in a few lines and kept in little memory however much it is."""
+
+from dataclasses import dataclass, field
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.tables.text import is_cut
+
+MOST_TOLD = 20
+"""So many damaged lines are told of one by one. [1]"""
+
+
+@dataclass(slots=True)
+class Damaged:
+    """Lines that are damaged: how many, the first few, and the last; a log may have millions."""
+
+    first: list[DamagedLog] = field(default_factory=list)
+    last: DamagedLog | None = None
+    count: int = 0
+
+    def add(self, error: DamagedLog) -> None:
+        """Count one more."""
+        self.last = error
+        self.first += [error] if len(self.first) < MOST_TOLD else []
+        self.count += 1
+
+    def told(self, what: str, *, cut: bool = False) -> list[Found]:
+        """The first, and how many more; without the last one where that is only `cut` off."""
+        told: list[Found] = [error for error in self.first if not (cut and error is self.last)]
+        more = self.count - cut - len(told)
+        return [*told, DamagedLog(f"found {more} more {what} that are damaged")] if more else told
+
+
+def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
+    """Damaged lines as they are told of: the last as a note if the file ends within it."""
+    row = damaged.last.row if damaged.last else None
+    cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
+    told = damaged.told(what, cut=cut)
+    return [*told, Note("is cut off where the file ends, left out", row)] if cut else told

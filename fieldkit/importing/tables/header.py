@@ -1,0 +1,87 @@
+"""The header of a logger's table: where it is, what its columns are called, what parts the cells."""
+
+import re
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import HEAD
+from fieldkit.importing.tables.cell import Channel
+from fieldkit.importing.tables.text import decode, lines_of
+from fieldkit.units import Unit
+
+SEPARATORS = (",", ";", "\t")
+
+
+@dataclass(frozen=True, slots=True)
+class Header:
+    """The header of a table: its row, counted from 1, its names in lower case, and what parts the cells."""
+
+    row: int
+    names: tuple[str, ...]
+    separator: str
+
+    def place(self, *names: str) -> int | None:
+        """The first column that bears one of these names, or None."""
+        places = (self.names.index(name) for name in names if name in self.names)
+        return next(places, None)
+
+    def channels(self, wanted: Mapping[str, tuple[str, Unit]], needed: Iterable[str] = ("time",)) -> list[Channel]:
+        """The columns there are of those wanted: header to a channel's name and unit."""
+        places = {name: self.names.index(name) for name in wanted if name in self.names}
+        named = {wanted[name][0]: (name, place) for name, place in reversed(places.items())}
+        return [
+            Channel(channel, place, wanted[name][1], channel in needed, name)
+            for channel, (name, place) in reversed(named.items())
+        ]
+
+
+def find_header(
+    log: bytes, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
+) -> Header | None:
+    """The first row near the start of a log whose names, in lower case and single-spaced, fit. Raises DamagedLog."""
+    for row, ways in enumerate(_first_rows(log[:HEAD]), start=1):
+        for separator, names in ways:
+            if separator in separators and fits(names):
+                return Header(row, names, separator)
+    return None
+
+
+@lru_cache(maxsize=2)
+def _first_rows(head: bytes) -> list[list[tuple[str, tuple[str, ...]]]]:
+    """What the cells of each line would be called by each separator: every parser asks of the same few lines."""
+    return [list(_ways(line, SEPARATORS)) for line in lines_of(decode(head))]
+
+
+def _ways(line: str, separators: Sequence[str]) -> Iterator[tuple[str, tuple[str, ...]]]:
+    """The names of a line by each separator, without the empty ones that a spreadsheet puts behind them."""
+    for separator in separators:
+        names = [_plain(cell) for cell in line.split(separator)]
+        while len(names) > 1 and not names[-1]:
+            names.pop()
+        yield separator, tuple(names)
+
+
+def header_in(
+    line: str, row: int, fits: Callable[[Sequence[str]], bool], separators: Sequence[str] = SEPARATORS
+) -> Header | None:
+    """A line as the header of a table, if its names fit."""
+    for separator, names in _ways(line, separators):
+        if fits(names):
+            return Header(row, names, separator)
+    return None
+
+
+def header_or_damage(
+    log: bytes, fits: Callable[[Sequence[str]], bool], expected: str, separators: Sequence[str] = SEPARATORS
+) -> Header:
+    """The header of a table, as `heading` finds it. Raises DamagedLog that says what was expected."""
+    found = find_header(log, fits, separators)
+    if found is None:
+        raise DamagedLog(f"found no header, expected {expected}")
+    return found
+
+
+def _plain(cell: str) -> str:
+    return re.sub(r"\s+", " ", cell.strip().strip('"').strip()).lower()

@@ -1,0 +1,135 @@
+"""Where the table is in a text, and how its cells stand apart: for tables that nobody documented.
+
+Lines of text may come first (a block of settings, the name of the flight), then one line of names, perhaps one of
+units below it, and rows of numbers. The header may be marked as a comment, or missing.
+"""
+
+import codecs
+import csv
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.tables.text import encodings
+
+LOOKED_AT = 400
+"""Lines among which the first rows of numbers must be. [1]"""
+_NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
+_CLOCK = re.compile(r"\d:\d\d")
+_ABSENT = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
+_MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
+_DECIMAL = re.compile(r"\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*")
+_THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
+_UNITS = re.compile(r"[\[({]?[A-Za-zµμ°%]{0,8}([/^*²·\s-]?[A-Za-z0-9²-]{1,4}){0,4}[\])}]?")
+
+
+@dataclass(frozen=True, slots=True)
+class Layout:
+    """A table's names, the row above its first numbers, and how its cells are written.
+
+    `headers` are `#1`, `#2`, ... where there are none. `separator` None is blank space; `first` are cells of the
+    first row of numbers.
+    """
+
+    headers: tuple[str, ...]
+    above: int
+    separator: str | None
+    decimal: str
+    named: bool
+    first: tuple[str, ...]
+
+    def says(self, place: int) -> bool:
+        """Whether the first row has a word in this column, and no number."""
+        cell = self.first[place] if place < len(self.first) else ""
+        return cell.lower() not in _ABSENT and not _NUMBER.fullmatch(cell) and not _CLOCK.search(cell)
+
+
+def split(line: str, separator: str | None) -> list[str]:
+    """The cells of a line; those in quotes may hold the separator."""
+    if separator is not None and '"' in line:
+        try:
+            return next(csv.reader([line], delimiter=separator), [])
+        except csv.Error:
+            pass
+    return line.split(separator)
+
+
+def layout_of(head: bytes) -> Layout:
+    """The layout of the table that a log begins with. Raises DamagedLog if there is none."""
+    first, *others = encodings(head[:2])
+    try:
+        text = codecs.getincrementaldecoder(first)().decode(head)
+    except UnicodeDecodeError:
+        text = head.decode(others[0] if others else first, "replace")
+    return table_in(text if "\n" in text else text.replace("\r", "\n"))
+
+
+def table_in(text: str) -> Layout:
+    """The layout of the first table of numbers in a text. Raises DamagedLog if there is none."""
+    lines = text.split("\n")[:LOOKED_AT]
+    lines = [line.rstrip("\r").lstrip("\ufeff") for line in lines]
+    for separator in ("\t", ";", ",", None):
+        start = _first_numbers(lines, separator)
+        if start is not None:
+            return _layout(lines, start, separator)
+    raise DamagedLog("found no table of numbers, expected a line of names and rows of numbers below it")
+
+
+def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
+    """The first of three lines (or of those there are) that are rows of numbers alike."""
+    rows = [split(line, separator) for line in lines]
+    for start in range(len(rows)):
+        if len(rows[start]) < 2 or not _numbers(rows[start], separator):
+            continue
+        alike = [cells for cells in rows[start : start + 7] if any(cell.strip() for cell in cells)][:3]
+        if all(len(cells) == len(alike[0]) and _numbers(cells, separator) for cells in alike):
+            return start
+    return None
+
+
+def _numbers(cells: Sequence[str], separator: str | None) -> bool:
+    """Whether most cells are numbers, and nothing but single words stands between them."""
+    said = [cell for cell in cells if cell.strip().lower() not in _ABSENT]
+    count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in said)
+    return count >= 2 and count * 2 > len(said) and not (separator is None and any("," in cell for cell in cells))
+
+
+def _layout(lines: Sequence[str], start: int, separator: str | None) -> Layout:
+    width = len(split(lines[start], separator))
+    above = [row for row in range(start - 1, -1, -1) if lines[row].strip()][:2]
+    names = [_names(lines[row], separator, width) for row in above]
+    headers = names[0] if names else None
+    if headers and len(names) == 2 and names[1] and all(_UNITS.fullmatch(cell) for cell in headers):
+        pairs = zip(names[1], headers, strict=True)
+        headers = [f"{name} ({unit.strip('[](){}')})" if unit else name for name, unit in pairs]
+    rows = [split(line, separator) for line in lines[start:]]
+    decimal = decimal_mark([cell for cells in rows for cell in cells], separator)
+    first = tuple(cell.strip() for cell in rows[0])
+    if headers is None:
+        return Layout(tuple(f"#{i}" for i in range(1, width + 1)), start, separator, decimal, False, first)
+    return Layout(tuple(headers), start, separator, decimal, True, first)
+
+
+def _names(line: str, separator: str | None, width: int) -> list[str] | None:
+    """The names in the line above a table, if it has one for every cell; a comment mark is no part of them."""
+    cells = [cell.strip() for cell in split(_MARK.sub("", line), separator)]
+    while len(cells) > width and not cells[-1]:
+        cells.pop()
+    enough = sum(bool(re.search(r"[^\W\d]", cell)) for cell in cells)
+    if len(cells) > width or len(cells) < 2 or enough * 2 < len(cells):
+        return None
+    return cells + [f"#{i}" for i in range(len(cells) + 1, width + 1)]
+
+
+def decimal_mark(cells: Sequence[str], separator: str | None) -> str:
+    """The decimal mark of a table. Raises DamagedLog where `1,148` could be either number."""
+    if separator == ",":
+        return "."
+    commas = [cell for cell in cells if _DECIMAL.fullmatch(cell)]
+    if any(not _THOUSANDS.fullmatch(cell) for cell in commas):
+        return ","
+    if commas:
+        found = f"found {commas[0].strip()!r}, which may be {commas[0].strip().replace(',', '')!r} or a decimal comma"
+        raise DamagedLog(f"{found}, expected numbers without doubt")
+    return "."

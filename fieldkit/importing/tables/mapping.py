@@ -1,0 +1,77 @@
+"""Which column of a table is which channel: what the flyer says once, and the tool remembers.
+
+A choice is written `altitude=Alt (ft)`: a channel of `Series`, and a column as its header spells it. A unit that
+the header lacks follows in brackets, `altitude=Alt [ft]`; a table without headers has the columns `#1`, `#2`.
+Choices are kept by the headers of the table they were made for, in a JSON file among the user's data.
+"""
+
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.files import replace
+from fieldkit.importing.reading import Choice
+from fieldkit.importing.tables.headings import QUANTITIES
+from fieldkit.paths import data_folder
+
+MOST = 500
+"""So many choices are remembered, the latest ones. [1]"""
+
+
+def read_choice(texts: Iterable[str]) -> Choice:
+    """The choice that `--map` texts make. Raises BadValue that says what to write."""
+    channels: dict[str, str] = {}
+    for text in texts:
+        name, mark, column = (part.strip() for part in text.partition("="))
+        if not (mark and column):
+            raise BadValue(f"--map: found {text!r}, expected a channel and a column such as 'altitude=Alt (ft)'")
+        if name not in QUANTITIES:
+            raise BadValue(f"--map: found the channel {name!r}, expected one of {', '.join(QUANTITIES)}")
+        if name in channels:
+            raise BadValue(f"--map: found {name} twice, expected it once")
+        channels[name] = column
+    return Choice(channels)
+
+
+def choice_for(headers: Sequence[str], choices: Iterable[Choice]) -> Choice | None:
+    """The first choice made for such a table or for any, or None."""
+    return next((choice for choice in choices if choice.headers in ((), tuple(headers))), None)
+
+
+def mapping_file() -> Path:
+    """Where choices are kept, which may not be there yet."""
+    return data_folder() / "mappings.json"
+
+
+def remembered() -> tuple[Choice, ...]:
+    """The choices made so far, latest first. Raises FieldkitError if their file is not what it should be."""
+    import json
+
+    file = mapping_file()
+    try:
+        entries = json.loads(file.read_text(encoding="utf-8"))["mappings"]
+        return tuple(Choice(_texts(entry["map"]), tuple(map(str, entry["headers"]))) for entry in entries)
+    except FileNotFoundError:
+        return ()
+    except (OSError, ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
+        raise FieldkitError(f"{file}: cannot be read as remembered mappings; mend or remove it") from error
+
+
+def _texts(mapping: object) -> dict[str, str]:
+    if not isinstance(mapping, dict) or not mapping.keys() <= QUANTITIES.keys():
+        raise ValueError(mapping)
+    return {str(channel): str(column) for channel, column in mapping.items()}
+
+
+def remember(choice: Choice) -> None:
+    """Keep a choice for tables with its headers, in place of an earlier one; a power cut leaves one or the other.
+
+    Raises FieldkitError where it cannot be written.
+    """
+    import json
+
+    if not choice.headers:
+        return
+    kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MOST]
+    document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}
+    replace(mapping_file(), json.dumps(document, indent=1).encode())

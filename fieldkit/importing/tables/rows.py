@@ -1,0 +1,265 @@
+"""Rows of numbers: block by block in C, and cell by cell only where a row is damaged.
+
+A row that is no row of the table costs itself and nothing else, and is told of in one line; a few hundred
+of them are told of as one. A long table is thinned as it is read.
+"""
+
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, Sequence
+from operator import length_hint
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.tables.cell import LARGEST, Channel, converter, gaps, number_in
+from fieldkit.importing.tables.damage import MOST_TOLD
+from fieldkit.importing.tables.table import Table
+from fieldkit.importing.tables.text import ENDLESS, shown
+from fieldkit.shapes import Array, Float, Int, Integers
+
+PATIENCE = 50
+"""A block with so many damaged rows is read cell by cell from there on. [1]"""
+MOST_DAMAGED = 200_000
+"""After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
+MOST_NUMBERS = 750_000
+"""A table of more numbers loses every other row, and again, until it has no more. [1]"""
+LAST = 100
+"""So many rows say how long a last cell is. [1]"""
+MOST_WORDS = 1000
+"""So many different words a column of words may hold; what comes later is empty. [1]"""
+
+
+class Rows:
+    """Takes lines, and keeps the numbers of those that are whole."""
+
+    def __init__(
+        self,
+        channels: Sequence[Channel],
+        separator: str | None,
+        widths: Collection[int] | None,
+        words: Mapping[str, int],
+    ) -> None:
+        self.channels, self.separator, self.widths, self.words = channels, separator, widths, words
+        self.needed = [i for i, channel in enumerate(channels) if channel.needed]
+        self.gaps = gaps(separator)
+        self.vocabulary: list[dict[str, int]] = [{"": 0} for _ in words]
+        self.columns: list[list[np.ndarray[Any, Any]]] = [[] for _ in range(1 + len(words) + len(channels))]
+        self.remarks: list[tuple[int, str]] = []
+        self.told: list[DamagedLog] = []
+        self.ends: list[str] = []
+        self.damaged, self.last_damaged, self.last, self.kept, self.seen, self.step = 0, 0, 0, 0, 0, 1
+
+    def read(self, rows: list[int], lines: list[str]) -> None:
+        """Keep the rows of a block that are whole."""
+        if not lines:
+            return
+        self.last = rows[-1]
+        self.ends = (self.ends + [line.rpartition(self.separator or " ")[2] for line in lines[-LAST:]])[-LAST:]
+        if self.widths is not None:
+            wrong = [i for i, width in enumerate(self._widths(lines)) if width not in self.widths]
+            for i in wrong:
+                lines[i] = self._without_blanks(lines[i])
+            wrong = [i for i in wrong if self._widths([lines[i]])[0] not in self.widths]
+            self._one_by_one([rows[i] for i in wrong], [lines[i] for i in wrong])
+            for i in reversed(wrong):
+                del rows[i], lines[i]
+        try:
+            self._quickly(rows, lines, iter(lines))
+        except ValueError:
+            self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
+
+    def is_hopeless(self) -> bool:
+        """Whether so many rows are damaged that what follows is no table."""
+        return self.damaged > max(MOST_DAMAGED, self.seen)
+
+    def _widths(self, lines: Iterable[str]) -> list[int]:
+        if self.separator is None:
+            return [len(line.split()) for line in lines]
+        separator = self.separator
+        return [line.count(separator) + 1 for line in lines]
+
+    def _without_blanks(self, line: str) -> str:
+        """A line without as many of the blank cells at its end as it has cells too many: a spreadsheet adds them."""
+        separator, widest = self.separator, max(self.widths or [0])
+        if separator is None:
+            return line
+        cells = line.split(separator)
+        return separator.join(cells[:widest]) if not any(cell.strip() for cell in cells[widest:]) else line
+
+    def _around(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
+        """Keep the rows of a block, whose gaps are `filled` with nan, up to each damaged one and from there on."""
+        start = 0
+        for _ in range(PATIENCE):
+            coming = iter(filled[start:])
+            try:
+                self._quickly(rows[start:], lines[start:], coming)
+                return
+            except ValueError:
+                stop = len(filled) - length_hint(coming)
+            sound = max(start, stop - 2)  # should numpy have looked further than the line that it cannot read
+            self._halve(rows[start:sound], lines[start:sound], filled[start:sound])
+            self._one_by_one(rows[sound:stop], lines[sound:stop])
+            start = stop
+        self._one_by_one(rows[start:], lines[start:])
+
+    def _halve(self, rows: list[int], lines: list[str], filled: list[str]) -> None:
+        """Keep rows that ought to be whole: at once, or each half by itself."""
+        try:
+            self._quickly(rows, lines, iter(filled))
+        except ValueError:
+            middle = len(lines) // 2
+            if not middle:
+                self._one_by_one(rows, lines)
+            else:
+                self._halve(rows[:middle], lines[:middle], filled[:middle])
+                self._halve(rows[middle:], lines[middle:], filled[middle:])
+
+    def _quickly(self, rows: list[int], lines: list[str], coming: Iterator[str]) -> None:
+        """Keep the rows of lines that all hold numbers where they should. Raises ValueError if one does not."""
+        if not lines:
+            return
+        converters: dict[int | str, Callable[[str], float]] = {c.place: converter(c) for c in self.channels if c.suffix}
+        numbers = self._load(coming, [channel.place for channel in self.channels], "f8", converters or None)
+        if len(numbers) != len(lines):
+            raise ValueError("a quotation mark spans lines")
+        said = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
+        if [len(cells) for cells in said] != [len(lines)] * len(said):
+            raise ValueError("a quotation mark spans lines")
+        bad = (np.abs(numbers) > LARGEST).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
+        if bad.any():
+            self._one_by_one([rows[i] for i in np.flatnonzero(bad)], [lines[i] for i in np.flatnonzero(bad)])
+            good = np.flatnonzero(~bad)
+            rows, numbers, said = [rows[i] for i in good], numbers[good], [[cells[i] for i in good] for cells in said]
+        self._keep(rows, numbers, said)
+
+    def _load(
+        self,
+        lines: Iterable[str],
+        places: list[int],
+        dtype: str,
+        converters: Mapping[int | str, Callable[[str], float]] | None = None,
+    ) -> Array:
+        loaded: Array = np.loadtxt(
+            lines,
+            delimiter=self.separator,
+            usecols=places,
+            comments=None,
+            quotechar=None if self.separator == '"' else '"',
+            ndmin=2,
+            dtype=np.dtype(dtype),
+            converters=converters,
+        )
+        return loaded
+
+    def _one_by_one(self, rows: Sequence[int], lines: Sequence[str]) -> None:
+        whole: list[tuple[int, list[float], list[str]]] = []
+        for row, line in zip(rows, lines, strict=True):
+            cells = [cell.strip().strip('"').strip() for cell in line.split(self.separator)]
+            if not any(cells):
+                continue
+            numbers = self._numbers(row, line, cells)
+            if isinstance(numbers, DamagedLog):
+                self.told += [numbers] if len(self.told) < MOST_TOLD else []
+                self.damaged, self.last_damaged = self.damaged + 1, max(row, self.last_damaged)
+            else:
+                whole.append((row, numbers, [cells[i] if i < len(cells) else "" for i in self.words.values()]))
+        if whole:
+            kept, values, said = zip(*whole, strict=True)
+            self._keep(list(kept), np.array(values), [list(column) for column in zip(*said, strict=True)])
+
+    def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
+        """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""
+        if line.startswith(ENDLESS):
+            return DamagedLog("found a line without end, or NUL, expected a row", row=row)
+        if self.widths is not None and len(cells) not in self.widths:
+            expected = " or ".join(map(str, sorted(self.widths)[:3]))
+            return DamagedLog(f"found {len(cells)} cells, expected {expected}", row=row)
+        numbers = []
+        for channel in self.channels:
+            cell = cells[channel.place] if channel.place < len(cells) else ""
+            value = number_in(cell, channel)
+            if value is None:
+                expected = f"a number with {channel.suffix}" if channel.suffix else "a number"
+                place = channel.header or channel.name
+                return DamagedLog(f"found {shown(cell)}, expected {expected}", row=row, column=place)
+            numbers.append(value)
+        return numbers
+
+    def _keep(self, rows: list[int], numbers: Float[Array, "row channel"], said: list[list[str]]) -> None:
+        """Put rows, row by row numbers and words, behind those that there are; of a long table not all."""
+        which = [_which(known, cells) for known, cells in zip(self.vocabulary, said, strict=True)]
+        kept = (self.seen + np.arange(len(rows))) % self.step == 0
+        for column, codes in zip(self.columns[1:], which, strict=False):
+            kept |= np.diff(codes, prepend=column[-1][-1:] if column else np.array([-1])) != 0
+        self.seen += len(rows)
+        if not kept.any():
+            return
+        si = [numbers[:, i] * channel.unit.factor + channel.unit.offset for i, channel in enumerate(self.channels)]
+        new: list[np.ndarray[Any, Any]] = [np.array(rows, np.int32), *which, *si]
+        for column, values in zip(self.columns, new, strict=True):
+            column.append(values[kept])
+        self.kept += int(kept.sum())
+        if self.kept * len(self.columns) > MOST_NUMBERS:
+            self._thin()
+
+    def _thin(self) -> None:
+        """Leave out every other row, from here on as well, but none where a word changes."""
+        self.step = min(self.step * 2, 1 << 40)
+        every_other = kept = np.arange(self.kept) % 2 == 0
+        for column in self.columns[1 : 1 + len(self.words)]:
+            kept = kept | (np.diff(np.concatenate(column), prepend=np.array([-1])) != 0)
+        kept = kept if kept.mean() < 0.75 else every_other  # words that change in every row mark nothing
+        for i, column in enumerate(self.columns):
+            self.columns[i] = [self._joined(column)[kept]]
+        self.kept = int(kept.sum())
+
+    def table(self, *, cut: bool) -> Table:
+        """What was kept. Raises DamagedLog if that is nothing."""
+        if not self.kept:
+            raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
+        rows, *columns = [self._joined(column) for column in self.columns]
+        short = cut and rows[-1] == self.last and self._ends_short()
+        if short:
+            rows, *columns = [column[:-1] for column in (rows, *columns)]
+        said, numbers = columns[: len(self.words)], columns[len(self.words) :]
+        values = {channel.name: column for channel, column in zip(self.channels, numbers, strict=True)}
+        known = zip(self.words, map(list, self.vocabulary), said, strict=True)
+        words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
+        found = tuple(self._found(cut, short))
+        return Table(values, rows.astype(np.int64), words, tuple(self.remarks), found)
+
+    @staticmethod
+    def _joined(column: list[np.ndarray[Any, Any]]) -> np.ndarray[Any, Any]:
+        """The pieces of a column as one, and let go: a long log's are not kept twice."""
+        whole = np.concatenate(column)
+        column.clear()
+        return whole
+
+    def _ends_short(self) -> bool:
+        """Whether the last cell of all has fewer decimals than each of many before it, or less of anything."""
+        if min(self.kept, len(self.ends)) < LAST // 2:
+            return False
+        *usual, last = [(len(cell.partition(".")[2]), len(cell)) for cell in self.ends]
+        return last[0] < min(decimals for decimals, _ in usual) or last[1] < min(size for _, size in usual)
+
+    def _found(self, cut: bool, short: bool) -> Iterator[Found]:
+        torn = cut and self.damaged and self.last_damaged == self.last
+        told = [error for error in self.told if not (torn and error.row == self.last)]
+        yield from sorted(told, key=lambda error: error.row or 0)
+        if more := self.damaged - len(told) - bool(torn):
+            yield DamagedLog(f"found {more} more rows that are damaged")
+        if torn or short:
+            yield Note("is cut off where the file ends, left out", row=self.last)
+        if self.is_hopeless():
+            yield Note("is no table from here on, left out", row=self.last)
+        if self.step > 1:
+            yield Note(f"found more than {MOST_NUMBERS} numbers, kept one row in {self.step}")
+
+
+def _which(known: dict[str, int], cells: list[str]) -> Int[Integers, "row"]:
+    """The place of each cell among the words that are known, to which new ones are added."""
+    for cell in dict.fromkeys(cells):
+        if len(known) < MOST_WORDS:
+            known.setdefault(cell, len(known))
+    return np.array([known.get(cell, 0) for cell in cells], np.int16)

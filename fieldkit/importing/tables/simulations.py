@@ -1,0 +1,159 @@
+"""What the exports of flight simulators have in common: columns with units, read as a simulation.
+
+Every column says its unit; one that says none, or a name that is not known, is left out. Names are those of the
+programs in English, and for a program that translates them the dictionary's word in some other languages: a wrong
+word loses a column, and cannot change a number, because the unit must be one of its quantity.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import Found, Reading
+from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
+from fieldkit.importing.tables.text import shown
+from fieldkit.shapes import Array, Float
+from fieldkit.units import UNITS
+
+NAMES: Mapping[str, str] = {
+    "time": "time",
+    "altitude": "altitude",
+    "altitude above sea level": "altitude_msl",
+    "vertical velocity": "speed",
+    "y velocity": "speed",
+    "vel v": "speed",
+    "velocity": "speed",
+    "vertical acceleration": "acceleration",
+    "y acceleration": "acceleration",
+    "accel v": "acceleration",
+    "thrust": "thrust",
+    "drag force": "drag",
+    "drag": "drag",
+    "mass": "mass",
+    "weight": "mass",
+    "air pressure": "pressure",
+    "air temperature": "temperature",
+    "latitude": "latitude",
+    "longitude": "longitude",
+}
+"""Columns by the words of their name, without the unit."""
+
+
+def _set(words: str) -> frozenset[str]:
+    return frozenset(words.split())
+
+
+TIME_WORDS = _set("time zeit temps tiempo tempo tijd tid czas čas время час zaman idő aika 时间 時間 시간")
+HEIGHT_WORDS = _set(
+    "altitude höhe altitud altitudine quota hoogte höjd højde høyde wysokość výška высота висота "
+    "yükseklik magasság korkeus 高度 고도"
+)
+_VERTICAL = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
+_SPEED = ("geschwind", "vitesse", "veloc", "snelheid", "hastighet", "prędko", "rychlost", "скорост", "速度", "속도")
+_PULL = ("beschleunig", "accél", "aceler", "acceler", "versnell", "przyspiesz", "zrychlen", "ускорен", "加速度", "가속")
+
+
+def base_words(head: Heading) -> tuple[str, ...]:
+    """The words of a column's name without those of its unit."""
+    for length in (5, 4, 3, 2, 1):
+        ending = "".join(head.words[-length:])
+        if not head.unit and len(head.words) > length and any(unit_named(q, ending) for q in UNITS if q != "number"):
+            return head.words[:-length]
+    return head.words
+
+
+def channel_of(head: Heading) -> str:
+    """The channel that a column of a simulation is, or ""."""
+    words = base_words(head)
+    name = " ".join(words)
+    if name in NAMES:
+        return NAMES[name]
+    if len(words) == 1 and words[0] in TIME_WORDS:
+        return "time"
+    if len(words) == 1 and words[0] in HEIGHT_WORDS:
+        return "altitude"
+    if any(stem in name for stem in _VERTICAL):
+        if any(stem in name for stem in _PULL):
+            return "acceleration"
+        return "speed" * any(stem in name for stem in _SPEED)
+    return ""
+
+
+def read_simulation(
+    log: bytes,
+    headers: Sequence[str],
+    device: str,
+    *,
+    after: int,
+    separator: str | None = ",",
+    comment: str = "",
+    seconds: bool = False,
+) -> tuple[Table, list[Found]]:
+    """The rows of an export and what they tell: a simulation for each time that the clock starts.
+
+    `seconds` says that the program's clock has no unit in its header and counts seconds. Raises DamagedLog for
+    an export without time or height, or whose height and speed contradict each other.
+    """
+    channels = _channels(headers, seconds)
+    if missing := {"time", "altitude"} - {channel.name for channel in channels}:
+        columns = ", ".join(map(shown, headers[:20]))
+        raise DamagedLog(f"found no column of {min(missing)} with its unit among {columns}", row=after or None)
+    table = read_columns(log, channels, after=after, separator=separator, comment=comment)
+    for name in table.values.keys() - {"time"}:
+        column = table.values[name]
+        column[~(np.abs(column) < 1e12)] = np.nan
+    parts, found = table.flights()
+    readings = [
+        Reading(row=int(part.rows[0]), describes="simulation", series=_vertical(part).series(), device=device)
+        for part in parts
+    ]
+    return table, [*readings, *found]
+
+
+def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
+    """The columns with a known name and a unit, the first of each."""
+    channels: dict[str, Channel] = {}
+    for place, spelled in enumerate(headers):
+        head = heading(spelled)
+        name = channel_of(head)
+        if not name or name in channels:
+            continue
+        unit = unit_named(QUANTITIES[name], stated_unit(head, name))
+        if name == "mass" and unit is None:
+            unit = unit_named("mass", stated_unit(head, "mass"))
+        if name == "time" and seconds and not head.unit and len(head.words) == 1:
+            unit = UNITS["time"]["s"]
+        if unit is not None:
+            channels[name] = Channel(name, place, unit, needed=name in ("time", "altitude"), header=head.spelled)
+    return list(channels.values())
+
+
+def _vertical(table: Table) -> Table:
+    """The table without a speed that is not the vertical one.
+
+    Raises DamagedLog if the climb is not what the speed makes it: then a unit is not what the header says.
+    """
+    if "speed" not in table.values:
+        return table
+    time, height, speed = (table.values[name] for name in ("time", "altitude", "speed"))
+    whole = np.isfinite(height) & np.isfinite(speed)
+    t, h, v = time[whole], height[whole], speed[whole]
+    top = int(np.argmax(h)) if len(h) else 0
+    rise = float(h[top] - h[0]) if len(h) else 0.0
+    if top < 8 or rise < 3.0:
+        return table
+    climbed = _sum(v[: top + 1], t[: top + 1])
+    if not 0.7 < climbed / rise < 2.0:
+        found = f"found a climb of {rise:.4g} m by height and of {climbed:.4g} m by speed, expected units that agree"
+        raise DamagedLog(found)
+    fall = float(h[top] - h[-1])
+    if fall > 0.2 * rise and _sum(v[top:], t[top:]) > -0.5 * fall:
+        return replace(table, values={name: column for name, column in table.values.items() if name != "speed"})
+    return table
+
+
+def _sum(speed: Float[Array, "row"], time: Float[Array, "row"]) -> float:
+    return float(np.sum((speed[1:] + speed[:-1]) / 2 * np.diff(time)))

@@ -1,0 +1,100 @@
+"""The table of a log as it was read: arrays in SI by channel, and the flights that its clock parts it into."""
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field, fields, replace
+from itertools import pairwise
+
+import numpy as np
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.importing.reading import Found, Note
+from fieldkit.importing.tables.clocks import credible, restarts
+from fieldkit.importing.tables.damage import MOST_TOLD
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
+
+MOST_FLIGHTS = 100
+"""No logger holds as many flights in one log. [1]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Table:
+    """The rows of a log: SI arrays by channel, and of each row its number in the file, counted from 1.
+
+    `words` holds the columns of words: those there are, and for every row which of them. `remarks` are the
+    comment lines with their row, `found` what a parser hands on: damaged rows, and a note of a last one cut off.
+    """
+
+    values: Mapping[str, Float[Array, "row"]]
+    rows: Int[Integers, "row"]
+    words: Mapping[str, tuple[list[str], Int[Integers, "row"]]] = field(default_factory=dict)
+    remarks: tuple[tuple[int, str], ...] = ()
+    found: tuple[Found, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def get(self, name: str) -> Float[Array, "row"] | None:
+        """The values of a channel, or None where the log has none of it."""
+        values = self.values.get(name)
+        return None if values is None or np.isnan(values).all() else values
+
+    def where(self, name: str, word: str) -> Int[Integers, "match"]:
+        """The indices of the rows that say `word` in a column of words."""
+        known, which = self.words[name]
+        return np.flatnonzero(which == known.index(word)) if word in known else np.empty(0, np.int64)
+
+    def pick(self, rows: slice | Flags | Integers) -> "Table":
+        """The table with some of its rows; what was found in the file stays."""
+        words = {name: (known, which[rows]) for name, (known, which) in self.words.items()}
+        return replace(self, values={n: v[rows] for n, v in self.values.items()}, rows=self.rows[rows], words=words)
+
+    def series(self) -> Series:
+        """The channels that a `Series` has a field for; `time` must be one of them."""
+        names = {f.name for f in fields(Series)} & self.values.keys()
+        channels = {name: self.get(name) for name in names - {"time"}}
+        return Series(self.values["time"], **channels)
+
+    def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
+        """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
+
+        A part that says the same as an earlier one is a repetition and left out. Raises DamagedLog for a clock that
+        starts anew again and again: rows that were shuffled are no flights.
+        """
+        found = list(self.found)
+        parts: dict[bytes, Table] = {}
+        repeated: list[int] = []
+        anew = restarts(self.values[clock]).tolist()
+        if len(anew) >= MOST_FLIGHTS:
+            expected = f"expected at most {MOST_FLIGHTS} flights in a log"
+            raise DamagedLog(f"found {clock} starting anew {len(anew)} times, {expected}", row=int(self.rows[anew[0]]))
+        starts = [0, *anew, len(self)]
+        for start, stop in pairwise(starts):
+            part = self.pick(slice(start, stop))
+            content = _digest(part)
+            if content in parts:
+                repeated.append(int(part.rows[0]))
+                continue
+            kept = credible(part.values[clock])
+            found += _strays(part.rows[~kept], part.values[clock][~kept], clock)
+            parts[content] = part if kept.all() else part.pick(kept)
+        if repeated:
+            times = f" {len(repeated)} times from here on" if len(repeated) > 1 else ""
+            found.append(Note(f"repeats an earlier flight of this file{times}, taken once", repeated[0]))
+        return list(parts.values()), found
+
+
+def _digest(table: Table) -> bytes:
+    """The same bytes for the same numbers."""
+    content = hashlib.blake2b()
+    for values in table.values.values():
+        content.update(np.ascontiguousarray(values).data)
+    return content.digest()
+
+
+def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
+    for row, value in zip(rows[:MOST_TOLD].tolist(), clock.tolist(), strict=False):
+        yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
+    if len(rows) > MOST_TOLD:
+        yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")

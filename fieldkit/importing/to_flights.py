@@ -1,0 +1,135 @@
+"""From readings to flights: bounds, motor names, identities, flights that come twice, rockets of another file."""
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import fields, replace
+
+from fieldkit.errors import BadValue, DamagedLog
+from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
+from fieldkit.flight.plausibility import check, doubts
+from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
+from fieldkit.importing.recognize import told
+from fieldkit.importing.tables.text import shown
+
+CheckMotor = Callable[[str], str | None]
+"""A complaint about a motor's name as printed, or None if there is such a motor."""
+
+
+def intake_of(
+    source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
+) -> Intake:
+    kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
+    rejected: list[Rejected] = []
+    notes = [item for item in found if isinstance(item, Note)]
+    for item in found:
+        try:
+            if isinstance(item, DamagedLog):
+                raise item
+            if isinstance(item, Reading) and item.describes == "simulation":
+                continue
+            if isinstance(item, Reading) and item.describes == "rocket":
+                _flight(item)
+            elif isinstance(item, Reading):
+                flight = _measured(_named(item, rockets), check_motor)
+                notes += _keep(flight, item.row, kept)
+        except DamagedLog as error:
+            whole = told(error, source)
+            rejected.append(Rejected(source, whole.row, whole.column, whole.found))
+    if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
+        notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
+    if any(isinstance(item, Reading) and item.describes == "simulation" for item in found):
+        notes.append(Note(_SIMULATED.format(source)))
+    strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
+    if strangers:
+        notes.append(Note(_STRANGERS.format(len(strangers))))
+    lines = (str(told(DamagedLog(note.text, row=note.row), source)) for note in notes)
+    flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
+    mapped = tuple(item for item in found if isinstance(item, Mapped))
+    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped)
+
+
+_SIMULATED = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"
+_STRANGERS = (
+    "{} rockets are known by their number alone and have no mass; "
+    "import the file that lists the rockets together with this one"
+)
+
+
+def _named(reading: Reading, rockets: Mapping[str, Reading]) -> Reading:
+    """A reading with what a list of rockets knows of its rocket; what the log itself states wins."""
+    if not reading.rocket_key:
+        return reading
+    rocket = rockets.get(reading.rocket_key)
+    known = rocket.stated if rocket else {"rocket": reading.rocket_key}
+    return replace(reading, stated={**known, **reading.stated})
+
+
+def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Flight, int | None]]) -> list[Note]:
+    """Add a flight to those kept and say what is odd about it. Raises DamagedLog if its name is taken."""
+    name = (flight.rocket, flight.flight_id)
+    if name not in kept:
+        kept[name] = flight, row
+        return [Note(phrase, row) for phrase in doubts(flight)]
+    first, first_row = kept[name]
+    if first != flight:
+        found = f"found {shown(flight.flight_id)}, which row {first_row} has for another flight of this rocket"
+        raise DamagedLog(found, row=row, column="flight_id")
+    return [Note(f"repeats row {first_row}", row)]
+
+
+def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
+    """The flight that a reading tells of, with a name. Raises DamagedLog if it was never flown."""
+    flight = _flight(reading)
+    if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
+        found = f"found no readout, expected at least one such as {READOUTS[0].header}"
+        raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
+    _check_motor(flight, reading, check_motor)
+    return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight, reading.clocks))
+
+
+def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
+    """The planned flight that a reading tells of. Raises DamagedLog if it lacks a motor."""
+    flight = _flight(reading)
+    if not flight.motor:
+        raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
+    _check_motor(flight, reading, check_motor)
+    unread = dict.fromkeys(column.name for column in READOUTS)
+    return flight.with_changes(flight_id=flight.flight_id or f"row-{reading.row}", **unread)
+
+
+def _flight(reading: Reading) -> Flight:
+    """What a reading states, as a flight. Raises DamagedLog for a figure that no flight can have."""
+    for name, value in reading.stated.items():
+        if isinstance(value, float):
+            try:
+                check(BY_NAME[name], value)
+            except BadValue as error:
+                raise DamagedLog(str(error), row=reading.row, column=reading.columns.get(name, name)) from error
+    return Flight(extra=dict(reading.extra)).with_changes(**reading.stated)
+
+
+def _check_motor(flight: Flight, reading: Reading, check_motor: CheckMotor) -> None:
+    """Raise DamagedLog for a motor nobody makes; several motors at once are not looked up."""
+    if not flight.motor or {"cluster", "staged"} & set(flight.tags):
+        return
+    if complaint := check_motor(flight.motor):
+        raise DamagedLog(complaint, row=reading.row, column=reading.columns.get("motor", "motor"))
+
+
+def derived_id(flight: Flight, clocks: Sequence[Series] = ()) -> str:
+    """A name for a flight that has none: its date and a digest of what was flown and read off, or else of its samples.
+
+    The same figures give the same name in any unit, any order of columns and any table; notes, tags
+    and conditions may be edited without changing it.
+    """
+    figures = [f"{name}={value:.6g}" for name, value in sorted(flight.readouts().items())]
+    when = flight.date_time.isoformat() if flight.date_time else ""
+    samples = [] if figures else [hashlib.sha256(channel).hexdigest() for channel in _channels(clocks)]
+    content = "\x1f".join([flight.rocket, flight.config, flight.motor, when, *figures, *samples])
+    digest = hashlib.sha256(content.encode("utf-8", "surrogatepass")).hexdigest()[:10]
+    return f"{flight.date_time:%Y-%m-%d}-{digest}" if flight.date_time else f"flight-{digest}"
+
+
+def _channels(clocks: Sequence[Series]) -> Iterator[bytes]:
+    channels = (getattr(series, channel.name) for series in clocks for channel in fields(Series))
+    return (channel.tobytes() for channel in channels if channel is not None)

@@ -1,0 +1,1 @@
+"""The hierarchical fit: a Laplace approximation of the posterior, leave-one-out forecasts, outliers."""

@@ -1,0 +1,197 @@
+"""Fit a model to flights: move the point about which readouts are taken as linear to where the posterior lies.
+
+Derivatives are differences of the simulator, all in one batch; the point is moved to the posterior mean a few times
+(Gauss-Newton).
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.inference.laplace.apogee_scatter import TAIL
+from fieldkit.inference.laplace.leave_one_out import leave_one_out
+from fieldkit.inference.laplace.linearization import lean_slope, tangents
+from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.rocket_model import OPENING, Model
+from fieldkit.shapes import Array, Float
+
+ROUNDS = 5
+"""Times the point of linearisation is moved."""
+SETTLED = 0.03
+"""Move of a point that is none, in standard deviations of the prior: evidence is compared to tenths of a nat. [1]"""
+NEAR = 0.2
+"""The same for a forecast, in those of the posterior: what is left then is hundredths of its interval. [1]"""
+HOPELESS = 8.0
+"""Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
+SAME = 1e-4
+"""Of a term, from which on two points are told apart. [1]"""
+OPENINGS = (0.15, 0.6, 1.2)
+"""Opening times from which a fit is begun. [s]"""
+ROBUST_ROUNDS = 2
+"""Times the point is moved after trust in single flights has settled."""
+TRUST_ROUNDS = 2
+"""Times trust in single flights is weighed anew about one point."""
+FEWEST = 3
+"""Flights from which on one may be contradicted by the others."""
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One of several fits made side by side: which terms of a common model it has, and where it begins.
+
+    Of the lanes of one `kind`, those that fall far behind are not followed further.
+    """
+
+    terms: tuple[int, ...]
+    start: Float[Array, "term"]
+    kind: str = ""
+
+
+def fit(
+    model: Model,
+    data: Data,
+    start: Float[Array, "term"] | None = None,
+    rounds: int = ROUNDS,
+) -> Fit:
+    """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
+
+    Without a start it is begun from several opening times of the parachute, for what that does has a kink
+    where ejection meets apogee, and the best is kept.
+    """
+    every = tuple(range(len(model.terms)))
+    at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
+    starts = [at]
+    if start is None and OPENING in model.names:
+        place = model.names.index(OPENING)
+        starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
+    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean_slope(model, at), rounds)
+    return max(fits, key=lambda result: result.log_evidence)
+
+
+def fit_lanes(
+    model: Model,
+    data: Data,
+    lanes: Sequence[Lane],
+    lean: Float[Array, "flight readout"],
+    rounds: int = ROUNDS,
+    worth: float = -np.inf,
+    tell: Callable[[float], None] | None = None,
+) -> list[Fit]:
+    """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
+
+    A lane whose log evidence stays below `worth` is not followed further. `tell` hears the share done.
+    """
+    parts = [model.only(lane.terms) for lane in lanes]
+    walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
+    results: list[Fit | None] = [None] * len(lanes)
+    moving = list(range(len(lanes)))
+    joined: dict[int, int] = {}
+    for turn in range(rounds):
+        near = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], lean)
+        for number, (i, tangent) in enumerate(zip(moving, near, strict=True)):
+            if tell:
+                tell((turn + (number + 1) / len(moving)) / rounds)
+            results[i] = solve(parts[i], data, tangent)
+        best = _best(lanes, results)
+        moving = [
+            i
+            for i in moving
+            if (turn == 0 or _above(results[i], best[lanes[i].kind] - HOPELESS))
+            and _above(results[i], worth)
+            and walks[i].goes_on(results[i])
+        ]
+        joined |= _joined(lanes, walks, moving)
+        moving = [i for i in moving if i not in joined]
+        if not moving:
+            break
+    for lane, other in reversed(joined.items()):
+        results[lane] = results[other]
+    return [result for result in results if result is not None]
+
+
+def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
+    """Lanes that are where an earlier one of the same terms is, each with that one: from there both go alike."""
+    first: dict[tuple[object, ...], int] = {}
+    places = {i: (lanes[i].terms, lanes[i].kind, *np.round(walks[i].at / SAME).tolist()) for i in moving}
+    return {i: first[place] for i, place in places.items() if first.setdefault(place, i) != i}
+
+
+def _best(lanes: Sequence[Lane], results: Sequence[Fit | None]) -> dict[str, float]:
+    """The greatest log evidence so far of every kind of lane."""
+    best: dict[str, float] = {}
+    for lane, result in zip(lanes, results, strict=True):
+        if result is not None:
+            best[lane.kind] = max(result.log_evidence, best.get(lane.kind, -np.inf))
+    return best
+
+
+def _above(result: Fit | None, log_evidence: float) -> bool:
+    return result is not None and result.log_evidence > log_evidence
+
+
+class _Walk:
+    """The way of a lane's point to its posterior mean.
+
+    Where ejection meets apogee readouts have a kink, and a point could step to and fro across it for ever: a term
+    that turns back goes half as far, and twice as far again, up to the whole way, while it keeps its direction. What a
+    readout is off by is as linear anywhere, and gets there at once.
+    """
+
+    def __init__(self, at: Array) -> None:
+        self.at = at
+        self._last, self._share = np.zeros_like(at), np.ones_like(at)
+
+    def goes_on(self, result: Fit | None) -> bool:
+        """Move the point towards the posterior mean; False where it is there already."""
+        assert result is not None
+        terms = result.model.terms
+        sds = np.array([term.sd for term in terms])
+        best = int(np.argmax(result.log_weight))
+        wanted = result.mean[best]
+        target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
+        bent = np.array([term.bends not in OBSERVED for term in terms])
+        close = NEAR * np.sqrt(np.diagonal(result.covariance[best])) if result.model.doubtful else SETTLED * sds
+        move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
+        turned = np.sign(move * self._last)
+        self._share = np.minimum(self._share * 2.0**turned, 1.0)
+        move = self._last = self._share * move
+        if np.all(np.abs(move) < close, where=bent):
+            return False
+        self.at = self.at + move
+        return True
+
+
+def fit_robustly(model: Model, data: Data) -> Fit:
+    """As `fit`, with less trust in flights that the others contradict.
+
+    Each flight is trusted as a Student t distribution with `TAIL` degrees of freedom would: by the expected
+    weight (nu + k) / (nu + d^2) of a flight with k readouts at distance d (Lange, Little and Taylor, 1989).
+    Fewer than `FEWEST` flights cannot outvote one, and all are trusted.
+    """
+    result = fit(model, data)
+    if np.count_nonzero(data.seen.any(axis=1)) < FEWEST:
+        return result
+    for _ in range(ROBUST_ROUNDS):
+        for _ in range(TRUST_ROUNDS):
+            result = solve(model, _trusted(result), result.tangent)
+        result = _followed(result)
+    return result
+
+
+def _trusted(result: Fit) -> Data:
+    """The data with every flight trusted by how well the others foretell it."""
+    readouts = result.data.seen.sum(axis=1)
+    distance = result.weights @ leave_one_out(result).distance
+    trust = np.where(readouts > 0, (TAIL + readouts) / (TAIL + distance), 1.0)
+    return replace(result.data, trust=np.clip(trust, 0.02, 1.2))
+
+
+def _followed(result: Fit) -> Fit:
+    """The fit linearised anew where its posterior lies; itself where that is where it was linearised."""
+    walk, lean = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
+    if not walk.goes_on(result):
+        return result
+    (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], lean)
+    return solve(result.model, result.data, near)

@@ -1,0 +1,89 @@
+"""What a fit predicts for flights left out of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.inference.laplace.apogee_scatter import Spread, apogee_spread
+from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.laplace.posterior import Fit, apogee_scale, scale_grid
+from fieldkit.model.readout_data import OBSERVED, Data, reading_sd
+from fieldkit.shapes import Array, Float
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """What a fit says of each flight when that flight is left out of it.
+
+    For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
+    (times the evidence of the other flights). The variance is scaled as the others' apogees ask (`spread`).
+    `distance` is how far the flight's readouts lie from what the others say of them, squared, in standard
+    deviations (Mahalanobis), `residual` each readout's own distance, flown less expected.
+    """
+
+    mean: Float[Array, "scale flight"]
+    variance: Float[Array, "scale flight"]
+    log_weight: Float[Array, "scale flight"]
+    distance: Float[Array, "scale flight"]
+    residual: Float[Array, "scale flight readout"]
+    spread: Spread
+
+
+def leave_one_out(result: Fit) -> LeftOut:
+    """Predictions of every flight from all the others, exactly as far as the readouts are linear.
+
+    With a flight's slopes A, its noise N and the covariance P of the terms, G = A P A' is what all flights, itself
+    included, leave open of its readouts. From r, the miss of the mean, and M = 1 / (N - G) follow without another
+    solution in the terms: the error of the others' forecast, e = N M r, its covariance N M N, and the mean and
+    covariance of anything else that the others say (Woodbury's identity).
+    """
+    near, told, covariance = result.tangent, result.told, result.covariance
+    prior_mean = np.array([term.mean for term in result.model.terms])
+    offset = result.mean - prior_mean
+    flat = told.slope.reshape(told.miss.size, len(prior_mean))
+    spread = (flat @ covariance).reshape(len(covariance), *told.slope.shape)
+    sharper, log_det = inverses(told.noise - spread @ np.swapaxes(told.slope, 1, 2))
+    missed = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    weighed = _applied(sharper, missed)
+    distance = (missed * weighed).sum(axis=-1)
+    own = -0.5 * (distance + 2 * told.log_det - log_det)
+    residual = _applied(told.noise, weighed) / np.sqrt(((told.noise @ sharper) * told.noise).sum(axis=-1))
+    log_weight = result.log_weight[:, None] - own
+
+    apogee = near.slope[:, 0]
+    ties = (spread @ apogee[:, :, None])[..., 0]
+    mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - (ties * weighed).sum(axis=-1)
+    known = ((apogee @ covariance) * apogee).sum(axis=-1) + (ties * _applied(sharper, ties)).sum(axis=-1)
+    scattered = _own_variance(result)
+    lies = _apogee_spread(result.data, mean, known, scattered, log_weight)
+    variance = known + lies.mean_square_without * scattered
+    return LeftOut(mean, variance, log_weight, distance, residual, lies)
+
+
+def _applied(matrix: Array, vector: Array) -> Array:
+    return np.asarray((matrix @ vector[..., None])[..., 0])
+
+
+def _apogee_spread(data: Data, mean: Array, known: Array, own: Array, log_weight: Array) -> Spread:
+    """The scatter of apogees beside what the scales make of it, by flights left out."""
+    weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    middle = (weight * mean).sum(axis=0)
+    between = (weight * (mean - middle) ** 2).sum(axis=0)
+    seen = data.seen[:, 0]
+    error = np.where(seen, data.values[:, 0] - middle, 0.0)
+    return apogee_spread(error, (weight * known).sum(axis=0) + between, (weight * own).sum(axis=0), seen)
+
+
+def _own_variance(result: Fit) -> Float[Array, "scale flight"]:
+    """Variance of a flight's compared apogee about its expectation: scatter and reading."""
+    scatter_scale, reading_scale = scale_grid(result.model.doubtful)[0], apogee_scale(result.model)
+    spread = result.tangent.scatter_slope[:, 0]
+    reading = own_reading_sd(np.exp(result.tangent.values[:, 0]))
+    return np.asarray(scatter_scale[:, None] ** 2 * (spread**2).sum(axis=-1) + (reading_scale[:, None] * reading) ** 2)
+
+
+def own_reading_sd(apogee: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+    """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
+    raw = np.full((*apogee.shape, len(OBSERVED)), 1.0)
+    raw[..., 0] = apogee
+    return reading_sd(raw)[..., 0]

@@ -1,0 +1,138 @@
+"""Readouts near a point: their values and how they change with each unknown, all from one batch of flights."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.model.readout_data import OBSERVED, compared
+from fieldkit.model.rocket_model import SCATTER, Model, Term, shown, tops
+from fieldkit.physics.effect import Effect
+from fieldkit.shapes import Array, Flags, Float
+
+STEP = 0.25
+"""Step of the difference for a strength, in standard deviations of its prior. [1]"""
+STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "mass": 0.005, "opening": 0.1}
+"""Step of the difference for everything else that terms bend, small beside what they may be."""
+BOTH_WAYS = {"delay": 0.08}
+"""Steps taken to both sides, as far as single flights scatter: where ejection meets apogee readouts have a kink, of
+which a small step sees one side."""
+_MOVED = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_WAYS.items() for side in (1, -1)))
+"""What is bent in the rows after a lane's point, and by how much."""
+
+
+@dataclass(frozen=True, slots=True)
+class Tangent:
+    """The readouts near a point: values there, derivatives, and what a standard deviation of scatter does."""
+
+    at: Float[Array, "term"]
+    values: Float[Array, "flight readout"]
+    slope: Float[Array, "flight readout term"]
+    scatter_slope: Float[Array, "flight readout scatter"]
+
+
+def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
+    """What a lean of one unit does to the readouts; it needs the planar flight and is flown apart."""
+    upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
+    return np.asarray(leaning - upright)
+
+
+def lean_of_apogee(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
+    """What a lean of one unit does to the logarithm of the apogee: as `lean_slope` of a coarse model, and quicker."""
+    return _ratio(tops(replace(model, coarse=True), np.stack([at, at]), {"tilt": _lean(model)}))
+
+
+def coast_and_lean(model: Model, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
+    """The time from burnout to apogee of flights at a point [s], and their `lean_of_apogee`, from the same flights."""
+    readings = shown(model, np.stack([at, at]), {"tilt": _lean(model)})
+    return readings["coast_time"][0], _ratio(readings["true"])
+
+
+def _ratio(heights: Float[Array, "2 flight"]) -> Float[Array, "flight"]:
+    """The logarithm of the second over the first."""
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(np.log(heights[1]) - np.log(heights[0]))
+
+
+def _lean(model: Model) -> Float[Array, "2 flight"]:
+    """None, and one unit of it."""
+    return np.broadcast_to([[0.0], [1.0]], (2, len(model.flights)))
+
+
+def tangents(
+    model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], lean: Float[Array, "flight readout"]
+) -> list[Tangent]:
+    """Values and derivatives of several lanes, each at its own point, from one batch of flights.
+
+    Terms that bend the same thing share a column, which their weights on each flight scale: drag of a rocket and drag
+    of one configuration of it differ in which flights they act on. What is read askew by ratio needs no flight.
+    """
+    blocks = [_block(model, terms, at) for terms, at in lanes]
+    count = sum(len(block.values) for block in blocks)
+    bends = {kind: np.zeros((count, len(model.flights))) for kind, _ in _MOVED}
+    firsts = np.cumsum([0, *(len(block.values) for block in blocks)])
+    for first in firsts[:-1]:
+        for row, (kind, step) in enumerate(_MOVED, start=first + 1):
+            bends[kind][row] = step
+    readings = _stacked(shown(model, np.concatenate([block.values for block in blocks]), bends))
+    parts = np.split(readings, firsts[1:-1])
+    return [_tangent(model, at, block, part, lean) for (_, at), block, part in zip(lanes, blocks, parts, strict=True)]
+
+
+@dataclass(frozen=True, slots=True)
+class _Block:
+    """Rows to fly for a lane: its point, a step in each of what is `_MOVED`, a step in the strengths of each slot.
+
+    `slots` holds the row of every term that is the strength of an effect, and its step; flights know nothing of each
+    other, so that strengths which act on different flights share a row.
+    """
+
+    terms: tuple[int, ...]
+    values: Float[Array, "row every"]
+    slots: dict[int, tuple[int, float]]
+
+
+def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
+    slots: dict[int, tuple[int, float]] = {}
+    acting: list[Flags] = []
+    for i, x in zip(terms, at, strict=True):
+        term = model.terms[i]
+        if isinstance(term.bends, Effect):
+            acts = term.weight != 0
+            slot = next((k for k, taken in enumerate(acting) if not (taken & acts).any()), len(acting))
+            acting[slot:] = [acts if slot == len(acting) else acting[slot] | acts, *acting[slot + 1 :]]
+            step = STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
+            slots[i] = 1 + len(_MOVED) + slot, step
+    values = np.zeros((1 + len(_MOVED) + len(acting), len(model.terms)))
+    values[:, list(terms)] = at
+    for i, (row, step) in slots.items():
+        values[row, i] += step
+    return _Block(terms, values, slots)
+
+
+def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) -> Tangent:
+    with np.errstate(invalid="ignore"):
+        moved = np.nan_to_num(flown - flown[0])
+    per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
+    for number, (kind, step) in enumerate(BOTH_WAYS.items()):
+        there, back = moved[1 + len(STEPS) + 2 * number :][:2]
+        per_kind[kind] = (there - back) / (2 * step)
+    columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
+    scattered = {kind.bends: per_kind[kind.bends] * kind.sd for kind in SCATTER if kind.bends in per_kind}
+    scatter = [scattered.get(kind.bends, lean) for kind in SCATTER]
+    slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
+    return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
+
+
+def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple[int, float] | None) -> Array:
+    """What a unit of one term does to the readouts. [flight readout]"""
+    if slot is not None:
+        row, step = slot
+        return np.asarray(np.where(term.weight[:, None] != 0, moved[row] / step, 0.0))
+    if term.bends in OBSERVED:
+        return np.asarray(term.weight[:, None] * (np.array(OBSERVED) == term.bends))
+    return np.asarray(term.weight[:, None] * per_kind[str(term.bends)])
+
+
+def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:
+    return compared(np.stack([readings[name] for name in OBSERVED], axis=-1))

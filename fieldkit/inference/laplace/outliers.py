@@ -1,0 +1,58 @@
+"""Readouts that do not fit the rest of their flight: they teach no forecast until the flyer says that they are right.
+
+The field ensemble foretells each readout from the others (`fieldkit.inference.network.outliers`), with an error that
+one good flight in a hundred exceeds. A tag `checked` on the flight lets such a readout teach. The other readouts of the
+flight teach as ever.
+"""
+
+from collections.abc import Sequence
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.errors import DamagedModel
+from fieldkit.flight import CHECKED, Flight
+from fieldkit.model.observations import SEEN, observe
+from fieldkit.motors import Found
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+FEWEST = 2
+"""Readouts of a flight from which on one can be foretold from the others."""
+
+
+def fitting(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Flight, ...], tuple[str, ...]]:
+    """The flights without the readouts that do not fit, and a line for each that was taken out."""
+    judged = [row for row, flight in enumerate(flights) if _can_be_judged(flight)]
+    if not judged:
+        return tuple(flights), ()
+    from fieldkit.inference.network.outliers import misfit, told_by, warnings
+
+    try:
+        ensemble = _ensemble()
+    except DamagedModel as error:
+        return tuple(flights), (f"whether readouts fit their flights was not looked at: {error}",)
+    observed = observe([flights[row] for row in judged], [found[row] for row in judged])
+    which = misfit(ensemble, observed)
+    said = warnings(ensemble, observed, which)
+    kept, lines = list(flights), []
+    for place in np.flatnonzero(which >= 0):
+        row = judged[place]
+        kept[row] = flights[row].with_changes(**dict.fromkeys(told_by(SEEN[which[place]])))
+        name = flights[row].flight_id
+        lines.append(f"flight {name}: {said[place]}; if it is right, `fieldkit tag {name} {CHECKED}`")
+    return tuple(kept), tuple(lines)
+
+
+def _can_be_judged(flight: Flight) -> bool:
+    readouts = sum(flight.number(name) is not None for name in SEEN)
+    return flight.clean and CHECKED not in flight.tags and flight.dry_mass is not None and readouts >= FEWEST
+
+
+@cache
+def _ensemble() -> "Ensemble":
+    from fieldkit.inference.network.field_ensemble import load_field
+
+    return load_field()

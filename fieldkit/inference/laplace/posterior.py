@@ -1,0 +1,230 @@
+"""The posterior of a model's terms and its evidence, the readouts linear about a point.
+
+Scatter of single flights integrates out exactly, and the posterior is normal (Laplace; Bishop, Pattern Recognition
+and Machine Learning, 2006, chapters 3 and 4). How large scatter and reading errors are is not known beforehand: both
+are scaled by factors on a grid, weighed by the evidence for each.
+"""
+
+from dataclasses import dataclass
+from functools import cache, lru_cache
+from math import erf, log, sqrt
+
+import numpy as np
+
+from fieldkit.inference.laplace.batched_inverse import inverses
+from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.rocket_model import Model
+from fieldkit.shapes import Array, Flags, Float
+
+SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
+"""Scatter of single flights in units of ordinary scatter. [1]"""
+READING_SCALES = np.array([0.7, 1.2, 2.0])
+"""Reading errors in units of the expected. [1]"""
+DOUBTED_SCALES = np.array([1.0, 3.0, 9.0])
+"""The same of all but the apogee, where the device is doubted. [1]"""
+_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 2.0) / 0.7) ** 2
+_LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
+_LOG_DOUBTED_PRIOR = -0.5 * (np.log(DOUBTED_SCALES / 1.0) / 1.0) ** 2
+UNSEEN = 1e3
+"""Standard deviation given to what was not observed."""
+
+
+CERTAIN = 7.0
+"""Standard deviations inside a bound from which on nothing lies beyond it, to the last digit. [1]"""
+
+
+@cache
+def scale_grid(doubtful: bool = False) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
+    """Scatter scale, reading scale and log prior of every pair; `doubtful` as in `Model`."""
+    scales = DOUBTED_SCALES if doubtful else READING_SCALES
+    scatter, reading = np.meshgrid(SCATTER_SCALES, scales, indexing="ij")
+    prior = _LOG_SCATTER_PRIOR[:, None] + (_LOG_DOUBTED_PRIOR if doubtful else _LOG_READING_PRIOR)
+    grid = scatter.ravel(), reading.ravel(), (prior - np.logaddexp.reduce(prior.ravel())).ravel()
+    for values in grid:
+        values.setflags(write=False)
+    return grid
+
+
+def apogee_scale(model: Model) -> Float[Array, "scale"]:
+    """Errors of reading the apogee, in units of the expected: those of a doubted device are of the rest alone."""
+    reading = scale_grid(model.doubtful)[1]
+    return np.ones_like(reading) if model.doubtful else reading
+
+
+def term_sds(model: Model) -> Float[Array, "scale term"]:
+    """Standard deviation of every term before anything was flown, for every pair of scales."""
+    scatter, reading, _ = scale_grid(model.doubtful)
+    by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
+    sds = [term.sd * by[term.rough] for term in model.terms]
+    return np.stack(sds, axis=-1) if sds else np.empty((len(scatter), 0))
+
+
+@dataclass(frozen=True, slots=True)
+class Told:
+    """What each flight's readouts have to say, near a point.
+
+    `slope` and `miss` are zero in what cannot be compared; `miss` is from what the prior means of the terms expect.
+    `noise` is the covariance of each flight's readouts about what the terms say, `sharpness` its inverse, `log_det`
+    the logarithm of its determinant.
+    """
+
+    slope: Float[Array, "flight readout term"]
+    miss: Float[Array, "flight readout"]
+    noise: Float[Array, "scale flight readout readout"]
+    sharpness: Float[Array, "scale flight readout readout"]
+    log_det: Float[Array, "scale flight"]
+
+
+@dataclass(frozen=True, slots=True)
+class Fit:
+    """A normal posterior of the terms for every pair of scales, at the last point of linearisation.
+
+    Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
+    posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
+    of the terms, `precision` its inverse.
+    """
+
+    model: Model
+    data: Data
+    tangent: Tangent
+    told: Told
+    mean: Float[Array, "scale term"]
+    precision: Float[Array, "scale term term"]
+    covariance: Float[Array, "scale term term"]
+    log_weight: Float[Array, "scale"]
+
+    @property
+    def log_evidence(self) -> float:
+        """Log marginal likelihood of the observed readouts. [nat]"""
+        return float(np.logaddexp.reduce(self.log_weight))
+
+    @property
+    def weights(self) -> Float[Array, "scale"]:
+        """Posterior weight of each pair of scales."""
+        return np.asarray(np.exp(self.log_weight - np.logaddexp.reduce(self.log_weight)))
+
+    def moments(self) -> tuple[Float[Array, "term"], Float[Array, "term"]]:
+        """Posterior mean and standard deviation of every term."""
+        weights, variance = self.weights, np.diagonal(self.covariance, axis1=1, axis2=2)
+        mean = weights @ self.mean
+        return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
+
+
+def solve(model: Model, data: Data, near: Tangent) -> Fit:
+    """The normal posterior for every pair of scales, the readouts linear about a point."""
+    told = _told(model, data, near)
+    scales, terms = len(told.noise), len(model.terms)
+    slope, miss = told.slope.reshape(told.miss.size, terms), told.miss.ravel()
+    weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
+    missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
+    return _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
+
+
+def _concluded(
+    model: Model,
+    data: Data,
+    near: Tangent,
+    told: Told,
+    information: Float[Array, "scale term term"],
+    gain: Float[Array, "scale term"],
+    misfit: Float[Array, "scale"],
+) -> Fit:
+    """The posterior from what all flights together say of the terms: their information, its pull from the prior
+    means, and how far the flights lie from those."""
+    prior_mean = np.array([term.mean for term in model.terms])
+    prior_precision = 1 / term_sds(model) ** 2
+    diagonal = np.arange(len(model.terms))
+    precision = np.array(information)
+    precision[:, diagonal, diagonal] += prior_precision
+    covariance = np.asarray(np.linalg.inv(precision), float)
+    offset = (covariance @ gain[..., None])[..., 0]
+    log_terms = np.linalg.slogdet(precision)[1] - np.log(prior_precision).sum(axis=1)
+    left = misfit - (gain * offset).sum(axis=1)
+    log_likelihood = -0.5 * (left + told.log_det.sum(axis=1) + log_terms)
+    mean = prior_mean + offset
+    log_weight = log_likelihood + scale_grid(model.doubtful)[2] + _log_inside(model, mean, covariance)
+    return Fit(model, data, near, told, mean, precision, covariance, log_weight)
+
+
+def _told(model: Model, data: Data, near: Tangent) -> Told:
+    prior_mean = np.array([term.mean for term in model.terms])
+    usable = data.seen & np.isfinite(near.values)
+    slope = np.where(usable[..., None], near.slope, 0.0)
+    miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
+    noise = _noise(model, data, near, usable)
+    return Told(slope, miss, noise, *inverses(noise))
+
+
+def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Array, "scale flight readout readout"]:
+    """Covariance of each flight's readouts for every pair of scales."""
+    scatter_scale, reading_scale, _ = scale_grid(model.doubtful)
+    spread = np.where(usable[..., None], near.scatter_slope, 0.0)
+    noise = scatter_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
+    scale = np.repeat(reading_scale[:, None] ** 2, len(OBSERVED), axis=1)
+    scale[:, 0] = apogee_scale(model) ** 2
+    diagonal = np.arange(len(OBSERVED))
+    noise[..., diagonal, diagonal] += np.where(usable, scale[:, None] * data.sd**2, UNSEEN**2)
+    return np.asarray(noise / data.trust[:, None, None])
+
+
+def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "scale"]:
+    """Log of posterior over prior mass inside the bounds of terms that have any, one term at a time."""
+    total = np.zeros(len(mean))
+    for i, term in enumerate(model.terms):
+        if np.isfinite(term.low) or np.isfinite(term.high):
+            total -= log(_mass(term.low, term.high, term.mean, term.sd))
+            middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
+            near = np.minimum(middle - term.low, term.high - middle) < CERTAIN * sd
+            pairs = zip(middle[near].tolist(), sd[near].tolist(), strict=True)
+            total[near] += [log(max(_mass(term.low, term.high, m, s), 1e-12)) for m, s in pairs]
+    return total
+
+
+@lru_cache(maxsize=4096)
+def _mass(low: float, high: float, mean: float, sd: float) -> float:
+    """Share of a normal distribution between two bounds."""
+    return 0.5 * (erf((high - mean) / (sd * sqrt(2))) - erf((low - mean) / (sd * sqrt(2))))
+
+
+class Growing:
+    """A fit as it was when only the first of its flights had flown, about the point that all of them led to.
+
+    What flights say of the terms adds up flight by flight, so that all these fits cost little more than one.
+    """
+
+    def __init__(self, whole: Fit) -> None:
+        told = whole.told
+        weighed = told.sharpness @ told.slope
+        missed = (told.sharpness @ told.miss[..., None])[..., 0]
+        self._whole = whole
+        self._information = _upto(np.swapaxes(told.slope, 1, 2) @ weighed)
+        self._gain = _upto(np.einsum("fo,sfot->sft", told.miss, weighed))
+        self._misfit = _upto((told.miss * missed).sum(axis=-1))
+
+    def before(self, flight: int, data: Data) -> Fit:
+        """The posterior when that many had flown; `data` are those up to the flight, whose own are not seen.
+
+        Its model stays that of all the flights.
+        """
+        near, upto = self._whole.tangent, slice(flight + 1)
+        part = Tangent(near.at, near.values[upto], near.slope[upto], near.scatter_slope[upto])
+        sums = (cumulated[:, flight] for cumulated in (self._information, self._gain, self._misfit))
+        return _concluded(self._whole.model, data, part, _last_unseen(self._whole.told, flight), *sums)
+
+
+def _upto(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale one_more *rest"]:
+    """Sums over the flights before each, and over all."""
+    return np.concatenate([np.zeros_like(each[:, :1]), np.cumsum(each, axis=1)], axis=1)
+
+
+def _last_unseen(told: Told, flight: int) -> Told:
+    """What the flights up to one have to say, before it is seen."""
+    upto = slice(flight + 1)
+    slope, miss = told.slope[upto].copy(), told.miss[upto].copy()
+    noise, sharpness, log_det = (each[:, upto].copy() for each in (told.noise, told.sharpness, told.log_det))
+    slope[-1] = miss[-1] = 0.0
+    every = np.eye(noise.shape[-1])
+    noise[:, -1], sharpness[:, -1] = every * UNSEEN**2, every / UNSEEN**2
+    log_det[:, -1] = len(every) * 2 * log(UNSEEN)
+    return Told(slope, miss, noise, sharpness, log_det)

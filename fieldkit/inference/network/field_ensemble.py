@@ -1,0 +1,203 @@
+"""What any flight says about drag and thrust, from whatever its altimeter showed."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.errors import DamagedModel
+from fieldkit.flight import Flight
+from fieldkit.inference.network import outliers
+from fieldkit.inference.network.mixture import Margin, Mixture, mixture
+from fieldkit.model.field_features import FEATURES, features
+from fieldkit.model.observations import (
+    ALPHA_RANGE,
+    ALPHA_SD,
+    CD_RANGE,
+    READOUT_NAMES,
+    SEEN,
+    Observed,
+    diameter_range,
+    disc,
+    drag_area_range,
+    observe,
+)
+from fieldkit.motors import Found
+from fieldkit.shapes import Array, Flags, Float
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+HARDLY = 0.8
+"""Standard deviation after the flight over that before, above which it taught hardly anything. [1]"""
+INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
+"""Between what Cd and alpha lie, as a card has it. [1]"""
+STRATA = 1024
+"""Draws of the diameter where it is not known."""
+GOLDEN = 0.6180339887498949
+"""Steps of this, modulo 1, fill an interval evenly."""
+_WORDS = {
+    "log_thrust_to_weight": "thrust to weight of {:.3g}",
+    "log_impulse": "total impulse of {:.3g} N s",
+    "log_burn_time": "burn time of the motor of {:.3g} s",
+    "log_mass": "lift-off mass of {:.3g} kg",
+    "log_drag_area": "drag area around {:.3g} m²",
+    "mach": "top speed around Mach {:.2g}",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class FieldPosterior:
+    """Drag and thrust of flights, one entry a flight; drag area in m^2, Cd and alpha in 1.
+
+    Without a diameter Cd spreads over every body that the motor and the mass
+    allow; the drag area does not. `fits` is false where a readout did not fit and was left out: such a
+    flight should not teach a model before its flyer has looked at it. `density` is over the logarithm of
+    the drag area, and alpha.
+    """
+
+    drag_area: Float[Array, "flight"]
+    drag_area_sd: Float[Array, "flight"]
+    cd: Float[Array, "flight"]
+    cd_sd: Float[Array, "flight"]
+    alpha: Float[Array, "flight"]
+    alpha_sd: Float[Array, "flight"]
+    fits: Flags
+    warnings: tuple[tuple[str, ...], ...]
+    model: str
+    density: Mixture
+
+    def draws(
+        self, rng: np.random.Generator, count: int
+    ) -> tuple[Float[Array, "draw flight"], Float[Array, "draw flight"]]:
+        """Draws of drag area [m^2] and alpha [1]."""
+        drawn = self.density.draws(rng, count)
+        return np.exp(drawn[..., 0]), drawn[..., 1]
+
+
+def infer_field(
+    flights: Sequence[Flight], found: Sequence[Found], ensemble: "Ensemble | None" = None
+) -> FieldPosterior:
+    """Drag and thrust of flights on their motors, from any of their readouts; by default the shipped ensemble.
+
+    Raises ImpossibleFlight for a flight without a dry mass.
+    """
+    return infer_observed(observe(flights, found), ensemble or load_field())
+
+
+def load_field() -> "Ensemble":
+    """The shipped ensemble. Raises DamagedModel where it was trained on other features or another prior."""
+    from fieldkit.inference.network.ensemble import load
+
+    ensemble = load("field")
+    known = {"features": list(FEATURES), "intervals": INTERVALS}
+    for name, right in known.items():
+        if ensemble.card.get(name) != right:
+            raise DamagedModel(f"field: its card has other {name} than this version of fieldkit; install its own")
+    return ensemble
+
+
+def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
+    """As `infer_field`, from arrays."""
+    which = outliers.misfit(ensemble, observed)
+    misfits = outliers.warnings(ensemble, observed, which)
+    observed = outliers.without_misfits(observed, which)
+    density = posterior(observed, ensemble)
+    alpha = density.margin(1)
+    area = density.margin(0)
+    drag_area, drag_area_sd = area.moments_of(np.exp(area.values))
+    reference = disc(observed.given("diameter"))
+    cd, cd_sd = drag_area / reference, drag_area_sd / reference
+    bare = np.isnan(reference)
+    if bare.any():
+        cd[bare], cd_sd[bare] = _any_diameter(observed.rows(bare), area.rows(bare))
+    alpha_mean, alpha_sd = alpha.moments()
+    return FieldPosterior(
+        drag_area,
+        drag_area_sd,
+        cd,
+        cd_sd,
+        alpha_mean,
+        alpha_sd,
+        which < 0,
+        _warnings(ensemble, observed, misfits, area.moments()[1], alpha_sd),
+        ensemble.name,
+        density,
+    )
+
+
+def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
+    """The density of the logarithm of drag area, and alpha; nothing is checked."""
+    return mixture(ensemble.members(features(observed)), *intervals(observed))
+
+
+def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array, "flight 2"]]:
+    """Between what the logarithm of drag area [log m^2] and alpha [1] lie, by the prior."""
+    low, high = drag_area_range(observed)
+    return tuple(
+        np.stack([bound, np.full(len(observed), end)], axis=-1)
+        for bound, end in zip((low, high), ALPHA_RANGE, strict=True)
+    )  # type: ignore[return-value]
+
+
+def _any_diameter(observed: Observed, area: Margin) -> tuple[Array, Array]:
+    """Means and standard deviations of Cd where only the drag area is known.
+
+    Cd and diameter are uniform in their logarithms beforehand, so given a drag area the logarithm of Cd is
+    uniform where both are possible.
+    """
+    slim, wide = diameter_range(observed.figure("diameter"), observed.given("dry_mass"))
+    number = np.arange(STRATA)
+    drag_area = area.quantiles((number + 0.5) / STRATA)
+    low = np.maximum(np.log(CD_RANGE[0]), drag_area - np.log(disc(wide))[:, None])
+    high = np.minimum(np.log(CD_RANGE[1]), drag_area - np.log(disc(slim))[:, None])
+    cd = np.exp(low + (number * GOLDEN % 1.0) * (high - low))
+    return cd.mean(axis=1), cd.std(axis=1)
+
+
+def _prior_sd(observed: Observed) -> tuple[Array, float]:
+    """Standard deviation before the flight of the logarithm of drag area, and of alpha."""
+    low, high = drag_area_range(observed)
+    cd_span = np.log(CD_RANGE[1] / CD_RANGE[0])
+    return np.sqrt((cd_span**2 + (high - low - cd_span) ** 2) / 12), ALPHA_SD
+
+
+def _warnings(
+    ensemble: "Ensemble", observed: Observed, misfits: Sequence[str], area_sd: Array, alpha_sd: Array
+) -> tuple[tuple[str, ...], ...]:
+    """What the flyer of each flight should know about its posterior."""
+    area_before, alpha_before = _prior_sd(observed)
+    columns = features(observed)
+    lines: list[tuple[str, ...]] = []
+    for row in range(len(observed)):
+        there = [name for name, value in zip(READOUT_NAMES, observed.readouts[row], strict=True) if np.isfinite(value)]
+        said = [misfits[row], *_beyond(ensemble, columns[row])]
+        said.append(_hardly(there, area_sd[row] / area_before[row], alpha_sd[row] / alpha_before))
+        if np.isnan(observed.given("diameter")[row]):
+            said.append("no diameter: Cd is a guess over every body that fits the motor; the drag area is inferred")
+        lines.append(tuple(line for line in said if line))
+    return tuple(lines)
+
+
+def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]:
+    """Circumstances outside of what the ensemble was trained on."""
+    lines = []
+    for name, (low, high) in ensemble.card["reach"].items():
+        value = columns[FEATURES.index(name)]
+        if not low <= value <= high:
+            value, low, high = (one if name == "mach" else np.exp(one) for one in (value, low, high))
+            lines.append(f"{_WORDS[name].format(value)} is beyond training ({low:.3g} to {high:.3g})")
+    return lines
+
+
+def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
+    """Whether the flight left drag or thrust as unknown as it was."""
+    seen = [name for name in there if name in SEEN]
+    if not seen:
+        return "no readout: Cd and alpha are as unknown as before the flight"
+    unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > HARDLY]
+    if not unknown:
+        return ""
+    told = "apogee alone cannot tell drag from thrust here" if seen == ["apogee"] else "these readouts tell little here"
+    return f"{told}: {' and '.join(unknown)} hardly better known than before the flight"

@@ -1,0 +1,111 @@
+"""What each of any flights says about drag and thrust, and why some say nothing."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from fieldkit.errors import FieldkitError, ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.motors import Catalogue, Found
+
+Model = Literal["field", "paper"]
+"""The ensembles that flights can be shown to."""
+
+
+@dataclass(frozen=True, slots=True)
+class Inferred:
+    """Cd and thrust scale of one flight, mean and standard deviation [1], and the ensemble that said so.
+
+    `warnings` is what the flyer should know before trusting it.
+    """
+
+    flight: Flight
+    cd: float
+    cd_sd: float
+    alpha: float
+    alpha_sd: float
+    model: str
+    warnings: tuple[str, ...] = ()
+
+    def json(self) -> dict[str, Any]:
+        """The keys of the contract, and the warnings."""
+        figures = {name: getattr(self, name) for name in ("cd", "cd_sd", "alpha", "alpha_sd", "model")}
+        about = {"flight_id": self.flight.flight_id, "rocket": self.flight.rocket}
+        return {**about, **figures, "warnings": list(self.warnings)}
+
+
+@dataclass(frozen=True, slots=True)
+class Inferences:
+    """What was inferred, in the order of the flights, and a line for each flight that was left out."""
+
+    inferred: tuple[Inferred, ...]
+    left_out: tuple[str, ...]
+
+
+def infer(flights: Sequence[Flight], motors: Catalogue, model: Model = "field") -> Inferences:
+    """Cd and alpha of every flight that an ensemble can judge. Raises DamagedModel."""
+    return _paper(flights) if model == "paper" else _field(flights, motors)
+
+
+def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Flight, Found]], list[str]]:
+    """Flights that can be judged with their motors, and a line for each other."""
+    known, left_out = [], []
+    for flight in flights:
+        try:
+            known.append((flight, _flyable(flight, motors)))
+        except FieldkitError as error:
+            left_out.append(f"flight {flight.flight_id}, {error}")
+    return known, left_out
+
+
+def known_flights(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
+    """The flights that the field ensemble can judge, each with its motor."""
+    return _known(flights, motors)[0]
+
+
+def _field(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
+    from fieldkit.inference.network.field_ensemble import infer_field
+
+    known, left_out = _known(flights, motors)
+    if not known:
+        return Inferences((), tuple(left_out))
+    found = infer_field([flight for flight, _ in known], [motor for _, motor in known])
+    inferred = [
+        Inferred(
+            flight,
+            float(found.cd[row]),
+            float(found.cd_sd[row]),
+            float(found.alpha[row]),
+            float(found.alpha_sd[row]),
+            found.model,
+            found.warnings[row],
+        )
+        for row, (flight, _) in enumerate(known)
+    ]
+    return Inferences(tuple(inferred), tuple(left_out))
+
+
+def _flyable(flight: Flight, motors: Catalogue) -> Found:
+    """The motor of a flight that has all that inference needs; each error begins with the column."""
+    if flight.dry_mass is None:
+        raise ImpossibleFlight("dry_mass_g: found nothing, expected the rocket's mass without its motor")
+    if not flight.readouts():
+        raise ImpossibleFlight("found no readout, expected at least the apogee")
+    return motors.resolve(flight.motor)
+
+
+def _paper(flights: Sequence[Flight]) -> Inferences:
+    from fieldkit.inference.network.ensemble import load
+    from fieldkit.inference.network.posterior import infer_paper
+
+    ensemble = load("paper")
+    inferred, left_out = [], []
+    for flight in flights:
+        try:
+            found = infer_paper([flight], ensemble)
+        except FieldkitError as error:
+            left_out.append(str(error))
+            continue
+        cd, cd_sd, alpha, alpha_sd = (float(x[0]) for x in (found.cd, found.cd_sd, found.alpha, found.alpha_sd))
+        inferred.append(Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model))
+    return Inferences(tuple(inferred), tuple(left_out))

@@ -1,0 +1,125 @@
+"""Readouts unlike anything simulated: each is foretold from the others, and the one that does not fit is named."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from fieldkit.flight import BY_NAME
+from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
+from fieldkit.model.field_features import features, shown
+from fieldkit.model.observations import READOUT_NAMES, SEEN, Observed
+from fieldkit.shapes import Array, Flags, Float, Int
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+BLOCK = 500
+"""Flights foretold together: few enough for the processor's cache."""
+FALSE_ALARMS = 0.01
+"""Share of good flights that are warned about. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Foretold:
+    """Each readout as the others foretell it, on the scale of `shown`; nan where there is no readout."""
+
+    shown: Float[Array, "flight seen"]
+    mean: Float[Array, "flight seen"]
+    sd: Float[Array, "flight seen"]
+
+    @property
+    def distance(self) -> Float[Array, "flight seen"]:
+        """From what was foretold, in standard deviations; 0 where there is no readout."""
+        return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
+
+
+def foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
+    """Each readout from the others, in one run of the graph for a block of flights."""
+    blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
+    parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
+    return Foretold(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd")))
+
+
+def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
+    flights, seen = len(observed), len(SEEN)
+    readouts = np.repeat(observed.readouts[None], seen, axis=0)
+    for number, name in enumerate(SEEN):
+        readouts[number][:, [READOUT_NAMES.index(one) for one in told_by(name)]] = np.nan
+    every = Observed(
+        np.tile(observed.motor, (seen, 1)), np.tile(observed.declared, (seen, 1)), readouts.reshape(seen * flights, -1)
+    )
+    parts = ensemble.members(features(every)).reshape(seen, flights, -1, WIDTH + 2 * seen)
+    own = np.arange(seen)
+    mean, sharp = parts[own, :, :, WIDTH + own], parts[own, :, :, WIDTH + seen + own]
+    variance = np.exp(-2 * np.clip(sharp, *GUARD_SHARPEST)).mean(axis=-1) + mean.var(axis=-1)
+    return Foretold(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
+
+
+def told_by(name: str) -> tuple[str, ...]:
+    """The readouts that give one away: average acceleration is speed over burn time."""
+    return (name, "avg_accel") if name in ("top_speed", "burn_time") else (name,)
+
+
+def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
+    """The distance of each readout beyond which it does not fit, so that `FALSE_ALARMS` of these are warned."""
+    foretold = foretell(ensemble, observed)
+    distance = np.where(np.isfinite(foretold.shown), foretold.distance, np.nan)
+    low, high = 0.0, FALSE_ALARMS
+    for _ in range(30):
+        share = 0.5 * (low + high)
+        at = np.nanquantile(distance, 1 - share, axis=0)
+        alarms = float((distance > at).any(axis=1).mean())
+        low, high = (share, high) if alarms < FALSE_ALARMS else (low, share)
+    return {name: float(limit) for name, limit in zip(SEEN, at, strict=True)}
+
+
+def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
+    """The readout that does not fit, as a place in `SEEN`, or -1.
+
+    Of those too far from what the others foretell, it is the one without which the others agree best.
+    """
+    limit = np.array([ensemble.card["guard"][name] for name in SEEN])
+    far: Flags = foretell(ensemble, observed).distance > limit
+    odd = far.any(axis=1)
+    found = np.full(len(observed), -1)
+    if odd.any():
+        some = observed.rows(odd)
+        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in SEEN]
+        worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
+        found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
+    return found
+
+
+def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
+    """The flights without the readouts that do not fit."""
+    readouts = observed.readouts.copy()
+    for number, name in enumerate(SEEN):
+        for one in told_by(name):
+            readouts[which == number, READOUT_NAMES.index(one)] = np.nan
+    return observed.with_readouts(readouts)
+
+
+def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]) -> list[str]:
+    """A line for each flight with a readout that does not fit, an empty text for the others."""
+    lines = [""] * len(observed)
+    odd = np.flatnonzero(which >= 0)
+    if len(odd):
+        foretold = foretell(ensemble, observed.rows(odd))
+        for row, flight in enumerate(odd):
+            seen = int(which[flight])
+            name = SEEN[seen] if np.isfinite(observed.readout(SEEN[seen])[flight]) else "avg_accel"
+            ends = foretold.mean[row, seen] + np.array([-2, 2]) * foretold.sd[row, seen]
+            value = float(observed.readout(name)[flight])
+            lines[flight] = _line(name, value, float(foretold.shown[row, seen]), ends)
+    return lines
+
+
+def _line(name: str, value: float, shown_value: float, ends: Float[Array, "2"]) -> str:
+    column = BY_NAME[name]
+    expected = np.sinh(ends) / 2 if name == "apogee_to_eject" else value * np.exp(ends - shown_value)
+    found, low, high = (f"{float(column.render(one)):.3g}" for one in (value, *expected))
+    return (
+        f"{column.title.lower()} of {found} {column.unit} does not fit the rest of the flight, which leads to "
+        f"expect {low} to {high} {column.unit}; it is left out"
+    )

@@ -1,0 +1,74 @@
+"""What flights say about drag and thrust."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.errors import ImpossibleFlight, UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.model.features import paper_features
+from fieldkit.physics import paper
+from fieldkit.shapes import Array, Float
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+
+@dataclass(frozen=True, slots=True)
+class Posterior:
+    """Cd and thrust scale of flights, mean and standard deviation, one entry a flight; all [1]."""
+
+    cd: Float[Array, "flight"]
+    cd_sd: Float[Array, "flight"]
+    alpha: Float[Array, "flight"]
+    alpha_sd: Float[Array, "flight"]
+    model: str
+
+
+def infer_paper(flights: Sequence[Flight], ensemble: "Ensemble | None" = None) -> Posterior:
+    """Cd and alpha of flights of the paper's rocket, from the apogee alone; by default the shipped ensemble.
+
+    The standard deviation is the spread of the members, as in the paper: it says how far they differ, not
+    how far the truth is. Raises UnknownMotor for a motor the paper does not have, ImpossibleFlight for
+    another rocket and for a flight without an apogee.
+    """
+    from fieldkit.inference.network.ensemble import load
+
+    ensemble = ensemble or load("paper")
+    motor = np.array([_motor_index(flight) for flight in flights], dtype=np.int64)
+    dry_mass = np.array([paper_dry_mass(flight) for flight in flights])
+    apogee = np.array([_apogee(flight) for flight in flights])
+    mean, spread = ensemble(paper_features(apogee, motor, dry_mass))
+    return Posterior(mean[:, 0], spread[:, 0], mean[:, 1], spread[:, 1], ensemble.name)
+
+
+def _motor_index(flight: Flight) -> int:
+    try:
+        return paper.motor_index(flight.motor)
+    except UnknownMotor as error:
+        raise UnknownMotor(f"flight {flight.flight_id}, motor: {error}") from None
+
+
+def paper_dry_mass(flight: Flight) -> float:
+    """Dry mass of a flight of the paper's rocket, as weighed or by its configuration. [kg]
+
+    Raises ImpossibleFlight for a mass that is neither of its two: the ensemble knows no other.
+    """
+    masses = paper.DRY_MASS
+    found = masses.get(flight.config.strip().upper()) if flight.dry_mass is None else flight.dry_mass
+    for mass in masses.values():
+        if found is not None and abs(found - mass) < 5e-4:
+            return found
+    known = " or ".join(f"{1e3 * mass:g} g ({config})" for config, mass in masses.items())
+    raise ImpossibleFlight(
+        f"flight {flight.flight_id}, dry_mass_g: found {'nothing' if found is None else f'{1e3 * found:g}'}, "
+        f"the paper's ensemble knows its own rocket only: {known}"
+    )
+
+
+def _apogee(flight: Flight) -> float:
+    if flight.apogee is None:
+        raise ImpossibleFlight(f"flight {flight.flight_id}, apogee_m: found nothing, inference needs the apogee")
+    return flight.apogee

@@ -1,0 +1,1 @@
+"""Posteriors checked: against integrated ones, for calibration, and by scores."""

@@ -1,0 +1,195 @@
+"""The one problem whose exact answer is known: the paper's rocket, prior and simulator, with more readouts.
+
+There is nothing at random in its flights but Cd and alpha, and the burn time if it is said to be uncertain, so the
+exact posterior follows from the simulator on a grid. An ensemble of the field's kind trained on it is measured
+against that.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from fieldkit.inference.network.mixture import Mixture
+from fieldkit.model.observations import DECLARED, READOUT_NAMES, Observed, disc
+from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE
+from fieldkit.physics import paper
+from fieldkit.physics.flight import fly
+from fieldkit.shapes import Array, Flags, Float, Int
+
+NOISE: Mapping[str, tuple[float, float]] = MappingProxyType(
+    {
+        "apogee": (3.0, 0.0),
+        "top_speed": (1.0, 0.0),
+        "peak_accel": (0.0, 0.03),
+        "avg_accel": (0.0, 0.03),
+        "coast_to_apogee": (0.1, 0.0),
+    }
+)
+"""The readouts there are, and their noise: a standard deviation in SI, or a share of the true figure."""
+SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {"apogee": ("apogee",), "apogee, speed": ("apogee", "top_speed"), "all five": tuple(NOISE)}
+)
+BURN_SD = 0.05
+"""Of the logarithm of the burn time, at the same impulse, where it is uncertain. [1]"""
+NODES = 7
+"""Of the quadrature over the burn time."""
+_MASSES = np.array(list(paper.DRY_MASS.values()))
+_BURNS = paper.paper_burns()
+
+
+@dataclass(frozen=True, slots=True)
+class Restricted:
+    """Flights of the restricted problem: what is seen of them, log drag area and alpha, and which rocket flew."""
+
+    observed: Observed
+    truth: Float[Array, "flight 2"]
+    motor: Int[Any, "flight"]
+    config: Int[Any, "flight"]
+
+
+def intervals(count: int) -> tuple[Float[Array, "flight 2"], Float[Array, "flight 2"]]:
+    """Ends of the prior in log drag area and alpha."""
+    area = np.log(disc(np.asarray(paper.DIAMETER)))
+    ends = np.array([[np.log(cd) + area, alpha] for cd, alpha in zip(CD_RANGE, ALPHA_RANGE, strict=True)])
+    low, high = (np.broadcast_to(end, (count, 2)) for end in ends)
+    return low, high
+
+
+def restricted_draws(
+    rng: np.random.Generator, count: int, burn_sd: float = 0.0
+) -> tuple[Restricted, Float[Array, "flight readout"]]:
+    """Flights drawn from the paper's priors as measured once, and their readouts without noise.
+
+    `burn_sd` is by how much the logarithm of the burn time scatters. [1]
+    """
+    motor, config = rng.integers(len(paper.MOTORS), size=count), rng.integers(len(_MASSES), size=count)
+    cd, alpha = rng.uniform(*CD_RANGE, size=count), rng.uniform(*ALPHA_RANGE, size=count)
+    stretch = np.exp(burn_sd * rng.normal(size=count)) if burn_sd else np.ones(count)
+    clean = _clean(motor, config, cd, alpha, stretch)
+    truth = np.stack([np.log(cd * disc(np.asarray(paper.DIAMETER))), alpha], axis=-1)
+    return Restricted(measured(rng, clean, motor, config), truth, motor, config), clean
+
+
+def measured(
+    rng: np.random.Generator,
+    clean: Float[Array, "flight readout"],
+    motor: Int[Any, "flight"],
+    config: Int[Any, "flight"],
+) -> Observed:
+    """The flights with noise on their readouts."""
+    readouts = np.full(clean.shape, np.nan)
+    for name, (floor, share) in NOISE.items():
+        column = READOUT_NAMES.index(name)
+        spread = floor + share * clean[:, column]
+        readouts[:, column] = clean[:, column] + spread * rng.normal(size=len(clean))
+    declared = np.full((len(clean), len(DECLARED)), np.nan)
+    declared[:, 0], declared[:, 1] = _MASSES[config], paper.DIAMETER
+    return Observed(np.stack([_figures(one) for one in paper.MOTORS])[motor], declared, readouts)
+
+
+def _clean(motor: Int[Any, "*#draw"], config: Int[Any, "*#draw"], cd: Array, alpha: Array, stretch: Array) -> Array:
+    setup = paper.paper_setup(motor, _MASSES[config], cd, alpha, curves=_BURNS)
+    readouts = fly(setup.with_changes(burn_stretch=stretch)).readouts()
+    return np.stack([readouts[name] for name in READOUT_NAMES], axis=-1)
+
+
+def _figures(motor: paper.DeclaredMotor) -> Float[Array, "figure"]:
+    """The figures of a declared motor, by the impulse that its profile delivers."""
+    time = np.linspace(0, motor.burn_time, 4001)
+    thrust = np.interp(time, motor.time, motor.thrust)
+    weight = thrust / thrust.sum()
+    middle = float((weight * time).sum())
+    spread = float(np.sqrt((weight * (time - middle) ** 2).sum()))
+    timing = [motor.burn_time, motor.burn_time, motor.peak_thrust, middle, spread]
+    return np.array([motor.delivered_impulse, *timing, motor.propellant_mass, motor.casing_mass, 0.029])
+
+
+@dataclass(frozen=True, slots=True)
+class Exact:
+    """Readouts without noise on a grid of Cd and alpha, for each motor and configuration.
+
+    A node is one of the burn times that are integrated over, `log_weight` the log of its weight.
+    """
+
+    cd: Float[Array, "cell"]
+    alpha: Float[Array, "cell"]
+    readouts: Float[Array, "motor config node cell readout"]
+    log_weight: Float[Array, "node"]
+
+    def log_posterior(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "cell"]:
+        """Log probability of each cell after some of the readouts of one flight."""
+        grid = self.readouts[flights.motor[row], flights.config[row]]
+        each = np.zeros(grid.shape[:-1]) + self.log_weight[:, None]
+        for name in names:
+            column = READOUT_NAMES.index(name)
+            floor, share = NOISE[name]
+            spread = floor + share * grid[..., column]
+            each -= 0.5 * ((flights.observed.readouts[row, column] - grid[..., column]) / spread) ** 2 + np.log(spread)
+        log = np.logaddexp.reduce(each, axis=0)
+        top = log.max()
+        return np.asarray(log - top - np.log(np.exp(log - top).sum()))
+
+    def medians(self, flights: Restricted, row: int, names: tuple[str, ...]) -> Float[Array, "2"]:
+        """Medians of Cd and alpha after some of the readouts of one flight: the least mean absolute error."""
+        share = np.exp(self.log_posterior(flights, row, names))
+        return np.array([_median(values, share) for values in (self.cd, self.alpha)])
+
+
+def exact(cells: int = 300, burn_sd: float = 0.0) -> Exact:
+    """The grid, `cells` along each of the two; Gauss and Hermite's nodes of the burn time where it is uncertain."""
+    centres = (np.arange(cells) + 0.5) / cells
+    cd, alpha = np.meshgrid(CD_RANGE[0] + np.ptp(CD_RANGE) * centres, ALPHA_RANGE[0] + np.ptp(ALPHA_RANGE) * centres)
+    cd, alpha = cd.ravel(), alpha.ravel()
+    node, weight = np.polynomial.hermite_e.hermegauss(NODES if burn_sd else 1)
+    stretch = np.exp(burn_sd * node)[:, None]
+    motor, config = (np.arange(n).reshape(shape) for n, shape in ((3, (3, 1, 1, 1)), (2, (1, 2, 1, 1))))
+    return Exact(cd, alpha, _clean(motor, config, cd, alpha, stretch), np.log(weight / weight.sum()))
+
+
+def against_exact(
+    flights: Restricted, densities: Mapping[str, Mixture], grid: Exact, count: int = 500
+) -> dict[str, dict[str, float]]:
+    """Mean absolute errors of an ensemble's median and of the exact one, and the divergence between them.
+
+    `kl` is the mean Kullback-Leibler divergence of the ensemble from the exact posterior. [nat]
+    """
+    return {name: _against(flights, densities[name], grid, SUBSETS[name], count) for name in SUBSETS}
+
+
+def _against(
+    flights: Restricted, density: Mixture, grid: Exact, names: tuple[str, ...], count: int
+) -> dict[str, float]:
+    area = disc(np.asarray(paper.DIAMETER))
+    cells = np.stack([np.log(grid.cd * area), grid.alpha], axis=-1)
+    size = np.ptp(CD_RANGE) * np.ptp(ALPHA_RANGE) / len(cells)
+    half = np.array([0.5])
+    found = np.stack([density.margin(axis).quantiles(half)[:, 0] for axis in (0, 1)], axis=-1)
+    found[:, 0] = np.exp(found[:, 0]) / area
+    truth = np.stack([np.exp(flights.truth[:, 0]) / area, flights.truth[:, 1]], axis=-1)
+    best, divergence = np.empty((count, 2)), np.empty(count)
+    for row in range(count):
+        log = grid.log_posterior(flights, row, names)
+        share = np.exp(log)
+        best[row] = grid.medians(flights, row, names)
+        kept: Flags = share > 1e-12
+        one = density.rows([row])
+        own = one.log_density(cells[kept][:, None])[:, 0] - np.log(grid.cd[kept]) + np.log(size)
+        divergence[row] = float((share[kept] * (log[kept] - own)).sum())
+    errors, least = np.abs(found[:count] - truth[:count]), np.abs(best - truth[:count])
+    return {
+        "cd_mae": float(errors[:, 0].mean()),
+        "alpha_mae": float(errors[:, 1].mean()),
+        "cd_mae_exact": float(least[:, 0].mean()),
+        "alpha_mae_exact": float(least[:, 1].mean()),
+        "kl": float(divergence.mean()),
+    }
+
+
+def _median(values: Float[Array, "cell"], share: Float[Array, "cell"]) -> float:
+    places, which = np.unique(values, return_inverse=True)
+    below = np.cumsum(np.bincount(which, share))
+    half = 0.5 * (places[1] - places[0])
+    return float(np.interp(0.5, below, places + half))

@@ -1,1 +1,0 @@
-"""The loop: predict, compare, find what the model lacks, add it, predict again."""

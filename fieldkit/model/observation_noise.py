@@ -1,0 +1,104 @@
+"""Simulated flights as their flyers write them down: noise, rounding and gaps."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+
+import numpy as np
+
+from fieldkit.model.observations import DECLARED, READOUT_NAMES, Observed
+from fieldkit.model.prior_predictive import TAIL, Truth
+from fieldkit.physics.atmosphere import GRAVITY
+from fieldkit.shapes import Flags
+
+
+@dataclass(frozen=True, slots=True)
+class Noise:
+    """Of a readout, SI: its error is `floor` and `share` of its size, each times a Student t; `step` is shown."""
+
+    floor: float
+    share: float
+    step: float
+
+
+NOISE: Mapping[str, Noise] = MappingProxyType(
+    {
+        "apogee": Noise(0.8, 0.006, 0.3048),
+        "top_speed": Noise(0.4, 0.015, 0.44704),
+        "burn_time": Noise(0.05, 0.04, 0.1),
+        "peak_accel": Noise(1.0, 0.15, 0.980665),
+        "avg_accel": Noise(0.0, 0.0, 0.980665),
+        "coast_to_apogee": Noise(0.1, 0.02, 0.1),
+        "apogee_to_eject": Noise(0.15, 0.0, 0.1),
+        "eject_altitude": Noise(1.5, 0.01, 0.3048),
+        "descent_speed": Noise(0.3, 0.1, 0.44704),
+        "duration": Noise(0.4, 0.015, 0.1),
+    }
+)
+"""What sensors, judging when a burn or a flight ends, and writing down add to each readout by itself. Most errors
+are small and a few are large: they follow a Student t with `TAIL` degrees of freedom. Average acceleration follows
+from speed and burn time as measured."""
+OFFSET = 0.15 * GRAVITY
+"""Of the accelerometer, standard deviation: its zero is set once on the pad, nose up or not quite, and drifts by
+tenths of a g. Peak acceleration is off by it, and speed by it times the burn: a tenth of a slow flight's. [m/s^2]"""
+GAIN = 0.02
+"""Of the accelerometer, standard deviation; peak acceleration and speed share it. [1]"""
+SUBSETS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "apogee": ("apogee",),
+        "apogee, speed": ("apogee", "top_speed"),
+        "apogee, speed, coast": ("apogee", "top_speed", "coast_to_apogee"),
+        "all ten": READOUT_NAMES,
+    }
+)
+"""Sets of readouts that ensembles are judged on, by name."""
+_SHARES = (0.12, 0.12, 0.1, 0.2, 0.14, 0.32)
+"""Of those four, of all but one, and of any; in training."""
+
+
+def measure(rng: np.random.Generator, truth: Truth) -> Observed:
+    """The flights as their flyers could write them down: every readout with its noise and rounding."""
+    readouts = truth.readouts.copy()
+    count = len(truth)
+    speed, burn, peak = (READOUT_NAMES.index(name) for name in ("top_speed", "burn_time", "peak_accel"))
+    offset, gain = OFFSET * rng.normal(size=count), 1 + GAIN * rng.normal(size=count)
+    readouts[:, speed] = (readouts[:, speed] + offset * readouts[:, burn]) * gain
+    readouts[:, peak] = (readouts[:, peak] + offset) * gain
+    for number, name in enumerate(READOUT_NAMES):
+        noise = NOISE[name]
+        if noise.floor or noise.share:
+            readouts[:, number] += noise.floor * rng.standard_t(TAIL, size=count)
+            readouts[:, number] *= np.maximum(1 + noise.share * rng.standard_t(TAIL, size=count), 0.05)
+    readouts[:, burn] = np.maximum(readouts[:, burn], 0.05)
+    readouts[:, READOUT_NAMES.index("avg_accel")] = readouts[:, speed] / readouts[:, burn]
+    steps = np.array([NOISE[name].step for name in READOUT_NAMES])
+    readouts = np.round(readouts / steps) * steps
+    signed = np.array(READOUT_NAMES) == "apogee_to_eject"
+    return Observed(truth.motor, truth.declared, np.where(signed, readouts, np.maximum(readouts, 0.0)))
+
+
+def forget(rng: np.random.Generator, observed: Observed) -> Observed:
+    """The same flights with gaps such as flyers leave: subsets of the readouts, conditions, the diameter."""
+    keep = _subsets(rng, len(observed))
+    readouts = np.where(keep, observed.readouts, np.nan)
+    declared = observed.declared.copy()
+    count = len(observed)
+    for name, share in (("diameter", 0.25), ("delay", 0.3)):
+        declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
+    silence = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
+    for name in DECLARED[3:]:
+        declared[rng.uniform(size=count) < silence, DECLARED.index(name)] = np.nan
+    return Observed(observed.motor, declared, readouts)
+
+
+def _subsets(rng: np.random.Generator, count: int) -> Flags:
+    """Which readouts each flight keeps."""
+    fixed = np.array([[name in kept for name in READOUT_NAMES] for kept in SUBSETS.values()])
+    kind = rng.choice(len(_SHARES), size=count, p=_SHARES)
+    width = len(READOUT_NAMES)
+    but_one = np.arange(width) != rng.integers(width, size=count)[:, None]
+    anything = rng.uniform(size=(count, width)) < rng.uniform(0.1, 1.0, size=(count, 1))
+    anything[:, 0] |= rng.uniform(size=count) < 0.8
+    keep: Flags = fixed[np.minimum(kind, len(fixed) - 1)]
+    keep = np.where((kind == len(fixed))[:, None], but_one, keep)
+    return np.where((kind > len(fixed))[:, None], anything, keep)

@@ -1,0 +1,143 @@
+"""Flights as a flyer wrote them down, as arrays; and the priors of what was not."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cache
+from typing import Any
+
+import numpy as np
+
+from fieldkit.flight import CONDITIONS, READOUTS, Flight
+from fieldkit.motors import Found, Motor
+from fieldkit.physics.setups import delays, dry_masses, recorded
+from fieldkit.shapes import Array, Float
+
+CD_RANGE = (0.2, 1.5)
+"""The prior of Cd: uniform in its logarithm. [1]"""
+ALPHA_RANGE, ALPHA_SD = (0.6, 1.4), 0.13
+"""The prior of alpha: normal around 1 with this standard deviation, between these ends. [1]
+
+Certified motors keep within 7 % of their impulse (NFPA 1125); alpha also takes up what a scale or a rod
+that is further off than thought does to the thrust.
+"""
+SLIMMEST, WIDEST = 0.013, 0.1
+"""The prior of the diameter reaches from here, or from a motor's width, to there. [m]"""
+
+READOUT_NAMES = tuple(column.name for column in READOUTS)
+DECLARED = ("dry_mass", "diameter", "delay", *(column.name for column in CONDITIONS))
+"""What a flyer may write down beside the readouts; only the dry mass is needed."""
+SEEN = tuple(name for name in READOUT_NAMES if name != "avg_accel")
+"""The readouts that are evidence of their own: average acceleration is top speed over burn time."""
+FIGURES = (
+    "total_impulse",
+    "burn_time",
+    "burnout",
+    "peak_thrust",
+    "middle",
+    "spread",
+    "propellant",
+    "casing",
+    "diameter",
+)
+"""What a motor physically is, as the ensemble sees it, in SI: `middle` and `spread` are the mean and the
+standard deviation of time weighted by thrust."""
+
+
+@dataclass(frozen=True, slots=True)
+class Observed:
+    """Flights as written down, one entry a flight, SI, nan for "not recorded".
+
+    `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED`, `readouts` for each of
+    `READOUT_NAMES`.
+    """
+
+    motor: Float[Array, "flight figure"]
+    declared: Float[Array, "flight declared"]
+    readouts: Float[Array, "flight readout"]
+
+    def __len__(self) -> int:
+        return len(self.motor)
+
+    def figure(self, name: str) -> Float[Array, "flight"]:
+        """A figure of the motors."""
+        return self.motor[:, FIGURES.index(name)]
+
+    def given(self, name: str) -> Float[Array, "flight"]:
+        """Something declared, nan where it was not."""
+        return self.declared[:, DECLARED.index(name)]
+
+    def readout(self, name: str) -> Float[Array, "flight"]:
+        """A readout, nan where there is none."""
+        return self.readouts[:, READOUT_NAMES.index(name)]
+
+    def rows(self, which: Any) -> "Observed":
+        """Some of the flights."""
+        return Observed(self.motor[which], self.declared[which], self.readouts[which])
+
+    def without(self, *names: str) -> "Observed":
+        """The same flights with some readouts not recorded."""
+        readouts = self.readouts.copy()
+        readouts[:, [READOUT_NAMES.index(name) for name in names]] = np.nan
+        return replace(self, readouts=readouts)
+
+    def with_readouts(self, readouts: Float[Array, "flight readout"]) -> "Observed":
+        """The same flights with these readouts in place of theirs."""
+        return replace(self, readouts=readouts)
+
+    def only(self, *names: str) -> "Observed":
+        """The same flights with these readouts alone."""
+        return self.without(*(name for name in READOUT_NAMES if name not in names))
+
+
+@cache
+def figures(motor: Motor) -> Float[Array, "figure"]:
+    """The figures of a motor, in the order of `FIGURES`."""
+    middle, variance = motor.moments
+    return np.array(
+        [
+            motor.total_impulse,
+            motor.burn_time,
+            motor.burnout,
+            motor.peak_thrust,
+            middle,
+            np.sqrt(variance),
+            motor.propellant_mass,
+            motor.casing_mass,
+            motor.diameter,
+        ]
+    )
+
+
+def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:
+    """Flights and their motors as arrays. Raises ImpossibleFlight for a flight without a dry mass."""
+    declared = np.stack([recorded(flights, name) for name in DECLARED], axis=-1)
+    declared[:, DECLARED.index("dry_mass")] = dry_masses(flights)
+    declared[:, DECLARED.index("delay")] = delays(flights, found)
+    readouts = np.stack([recorded(flights, name) for name in READOUT_NAMES], axis=-1)
+    return Observed(np.stack([figures(item.motor) for item in found]), declared, readouts)
+
+
+def diameter_range(
+    motor_diameter: Float[Array, "flight"], dry_mass: Float[Array, "flight"]
+) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
+    """Slimmest and widest body that carries a motor at a mass: the prior is uniform in the logarithm. [m]
+
+    No slimmer than the motor and a wall, no wider than five motors, and no lighter for its width than
+    7 g at 20 mm, growing with the square: 105 g at 77 mm, as the lightest kits are.
+    """
+    slim = np.maximum(SLIMMEST, motor_diameter + 0.001)
+    wide = np.minimum(np.minimum(WIDEST, 5 * motor_diameter), 0.02 * np.sqrt(dry_mass / 0.007))
+    return slim, np.maximum(wide, 1.3 * slim)
+
+
+def disc(diameter: Float[Array, "*any"]) -> Float[Array, "*any"]:
+    """Area of a circle by its diameter. [m^2]"""
+    return np.pi / 4 * diameter**2
+
+
+def drag_area_range(observed: Observed) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
+    """Logarithm of the smallest and the largest drag area that the prior allows. [log m^2]"""
+    diameter = observed.given("diameter")
+    slim, wide = diameter_range(observed.figure("diameter"), observed.given("dry_mass"))
+    slim, wide = (np.where(np.isnan(diameter), limit, diameter) for limit in (slim, wide))
+    return np.log(CD_RANGE[0] * disc(slim)), np.log(CD_RANGE[1] * disc(wide))

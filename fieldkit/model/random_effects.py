@@ -1,0 +1,80 @@
+"""Effects of the shelf as further nuisances of simulated flights: each acts at a strength drawn from its prior."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.physics.effect import Effect, Prior, effects
+from fieldkit.physics.state import Setup
+from fieldkit.shapes import Array, Float
+
+MOST_FLOWN = 20
+"""Flights that a rocket flew before, at most, for effects that grow from flight to flight. [1]"""
+
+Bends = tuple[tuple[Effect, Float[Array, "flight"]], ...]
+"""Effects and their strengths, one a flight."""
+
+
+def known_effects(names: Sequence[str]) -> dict[str, Effect]:
+    """The effects of these names, each once. Raises BadValue for one that is not on the shelf."""
+    shelf = effects()
+    for name in names:
+        if name not in shelf:
+            raise BadValue(f"found the effect {name!r}, expected some of: {', '.join(sorted(shelf))}")
+    return {name: shelf[name] for name in dict.fromkeys(names)}
+
+
+def priors(names: Sequence[str]) -> dict[str, str]:
+    """The priors of these effects in words, as a card has them."""
+    return {name: _words(effect) for name, effect in known_effects(names).items()}
+
+
+def _words(effect: Effect) -> str:
+    prior = effect.prior
+    ends = f", between {prior.low:g} and {prior.high:g}"
+    square = "its square: " if effect.squared else ""
+    grown = f", times 0 to {MOST_FLOWN} flights before" if effect.grows else ""
+    return f"{square}normal, {prior.mean:g} and {prior.sd:g}{ends}{grown} [{effect.unit}]"
+
+
+def bent(
+    rng: np.random.Generator, names: Sequence[str], setup: Setup, declared: Mapping[str, Float[Array, "flight"]]
+) -> tuple[Setup, Bends]:
+    """The set-up as the named effects have it, and what they will do to the readings.
+
+    Without names nothing is drawn. Effects that act on something declared find it in `declared`.
+    """
+    bends: list[tuple[Effect, Array]] = []
+    for effect in known_effects(names).values():
+        count = len(next(iter(declared.values())))
+        strength = effect.strength(drawn(rng, effect.prior, count))
+        if effect.grows:
+            strength = strength * rng.integers(MOST_FLOWN + 1, size=count)
+        setup = effect.bend_setup(setup, strength, _flights(effect, declared))
+        bends.append((effect, strength))
+    return setup, tuple(bends)
+
+
+def shown_by(bends: Bends, readouts: Mapping[str, Float[Array, "flight"]]) -> Mapping[str, Any]:
+    """The readouts as the effects show them."""
+    for effect, strength in bends:
+        readouts = effect.bend_reading(readouts, strength)
+    return readouts
+
+
+def drawn(rng: np.random.Generator, prior: Prior, count: int) -> Float[Array, "flight"]:
+    """Draws of a prior, within its bounds."""
+    values = rng.normal(prior.mean, prior.sd, count)
+    while (beyond := (values < prior.low) | (values > prior.high)).any():
+        values[beyond] = rng.normal(prior.mean, prior.sd, int(beyond.sum()))
+    return np.asarray(values)
+
+
+def _flights(effect: Effect, declared: Mapping[str, Array]) -> list[Flight]:
+    """Flights that have what an effect needs of them, and nothing else."""
+    if not effect.needs:
+        return []
+    return [Flight().with_changes(**{effect.needs: float(value)}) for value in declared[effect.needs]]

@@ -1,0 +1,278 @@
+"""The burn: from lift-off to burnout by Runge-Kutta in time, stepped along the thrust curve."""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.physics.forces import TURN_LENGTH, Pull
+from fieldkit.physics.state import Setup
+from fieldkit.shapes import Array, Float, Integers
+
+STIFFEST = 0.5
+"""Largest share by which drag alone may change speed in a step. [1]"""
+
+SHORT_PATH = 1.0
+"""Longest path of a step by which a rocket turns into the wind. [m]"""
+BIGGEST_GAIN = 0.4
+"""Largest share by which thrust may change the speed of a free planar flight in a step. [1]"""
+MOST_PARTS = 64
+"""Into which a step is cut. [1]"""
+
+CROWD = 0.75
+"""Share of the draws that must need another part of a step for all of them to be taken through it. [1]"""
+
+NEWTON = 8
+"""Rounds of Newton's method for the moment at which the rail ends. [1]"""
+
+Stages = list[Array]
+"""A figure at start, middle and end of a step."""
+
+
+@dataclass(slots=True)
+class Track:
+    """Where all draws are at one moment of the ascent, and the highlights so far. SI units.
+
+    `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from
+    ignition, `flying` from lift-off.
+    """
+
+    time: Array
+    flying: Array
+    position: Array
+    velocity: Array
+    top_speed: Array
+    top_speed_time: Array
+    peak_accel: Array
+    rail_speed: Array
+    highest: Array
+    highest_time: Array
+
+
+def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
+    """When thrust first exceeds weight; inf where it never does. [s]"""
+    burns, motor = setup.burns, setup.motor
+    weight = (setup.dry_mass + burns.casing_mass[motor] + burns.propellant_mass[motor]) * setup.gravity
+    needed = weight * setup.burn_stretch / setup.thrust_factor
+    result = np.where(burns.rise_thrust[0][motor] > needed, burns.rise_time[0][motor], np.inf)
+    for knot in range(len(burns.rise_time) - 1):
+        before, after = burns.rise_thrust[knot][motor], burns.rise_thrust[knot + 1][motor]
+        crosses = (after > needed) & np.isinf(result)
+        if crosses.any():
+            share = np.clip((needed - before) / np.where(after > before, after - before, np.inf), 0.0, 1.0)
+            start, end = burns.rise_time[knot][motor], burns.rise_time[knot + 1][motor]
+            result = np.where(crosses, start + share * (end - start), result)
+        if not np.isinf(result).any():
+            break
+    return np.asarray(result * setup.burn_stretch)
+
+
+def _highlight(track: Track, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
+    """Keep top speed and its moment, from the cubic through speed and its slope at both ends of a step."""
+    (speed0, slope0), (speed1, slope1) = before, after
+    turns = (slope0 > 0) & (slope1 <= 0) & (dt > 0)
+    ends_higher = speed1 > track.top_speed
+    track.top_speed_time = np.where(ends_higher, track.time, track.top_speed_time)
+    track.top_speed = np.where(ends_higher, speed1, track.top_speed)
+    if not turns.any():
+        return
+    rise, lift0, lift1 = speed1 - speed0, slope0 * dt, slope1 * dt
+    cubic, square = lift0 + lift1 - 2 * rise, 3 * rise - 2 * lift0 - lift1
+    root = np.sqrt(np.maximum(square**2 - 3 * cubic * lift0, 0.0))
+    place = np.clip(lift0 / np.where(turns, root - square, 1.0), 0.0, 1.0)
+    peak = speed0 + place * (lift0 + place * (square + place * cubic))
+    higher = turns & (peak > track.top_speed)
+    track.top_speed_time = np.where(higher, track.time - (1 - place) * dt, track.top_speed_time)
+    track.top_speed = np.where(higher, peak, track.top_speed)
+
+
+def _speed(velocity: Array) -> Array:
+    return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1]))
+
+
+def _along(velocity: Array, pull: Array) -> Array:
+    """Rate of change of speed. [m/s^2]"""
+    if len(velocity) == 1:
+        return np.asarray(pull[0])
+    return np.asarray((velocity * pull).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
+
+
+def burn(setup: Setup, *, highlights: bool = True) -> Track:
+    """The ascent from lift-off to burnout; all entries of the set-up are flat, [draw] or [1].
+
+    Without `highlights` top speed, peak acceleration and rail speed are not looked for.
+    """
+    pull = Pull(setup, burning=True)
+    zero = np.zeros(setup.draws)
+    start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
+    latest = start[np.isfinite(start)].max(initial=0.0)
+    at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
+    track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
+    slope, end = zero, np.ones(1)
+    begun: Array | None = None
+    for first, dt, thrust, mass in _steps(setup):
+        if waits := bool(first.min() < latest):
+            place = np.clip((start - first) / np.where(dt > 0, dt, 1.0), 0.0, 1.0)
+            thrust, mass, dt = _between(thrust, place, end), _between(mass, place, end), dt * (1 - place)
+        before = track.position, track.velocity
+        _advance(track, setup, pull, dt, thrust, mass, begun)
+        if highlights:
+            _leave_rail(track, setup, dt, *before)
+            slope_before = slope
+            ended = pull(track.position, track.velocity, thrust[2], mass[2])
+            slope, begun = _along(track.velocity, ended), None if waits else ended  # the next step begins as this ends
+            track.peak_accel = np.maximum(track.peak_accel, np.where(dt > 0, slope, 0))
+            _highlight(track, dt, (_speed(before[1]), slope_before), (_speed(track.velocity), slope))
+    return track
+
+
+def _steps(setup: Setup) -> Iterator[tuple[Array, Array, Stages, Stages]]:
+    """Beginning and length of every step [s], thrust [N] and mass [kg] in it; a step begins as the last one ends."""
+    burns, motor = setup.burns, setup.motor
+    empty, propellant = setup.dry_mass + burns.casing_mass[motor], burns.propellant_mass[motor]
+    factor = setup.thrust_factor / setup.burn_stretch
+
+    def push(step: int, stage: int) -> Array:
+        return np.asarray(burns.thrust[step, stage][motor] * factor)
+
+    def mass(step: int, stage: int) -> Array:
+        return np.asarray(empty + propellant * (1 - burns.spent[step, stage][motor]))
+
+    first, push_end, mass_end = burns.edge[0][motor] * setup.burn_stretch, push(0, 0), mass(0, 0)
+    for step in range(len(burns.edge) - 1):
+        last = burns.edge[step + 1][motor] * setup.burn_stretch
+        if not (last > first).any():
+            return
+        pushes, masses = [push_end, push(step, 1), push(step, 2)], [mass_end, mass(step, 1), mass(step, 2)]
+        yield first, last - first, pushes, masses
+        first, push_end, mass_end = last, pushes[2], masses[2]
+
+
+def _between(values: Stages, start: Array, end: Array) -> Stages:
+    """Start, middle and end of a part of a step over which a figure is a quadratic; places in [0, 1]."""
+    if len(start) == 1 and start[0] == 0 and end[0] == 1:
+        return values
+    at_start, at_middle, at_end = values
+    linear, square = 4 * at_middle - 3 * at_start - at_end, 2 * (at_start + at_end) - 4 * at_middle
+    places = (start, 0.5 * (start + end), end)
+    return [np.asarray(at_start + at * (linear + at * square)) for at in places]
+
+
+def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> Array:
+    """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
+
+    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that. A planar
+    flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
+    """
+    greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
+    fastest = np.abs(track.velocity[0]).max() + dt.max() * greatest
+    bound = setup.drag_area.max() * setup.air.density.max() * fastest * dt.max() / mass[2].min()
+    if len(track.position) == 1 and bound <= STIFFEST:
+        return np.ones(1)
+    speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
+    stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
+    wanted = stiffness / STIFFEST
+    if len(track.position) == 2:
+        wanted = np.maximum(wanted, _bends(setup, track, dt, np.maximum(thrust[0], thrust[2]) / mass[2]))
+    if np.max(wanted) <= 1:
+        return np.ones(1)
+    return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 1.0), MOST_PARTS))
+
+
+def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
+    """Into how many parts a step must be cut where a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
+    path, speed = _speed(track.position), _speed(track.velocity)
+    ahead = (speed + 0.5 * push * dt) * dt
+    turning = (path < setup.rail_length + TURN_LENGTH) & (path + ahead > setup.rail_length)
+    gains = np.where(path < setup.rail_length, 0.0, push * dt / np.maximum(speed, 1e-9))
+    return np.maximum(np.where(turning, ahead / SHORT_PATH, 0.0), gains / BIGGEST_GAIN) / setup.stride
+
+
+def _advance(
+    track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+) -> None:
+    """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
+
+    `begun` is the pull at its beginning, where that is known.
+    """
+    parts = _parts(setup, track, dt, thrust, mass)
+    moving, rows = track, np.arange(len(track.time))
+    for part in range(int(parts.max())):
+        busy = parts > part
+        if busy.mean() < CROWD:
+            _put_back(track, moving, rows)
+            rows, kept = rows[busy], np.flatnonzero(busy)
+            moving = Track(*(getattr(track, name)[..., rows] for name in Track.__dataclass_fields__))
+            setup = setup.part(kept)
+            pull = Pull(setup, burning=True)
+            parts, dt = parts[kept], _some(dt, kept)
+            thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
+        start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
+        _step(moving, pull, dt * (end - start), _between(thrust, start, end), _between(mass, start, end), begun)
+        begun = None
+    _put_back(track, moving, rows)
+
+
+def _some(values: Array, rows: Integers) -> Array:
+    """The entries of some draws; one for all stays one, [1]."""
+    return values if len(values) == 1 else values[rows]
+
+
+def _put_back(track: Track, moving: Track, rows: Integers) -> None:
+    """Draws that went on by themselves, among the others again."""
+    if moving is track:
+        return
+    for name in ("position", "velocity", "time", "flying", "highest", "highest_time"):
+        values = getattr(track, name).copy()
+        values[..., rows] = getattr(moving, name)
+        setattr(track, name, values)
+
+
+def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None) -> None:
+    """One classical Runge-Kutta step of position and velocity; `begun` as in `_advance`."""
+    x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
+    a1 = pull(x, v, thrust[0], mass[0]) if begun is None else begun
+    v2 = v + half * a1
+    a2 = pull(x + half * v, v2, thrust[1], mass[1])
+    v3 = v + half * a2
+    a3 = pull(x + half * v2, v3, thrust[1], mass[1])
+    v4 = v + dt * a3
+    a4 = pull(x + dt * v3, v4, thrust[2], mass[2])
+    a2 += a3
+    track.position = x + dt * (v + sixth * (a1 + a2))
+    a2 *= 2
+    a2 += a1
+    a2 += a4
+    track.velocity = v + sixth * a2
+    track.time = track.time + dt
+    track.flying = track.flying + dt
+    if track.velocity[0].min() < 0:
+        _turn_over(track, dt, x[0], v[0])
+
+
+def _turn_over(track: Track, dt: Array, height: Array, upward: Array) -> None:
+    """Keep the top of a flight that turns down under power, upward speed taken as linear in a step."""
+    turns = (upward > 0) & (track.velocity[0] <= 0)
+    left = upward * dt / np.where(turns, upward - track.velocity[0], 1.0)
+    top = height + 0.5 * upward * left
+    higher = turns & (top > track.highest)
+    track.highest_time = np.where(higher, track.time - dt + left, track.highest_time)
+    track.highest = np.where(higher, top, track.highest)
+
+
+def _leave_rail(track: Track, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
+    """Keep the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
+    before, after = _speed(position), _speed(track.position)
+    leaves = (after >= setup.rail_length) & (before < setup.rail_length)
+    if not leaves.any():
+        return
+    rise, lift0, lift1 = after - before, _speed(velocity) * dt, _speed(track.velocity) * dt
+    square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
+    left = np.where(leaves, setup.rail_length - before, 0.0)
+    place = np.ones(len(rise))
+    for _ in range(NEWTON):
+        slope = lift0 + place * (2 * square + 3 * place * cubic)
+        miss = place * (lift0 + place * (square + place * cubic)) - left
+        place = np.clip(place - miss / np.where(leaves & (slope > 0), slope, np.inf), 0.0, 1.0)
+    speed = (lift0 + place * (2 * square + 3 * place * cubic)) / np.where(leaves, dt, 1.0)
+    track.rail_speed = np.where(leaves, speed, track.rail_speed)

@@ -1,0 +1,183 @@
+"""The coast: from burnout to apogee, by upward speed.
+
+There is no event to search for: upward speed only ever falls, so it is the independent variable and the
+last step ends exactly at apogee. A straight-up coast in which drag is the only force has a closed form in
+a layer of even density; otherwise Runge-Kutta steps are taken.
+"""
+
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.physics.burn import Track
+from fieldkit.physics.forces import Pull
+from fieldkit.physics.state import Setup
+from fieldkit.shapes import Array, Float
+
+LAYER = 50.0
+"""Thickest layer of even density in the closed form. [m]"""
+LEAST_DRAG = 1e-12
+"""Drag per mass and speed squared that stands for none, so that one formula serves. [1/m]"""
+SPEED_STEP = 12.0
+"""Longest step of upward speed otherwise. [m/s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Apogee:
+    """The highest point, one entry a draw: when, how high, how far and how fast sideways. SI units.
+
+    `eject_height` is where the ejection charge fired if that was before apogee, else nan.
+    """
+
+    time: Float[Array, "draw"]
+    height: Float[Array, "draw"]
+    drift: Float[Array, "draw"]
+    sideways: Float[Array, "draw"]
+    eject_height: Float[Array, "draw"]
+    eject_speed: Float[Array, "draw"]
+
+
+@dataclass(frozen=True, slots=True)
+class _Point:
+    """Time, height, upward speed and upward acceleration of all draws, drift and sideways speed."""
+
+    time: Array
+    height: Array
+    upward: Array
+    pull: Array
+    drift: Array
+    sideways: Array
+
+
+def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
+    """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]
+
+    Without `timed` the time of apogee may be left out (nan), which is quicker.
+    """
+    fires = np.maximum(eject_time, track.time)
+    ever = bool(np.isfinite(fires).any())
+    closed = track.position.shape[0] == 1 and not setup.forces
+    points = _layers(setup, track, timed=timed or ever) if closed else _steps(setup, track)
+    last = next(points)
+    charge, opened = ([np.full(len(fires), np.nan)] * 2 for _ in range(2))
+    for point in points:
+        if ever:
+            charge = _mark(charge, last, point, fires)
+            opened = _mark(opened, last, point, fires + setup.opening_time)
+        last = point
+    early = np.isfinite(charge[0])
+    height, time = last.height, last.time
+    if early.any():
+        height, time = _under_parachute(setup, opened, fires, height, time)
+    fell = track.velocity[0] <= 0
+    if fell.any():
+        height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
+        time = np.where(fell, track.highest_time, time)
+    return Apogee(time, height, last.drift, last.sideways, charge[0], charge[1])
+
+
+def _layers(setup: Setup, track: Track, *, timed: bool) -> Iterator[_Point]:
+    """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
+
+    `thin` is 1/u^2, of the density half way up the layer.
+    Source: Fehskens and Malewicki (Malewicki, Model Rocket Altitude Prediction Charts, 1967).
+    """
+    burns, motor, g = setup.burns, setup.motor, setup.gravity
+    mass = setup.dry_mass + burns.casing_mass[motor]
+    even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG) / g
+    time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
+    zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
+    thin = even * setup.air.thinning(height)
+    yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero)
+    count = _count(np.log1p(thin * upward**2) / (thin * (2 * LAYER * g)))
+    share = upward / count
+    for _ in range(int(count.max())):
+        slower = np.maximum(upward - share, 0.0)
+        total, fall = upward + slower, upward - slower
+        squares = total * fall
+        middle = height + squares * (0.25 / g) / (1 + 0.25 * thin * total**2)
+        thin = even * setup.air.thinning(middle)
+        height = height + np.log1p(squares * thin / (1 + thin * slower**2)) / thin * (0.5 / g)
+        if timed:
+            root = np.sqrt(thin)
+            time = time + np.arctan(root * fall / (1 + thin * upward * slower)) / (g * root)
+            yield _Point(time, height, slower, -g * (1 + thin * slower**2), zero, zero)
+        upward = slower
+    if not timed:
+        yield _Point(untold, height, upward, untold, zero, zero)
+
+
+def _count(wanted: Array) -> Array:
+    """Between two and four hundred layers or steps, each draw its own, so that none hangs on its neighbours."""
+    return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
+
+
+def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
+    """Classical Runge-Kutta in upward speed of time, position and sideways speed."""
+    burns, motor = setup.burns, setup.motor
+    pull = Pull(setup, burning=False)
+    mass = setup.dry_mass + burns.casing_mass[motor]
+    upward = np.maximum(track.velocity[0], 0.0)
+    axes = len(track.position)
+    count = _count(4 + upward / (SPEED_STEP * setup.stride))
+    share = upward / count
+
+    def look(y: Array, at: Array) -> tuple[Array, Array]:
+        """Velocity and acceleration."""
+        velocity = np.concatenate([at[None], y[sideways]])
+        return velocity, pull(y[:axes], velocity, 0.0, mass)
+
+    def rates(velocity: Array, pulled: Array) -> Array:
+        """Derivatives of (position, sideways velocity, time) by upward speed."""
+        return np.asarray(np.concatenate([velocity, pulled[1:], ones]) / pulled[0])
+
+    y = np.concatenate([track.position, track.velocity[1:], track.time[None]])
+    sideways = slice(axes, 2 * axes - 1)
+    zero, ones = np.zeros(len(upward)), np.ones((1, len(upward)))
+
+    def point(y: Array, at: Array, slope: Array) -> _Point:
+        drift, across = (y[1], y[2]) if axes == 2 else (zero, zero)
+        return _Point(y[-1], y[0], at, slope, drift, across)
+
+    velocity, pulled = look(y, upward)
+    yield point(y, upward, pulled[0])
+    for _ in range(int(count.max())):
+        after = np.maximum(upward - share, 0.0)
+        step = after - upward
+        half = upward + 0.5 * step
+        k1 = rates(velocity, pulled)
+        k2 = rates(*look(y + 0.5 * step * k1, half))
+        k3 = rates(*look(y + 0.5 * step * k2, half))
+        k4 = rates(*look(y + step * k3, after))
+        y, upward = y + step / 6 * (k1 + 2 * (k2 + k3) + k4), after
+        velocity, pulled = look(y, upward)
+        yield point(y, upward, pulled[0])
+
+
+def _mark(marks: list[Array], before: _Point, after: _Point, moment: Array) -> list[Array]:
+    """Height and upward speed at a moment, from the cubic of speed in time between two points."""
+    inside = (moment >= before.time) & (moment < after.time)
+    if not inside.any():
+        return marks
+    dt = np.where(inside, after.time - before.time, 1.0)
+    s = np.where(inside, (moment - before.time) / dt, 0.0)
+    rise, lift0, lift1 = after.upward - before.upward, before.pull * dt, after.pull * dt
+    square, cubic = 3 * rise - 2 * lift0 - lift1, lift0 + lift1 - 2 * rise
+    upward = before.upward + s * (lift0 + s * (square + s * cubic))
+    gain = dt * s * (before.upward + s * (lift0 / 2 + s * (square / 3 + s * cubic / 4)))
+    return [np.where(inside, new, old) for new, old in zip((before.height + gain, upward), marks, strict=True)]
+
+
+def _under_parachute(
+    setup: Setup, opened: list[Array], fires: Array, height: Array, time: Array
+) -> tuple[Array, Array]:
+    """Apogee where the parachute opens on the way up: it climbs on against its own terminal speed."""
+    g, terminal = setup.gravity, setup.descent_speed
+    climbing = np.isfinite(opened[0])
+    gain = terminal**2 / (2 * g) * np.log1p((opened[1] / terminal) ** 2)
+    stop = terminal / g * np.arctan(opened[1] / terminal)
+    return (
+        np.where(climbing, opened[0] + gain, height),
+        np.where(climbing, fires + setup.opening_time + stop, time),
+    )

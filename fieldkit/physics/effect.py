@@ -1,0 +1,96 @@
+"""An effect: one thing the plain flight model lacks, with a strength that is zero when it is not there.
+
+It bends the set-up before the flight, the acceleration in it, or the reading after. Effects are files in
+`models/effects/`, each binding `EFFECT`; nothing else needs to know of them.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, cast
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.physics.state import Force, Setup
+from fieldkit.plugins import plugins
+from fieldkit.shapes import Array, Float
+
+Strength = Float[Array, "*#draw"]
+BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
+Readings = Mapping[str, Float[Array, "*#draw"]]
+BendReading = Callable[[Readings, Strength], Readings]
+
+
+@dataclass(frozen=True, slots=True)
+class Prior:
+    """What is believed of a strength before any flight: a normal distribution cut off at its bounds."""
+
+    mean: float
+    sd: float
+    low: float = -np.inf
+    high: float = np.inf
+
+
+@dataclass(frozen=True, slots=True)
+class Effect:
+    """One bend of the flight model.
+
+    `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
+    (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of group of flights may
+    have a strength of its own, `everywhere` whether it may also act on all flights alike, `each` whether
+    every group has its own at once. `needs` is the column without which the effect cannot act, `lacks` one that
+    a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
+    may come about: verdicts speak of the other. One that `grows`
+    acts with its strength times the flights flown before; one that `starts_anywhere` may be there only from
+    some flight on, as with a new lot of motors or a new altimeter. `starts` are strengths from which a fit is
+    begun, several where what the effect does is far from linear. `explains` tells a flyer what it is, `tell_apart`
+    what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
+    ground gives the fitted value, 0 where it cannot.
+    """
+
+    title: str
+    explains: str
+    unit: str
+    prior: Prior
+    source: str
+    tell_apart: str
+    setup: BendSetup | None = None
+    acceleration: Force | None = None
+    reading: BendReading | None = None
+    per: Literal["", "motor", "config", "site", "day"] = ""
+    everywhere: bool = True
+    each: bool = False
+    needs: str = ""
+    lacks: str = ""
+    form_of: str = ""
+    grows: bool = False
+    starts_anywhere: bool = False
+    starts: tuple[float, ...] = ()
+    squared: bool = False
+    measured: float = 0.0
+
+    def strength(self, fitted: Strength) -> Strength:
+        """The strength that belongs to a fitted value."""
+        return np.sqrt(np.maximum(fitted, 0.0)) if self.squared else fitted
+
+    def bend_setup(self, setup: Setup, strength: Strength, flights: Sequence[Flight]) -> Setup:
+        """The set-up, and the forces in it, as this effect has them at a strength."""
+        if self.setup is not None:
+            setup = self.setup(setup, strength, flights)
+        if self.acceleration is not None:
+            setup = setup.with_changes(forces=(*setup.forces, (self.acceleration, strength)))
+        return setup
+
+    def bend_reading(self, readings: Readings, strength: Strength) -> Readings:
+        """The readings as this effect shows them at a strength."""
+        return readings if self.reading is None else self.reading(readings, strength)
+
+
+def effects() -> Mapping[str, Effect]:
+    """Every effect on the shelf, by name."""
+    return cast(Mapping[str, Effect], plugins("models.effects", "EFFECT"))
+
+
+def spoken(name: str) -> str:
+    """The name by which verdicts speak of an effect: its own, or that of the one it is a form of."""
+    return effects()[name].form_of or name if name in effects() else name

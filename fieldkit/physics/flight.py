@@ -1,0 +1,111 @@
+"""One call flies a batch: arrays in, arrays out, the same code for one flight and a million."""
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+import numpy as np
+
+from fieldkit.physics.burn import Track, burn
+from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast
+from fieldkit.physics.forces import planar
+from fieldkit.physics.state import Flown, Setup
+from fieldkit.shapes import Array, Float, Integers
+
+CHUNK = 16384
+"""Draws flown together: few enough that their state stays in the processor's cache."""
+
+
+def fly(setup: Setup) -> Flown:
+    """Fly every draw of a set-up, from the pad to the ground.
+
+    A draw whose motor never lifts it has zeros throughout and `lift_off` 0.
+    """
+    values = {name: np.empty(int(np.prod(setup.draw_shape))) for name in Flown.__dataclass_fields__}
+    for rows, part in _chunks(setup):
+        flown = _flown(part, *_ascend(part))
+        for name, column in values.items():
+            column[rows] = getattr(flown, name)
+    return Flown(**{name: column.reshape(setup.draw_shape) for name, column in values.items()})
+
+
+def apogees(setup: Setup) -> Float[Array, "*draw"]:
+    """True height of the apogee of every draw above the pad; as `fly`, and quicker. [m]"""
+    result = np.empty(int(np.prod(setup.draw_shape)))
+    for rows, part in _chunks(setup):
+        track, top, _ = _ascend(part, highlights=False)
+        result[rows] = np.where(np.isfinite(track.time), top.height, 0.0)
+    return result.reshape(setup.draw_shape)
+
+
+def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
+    """Rows that fly together, and their part of the set-up: apart what flies straight up and what does not, side by
+    side what burns alike. How a draw flies does not hang on the company it keeps; how fast does."""
+    flat = setup.flat(setup.draw_shape)
+    aslant, rank = planar(flat), flat.burns.lengths.argsort().argsort()
+    small = np.min_scalar_type(2 * len(rank))
+    kind = rank.astype(small)[flat.motor] + aslant * small.type(len(rank))
+    order = np.argsort(np.broadcast_to(kind, flat.draws), kind="stable")
+    upright = flat.draws - int(np.broadcast_to(aslant, flat.draws).sum())
+    cuts = [*range(0, upright, CHUNK), *range(upright, flat.draws, CHUNK), flat.draws]
+    with np.errstate(invalid="ignore", divide="ignore", over="ignore"):
+        for first, last in pairwise(cuts):
+            yield order[first:last], flat.part(order[first:last])
+
+
+def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[Track, Apogee, Array]:
+    """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
+    track = burn(setup, highlights=highlights)
+    fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
+    return track, coast(setup, track, fires, timed=highlights), fires
+
+
+def _flown(setup: Setup, track: Track, top: Apogee, fires: Array) -> Flown:
+    lifted = np.isfinite(track.time)
+    start = np.where(lifted, track.time - track.flying, 0.0)
+    early = np.isfinite(top.eject_height)
+    height, speed, landed = _fall(setup, top, np.where(early, np.nan, fires - top.time))
+    eject_height = np.where(early, top.eject_height, height)
+    burn_time = track.top_speed_time - start
+    values = {
+        "apogee": top.height,
+        "apogee_shown": top.height * setup.altimeter_gain,
+        "top_speed": track.top_speed,
+        "burn_time": burn_time,
+        "peak_accel": track.peak_accel,
+        "avg_accel": track.top_speed / np.where(burn_time > 0, burn_time, np.inf),
+        "coast_to_apogee": top.time - track.top_speed_time,
+        "apogee_to_eject": np.where(np.isfinite(eject_height), fires - top.time, np.nan),
+        "eject_altitude": eject_height,
+        "eject_altitude_shown": eject_height * setup.altimeter_gain,
+        "eject_speed": np.where(early, top.eject_speed, speed),
+        "descent_speed": setup.descent_speed,
+        "duration": landed - start,
+        "rail_speed": track.rail_speed,
+        "drift": top.drift,
+        "rise_time": top.time - start,
+        "coast_time": top.time - setup.burns.burnout[setup.motor] * setup.burn_stretch,
+    }
+    grounded = {name: np.where(lifted, value, 0.0) for name, value in values.items()}
+    return Flown(lift_off=lifted.astype(float), **grounded)
+
+
+def _fall(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> tuple[Array, Array, Array]:
+    """Height and speed at the charge, and the moment of landing; `wait` is from apogee to the charge. [s]
+
+    The airframe falls nose first until the charge, then under the parachute at its speed in air as dense
+    as half way down. Without a charge the parachute is taken to open at apogee.
+    """
+    mass = setup.dry_mass + setup.burns.casing_mass[setup.motor]
+    terminal = np.sqrt(setup.gravity / np.maximum(0.5 * setup.drag_area * setup.air.density / mass, LEAST_DRAG))
+    reach = setup.gravity * np.fmax(wait, 0.0) / terminal
+    drop = terminal**2 / setup.gravity * np.log1p(2 * np.sinh(0.5 * np.minimum(reach, 300.0)) ** 2)
+    falls = np.isfinite(wait)
+    height = np.where(falls, top.height - np.where(falls, drop, 0.0), top.height)
+    opens = height > 0
+    slowly = setup.descent_speed / np.sqrt(setup.air.thinning(0.5 * np.maximum(height, 0.0)))
+    under = top.time + np.where(falls, wait, 0.0) + np.maximum(height, 0.0) / slowly
+    steep = np.expm1(np.minimum(top.height * setup.gravity / terminal**2, 300.0))
+    hard = top.time + terminal / setup.gravity * np.log1p(steep + np.sqrt(steep * (steep + 2)))
+    speed = np.hypot(terminal * np.tanh(reach), top.sideways)
+    known = falls & opens
+    return np.where(known, height, np.nan), np.where(known, speed, np.nan), np.where(opens, under, hard)

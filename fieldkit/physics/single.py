@@ -1,0 +1,65 @@
+"""One flight in the units flyers read."""
+
+from collections.abc import Iterable
+
+import numpy as np
+
+from fieldkit import units
+from fieldkit.errors import ImpossibleFlight
+from fieldkit.flight import BY_NAME, READOUTS, Flight
+from fieldkit.motors import Found
+from fieldkit.physics import paper
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup, recorded
+from fieldkit.physics.state import Flown, Setup
+
+ASCENT = ("apogee", "top_speed", "burn_time", "peak_accel", "avg_accel", "coast_to_apogee")
+"""The readouts that the paper's physics reaches: it ends at apogee."""
+
+
+def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
+    """One flight in the paper's physics, its readouts by column; `plan` has motor, dry mass and diameter.
+
+    Raises UnknownMotor, and ImpossibleFlight where the motor does not lift the rocket or figures are lacking.
+    """
+    dry_mass, diameter = _body(plan)
+    motor = np.array([paper.motor_index(plan.motor)])
+    setup = paper.paper_setup(motor, np.array([dry_mass]), np.array([cd]), np.array([alpha]), diameter)
+    return at_the_edge(_flown(setup, plan.motor), ASCENT)
+
+
+def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[str, float]:
+    """One flight in the field's physics: all readouts that it comes to, by column, as an altimeter shows them.
+
+    `plan` has dry mass, diameter and whatever conditions are known. The rocket is taken to turn into a
+    recorded wind fully. Raises ImpossibleFlight where the motor does not lift the rocket or figures are lacking.
+    """
+    _, diameter = _body(plan)
+    setup = field_setup([plan], [found], np.array([cd * np.pi / 4 * diameter**2]), np.array([alpha]))
+    wind = np.nan_to_num(recorded([plan], "wind"), nan=0.0)
+    return at_the_edge(_flown(setup.with_changes(wind=wind), plan.motor), [column.name for column in READOUTS])
+
+
+def _body(plan: Flight) -> tuple[float, float]:
+    """Dry mass [kg] and diameter [m]."""
+    if plan.dry_mass is None or plan.diameter is None:
+        raise ImpossibleFlight("found no dry mass or no diameter, expected dry_mass_g and diameter_mm")
+    return plan.dry_mass, plan.diameter
+
+
+def _flown(setup: Setup, motor: str) -> Flown:
+    flown = fly(setup)
+    if not flown.lift_off.all():
+        raise ImpossibleFlight(f"{motor} at alpha {setup.thrust_factor.max():g} does not lift the rocket off the pad")
+    return flown
+
+
+def at_the_edge(flown: Flown, names: Iterable[str], draw: int = 0) -> dict[str, float]:
+    """Readouts of one draw by column, unit and all (`apogee_m`); those that have no value are left out."""
+    readouts = flown.readouts()
+    found = {BY_NAME[name]: float(readouts[name].reshape(-1)[draw]) for name in names}
+    return {
+        column.header: units.unit(column.quantity, column.unit).from_si(value)
+        for column, value in found.items()
+        if np.isfinite(value)
+    }

@@ -1,0 +1,152 @@
+"""What a flight starts from, and the state that forces are computed from."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, field, fields, replace
+from typing import Any
+
+import numpy as np
+
+from fieldkit.physics.atmosphere import Air
+from fieldkit.physics.thrust_steps import Burns
+from fieldkit.shapes import Array, Float, Int, Integers
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """A moment of the ascent, one entry a draw.
+
+    `height` above the pad [m]; `speed` through the air [m/s]; `drag` deceleration by drag [m/s^2];
+    `burning` whether this is before burnout (one truth for all draws: the integrator ends the burn of
+    all of them together).
+    """
+
+    height: Float[Array, "*draw"]
+    speed: Float[Array, "*draw"]
+    drag: Float[Array, "*draw"]
+    burning: bool
+    air: Air
+
+
+Force = Callable[[State, Float[Array, "*draw"]], Float[Array, "*draw"]]
+"""Acceleration along the path that an effect adds at a strength; negative slows. [m/s^2]"""
+
+
+def _for_all(value: float) -> Any:
+    """A default that is one value for all draws."""
+    return field(default_factory=lambda: np.asarray(value))
+
+
+@dataclass(frozen=True, slots=True)
+class Setup:
+    """Everything a flight starts from, one entry a draw (or one for all), in SI units.
+
+    `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor`
+    multiplies thrust [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns
+    the rocket, measured at the pad [m/s]; `rail_angle` is from vertical, positive away from the wind
+    [rad]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from the
+    charge to an open parachute (half a second is an assumption) [s]; `descent_speed` under it
+    [m/s]. `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight.
+    `stride` is how much longer the steps of a slanted path are than they have to be [1].
+    """
+
+    burns: Burns
+    air: Air
+    dry_mass: Float[Array, "*#draw"]
+    drag_area: Float[Array, "*#draw"]
+    motor: Int[Any, "*#draw"] = _for_all(0)
+    thrust_factor: Float[Array, "*#draw"] = _for_all(1.0)
+    burn_stretch: Float[Array, "*#draw"] = _for_all(1.0)
+    rail_length: Float[Array, "*#draw"] = _for_all(1.0)
+    rail_angle: Float[Array, "*#draw"] = _for_all(0.0)
+    rail_friction: Float[Array, "*#draw"] = _for_all(0.0)
+    wind: Float[Array, "*#draw"] = _for_all(0.0)
+    delay: Float[Array, "*#draw"] = _for_all(np.nan)
+    opening_time: Float[Array, "*#draw"] = _for_all(0.5)
+    descent_speed: Float[Array, "*#draw"] = _for_all(5.0)
+    altimeter_gain: Float[Array, "*#draw"] = _for_all(1.0)
+    forces: tuple[tuple[Force, Float[Array, "*#draw"]], ...] = ()
+    gravity: float = 9.80665
+    pad_holds: bool = True
+    stride: float = 1.0
+
+    @property
+    def draw_shape(self) -> tuple[int, ...]:
+        """Shape that all entries broadcast to."""
+        arrays = [getattr(self, name) for name in PER_DRAW]
+        arrays += [self.air.density, self.air.temperature, *(strength for _, strength in self.forces)]
+        return np.broadcast_shapes(*(np.shape(a) for a in arrays))
+
+    def with_changes(self, **changes: Any) -> "Setup":
+        """The same set-up with some entries changed."""
+        return replace(self, **changes)
+
+    def flat(self, shape: tuple[int, ...]) -> "Setup":
+        """Every entry on one axis of draws, in the order of `shape`; one for all stays one, [1]."""
+
+        def spread(values: Any) -> Any:
+            one = np.size(values) == 1
+            return np.reshape(values, 1) if one else np.broadcast_to(values, shape).reshape(-1)
+
+        return self._mapped(spread)
+
+    def part(self, rows: Int[Integers, "row"]) -> "Setup":
+        """Some rows of a flat set-up; draws that share a motor share its entry."""
+        part = self._mapped(lambda values: values if len(values) == 1 else values[rows])
+        shared = (part.motor == part.motor[0]).all()
+        return replace(part, motor=part.motor[:1]) if shared else part
+
+    @property
+    def draws(self) -> int:
+        """Number of draws of a flat set-up."""
+        return int(self.draw_shape[0])
+
+    def _mapped(self, change: Callable[[Any], Any]) -> "Setup":
+        air = replace(self.air, density=change(self.air.density), temperature=change(self.air.temperature))
+        forces = tuple((force, change(strength)) for force, strength in self.forces)
+        arrays = {name: change(getattr(self, name)) for name in PER_DRAW}
+        return replace(self, air=air, forces=forces, **arrays)
+
+
+PER_DRAW = tuple(
+    f.name for f in fields(Setup) if f.name not in ("burns", "air", "forces", "gravity", "pad_holds", "stride")
+)
+"""The entries of a set-up that have one value a draw."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flown:
+    """What a flight came to, one entry a draw, in SI units; heights above the pad.
+
+    `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a
+    barometric altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it;
+    accelerations are net of gravity. `rise_time` is from lift-off to apogee, `coast_time` from burnout, negative
+    where the motor still burns at apogee. nan where there is nothing to tell (no delay, no ejection).
+    """
+
+    apogee: Float[Array, "*draw"]
+    apogee_shown: Float[Array, "*draw"]
+    top_speed: Float[Array, "*draw"]
+    burn_time: Float[Array, "*draw"]
+    peak_accel: Float[Array, "*draw"]
+    avg_accel: Float[Array, "*draw"]
+    coast_to_apogee: Float[Array, "*draw"]
+    apogee_to_eject: Float[Array, "*draw"]
+    eject_altitude: Float[Array, "*draw"]
+    eject_altitude_shown: Float[Array, "*draw"]
+    eject_speed: Float[Array, "*draw"]
+    descent_speed: Float[Array, "*draw"]
+    duration: Float[Array, "*draw"]
+    rail_speed: Float[Array, "*draw"]
+    lift_off: Float[Array, "*draw"]
+    drift: Float[Array, "*draw"]
+    rise_time: Float[Array, "*draw"]
+    coast_time: Float[Array, "*draw"]
+
+    def readouts(self) -> dict[str, Float[Array, "*draw"]]:
+        """The ten readouts by name, heights as the altimeter shows them."""
+        shown = {"apogee": self.apogee_shown, "eject_altitude": self.eject_altitude_shown}
+        names = (
+            "apogee top_speed burn_time peak_accel avg_accel coast_to_apogee apogee_to_eject "
+            "eject_altitude descent_speed duration"
+        )
+        return {name: shown.get(name, getattr(self, name)) for name in names.split()}

@@ -1,0 +1,44 @@
+"""Draws that are alike in everything fly once: a step in one unknown leaves most flights of a rocket as they were."""
+
+from dataclasses import fields
+
+import numpy as np
+
+from fieldkit.physics.flight import fly
+from fieldkit.physics.state import PER_DRAW, Flown, Setup
+from fieldkit.shapes import Array, Integers
+
+MIXERS = np.random.default_rng(0).integers(1, 2**63, 64, dtype=np.uint64) | np.uint64(1)
+"""Odd multipliers, one an entry, that a draw's entries are mixed by. [1]"""
+
+
+def fly_alike(setup: Setup) -> Flown:
+    """As `fly`, each kind of draw once; for batches in which many draws are alike."""
+    shape = setup.draw_shape
+    flat = setup.flat(shape)
+    first, kind = kinds(flat)
+    flown = fly(flat.part(first))
+    return Flown(*(getattr(flown, entry.name)[kind].reshape(shape) for entry in fields(Flown)))
+
+
+def kinds(flat: Setup) -> tuple[Integers, Integers]:
+    """The first draw of every kind, and the kind that every draw of a flat set-up is of.
+
+    Draws are told apart by a sum of products of the bits of their entries; should two different ones ever share
+    it, every draw is a kind of its own.
+    """
+    entries = np.stack([np.zeros(flat.draws), *(np.broadcast_to(x, flat.draws) for x in _entries(flat))])
+    bits = entries.view(np.uint64)
+    mixed = ((bits ^ (bits >> np.uint64(29))) * MIXERS[: len(bits), None]).sum(axis=0)
+    _, first, kind = np.unique(mixed, return_index=True, return_inverse=True)
+    if (bits[:, first[kind]] == bits).all():
+        return first, kind
+    every = np.arange(flat.draws)
+    return every, every
+
+
+def _entries(flat: Setup) -> list[Array]:
+    """What may differ from draw to draw."""
+    arrays = [getattr(flat, name) for name in PER_DRAW]
+    arrays += [flat.air.density, flat.air.temperature, *(strength for _, strength in flat.forces)]
+    return [np.asarray(one, float) for one in arrays if np.size(one) > 1]

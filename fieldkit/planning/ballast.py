@@ -1,0 +1,200 @@
+"""The dry mass that best meets a target, solved on the distribution: draws are common to all masses."""
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from fieldkit.errors import ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Found
+from fieldkit.planning.air import air_of
+from fieldkit.planning.contest import Season
+from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.services.planning import Rocket, forecasts
+from fieldkit.shapes import Array, Float
+
+GRID = 16
+"""Masses that are flown. [1]"""
+DRAWS = 500
+"""Flights flown at each mass. [1]"""
+LIGHTEST, HEAVIEST = 0.6, 1.8
+"""Of the masses tried where the flyer sets no bounds, in dry masses of today. [1]"""
+SOFT = 0.5
+"""By which the edge of the band is rounded, so that the chance is smooth in the mass. [m]"""
+BLURRED = 0.15
+"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the luck of so few
+draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986, section 3.4.2). [1]"""
+
+Figures = Float[Array, "draw"]
+
+
+@dataclass(frozen=True, slots=True)
+class Goal:
+    """What is wanted: an apogee `within` of a `target` [m], as likely as can be ("chance"), as near as can be on
+    average ("error"), or the fewest points of a season ("points")."""
+
+    target: float
+    within: float
+    aim: Literal["chance", "error", "points"] = "chance"
+    rule: Season | None = None
+
+    def chance(self, apogee: Figures, soft: float = SOFT) -> float:
+        """To be within the band, its edges rounded by `soft`. [1]"""
+        miss = np.abs(apogee - self.target)
+        return float(np.mean(1 / (1 + np.exp(np.clip((miss - self.within) / soft, -50, 50)))))
+
+    def error(self, apogee: Figures) -> float:
+        """The mean miss. [m]"""
+        return float(np.abs(apogee - self.target).mean())
+
+    def points(self, apogee: Figures, duration: Figures) -> float | None:
+        """The mean points of a flight, None without a season. [1]"""
+        return None if self.rule is None else float(self.rule.points(apogee, duration).mean())
+
+    def cost(self, apogee: Figures, duration: Figures) -> float:
+        """What is to be as small as can be."""
+        if self.aim == "points":
+            return self.points(apogee, duration) or 0.0
+        blurred = max(SOFT, BLURRED * float(apogee.std()))
+        return -self.chance(apogee, blurred) if self.aim == "chance" else self.error(apogee)
+
+
+@dataclass(frozen=True, slots=True)
+class Result:
+    """What a mass brings: chance of the band [1], mean miss [m], mean points where a season counts [1]."""
+
+    chance: float
+    error: float
+    points: float | None
+
+    def json(self) -> dict[str, float | None]:
+        """Ready for JSON, with the unit in the key."""
+        return {"chance": self.chance, "mean_error_m": self.error, "points": self.points}
+
+
+@dataclass(frozen=True, slots=True)
+class Ballast:
+    """The dry mass to fly [kg], what to add to today's [kg], and what it brings.
+
+    `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
+    and `today` what is without change. `reach` is the lowest and the highest median apogee of the masses tried [m];
+    the target is `met` where it lies between.
+    """
+
+    mass: float
+    add: float
+    forecast: Prediction
+    slope: float
+    there: Result
+    today: Result
+    reach: tuple[float, float]
+    met: bool
+
+    @property
+    def apogee(self) -> Three:
+        """As the altimeter will show it, at 5, 50 and 95 %. [m]"""
+        return three(self.forecast.apogee)
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {
+            "dry_mass_g": self.mass * 1e3,
+            "add_g": self.add * 1e3,
+            "apogee_m": named(self.apogee),
+            "true_apogee_m": named(three(self.forecast.true_apogee)),
+            "slope_m_per_g": self.slope / 1e3,
+            **self.there.json(),
+            "today": self.today.json(),
+            "reach_m": list(self.reach),
+            "met": self.met,
+        }
+
+
+def ballast(
+    rocket: Rocket,
+    plan: Flight,
+    found: Found,
+    goal: Goal,
+    bounds: tuple[float | None, float | None] = (None, None),
+    draws: int = DRAWS,
+) -> Ballast:
+    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent is reckoned with as well.
+
+    The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight where no mass lifts off.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    masses = _masses(plan, bounds)
+    plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
+    said = forecasts(rocket, [(one, found) for one in plans], draws=draws)
+    apogee = np.stack([one.apogee for one in said], axis=-1)
+    if not np.median(apogee[:, 0]) > 0:
+        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {masses[0] * 1e3:.0f} g")
+    duration = _durations(rocket, said)
+    curve = PchipInterpolator(masses, np.stack([apogee, duration])[:, :, :-1], axis=2)
+    mass = _best(curve, masses, goal)
+    if goal.aim == "chance" and goal.chance(curve(mass)[0]) < 1e-3:
+        # far from the target every chance is nothing: there the mean miss leads the way
+        mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
+    forecast, low, high = _named(rocket, plan, found, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
+    return Ballast(
+        mass=mass,
+        add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
+        forecast=forecast,
+        slope=float(np.median(curve(mass, 1)[0])),
+        there=_result(goal, *curve(mass)),
+        today=_result(goal, apogee[:, -1], duration[:, -1]),
+        reach=(low, high),
+        met=low <= goal.target <= high,
+    )
+
+
+def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
+    if plan.dry_mass is None:
+        raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
+    low, high = (edge or plan.dry_mass * share for edge, share in zip(bounds, (LIGHTEST, HEAVIEST), strict=True))
+    if not 0 < low < high:
+        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
+    return np.linspace(low, high, GRID)
+
+
+def _named(
+    rocket: Rocket, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
+) -> tuple[Prediction, float, float]:
+    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown together on one luck, so
+    that the flight that is named lies within the reach that is."""
+    ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
+    planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
+    said = forecasts(rocket, planned, draws=draws)
+    heights = [float(np.median(one.apogee)) for one in said]
+    return said[0], min(heights), max(heights)
+
+
+def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
+    """From lift-off to landing of each mass, on the same luck. [s]"""
+    fall = fall_of(rocket.history)
+    density, draws = air_of(said[0].plan).density, len(said[0].apogee)
+    speeds = [
+        fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said
+    ]
+    return np.nan_to_num(durations(said, np.concatenate(speeds, axis=1)))
+
+
+def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
+    """The mass of the least cost: the best of the grid, made finer between its neighbours. [kg]"""
+    from scipy.optimize import minimize_scalar
+
+    costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]
+    best = int(np.argmin(costs))
+    around = masses[max(best - 1, 0)], masses[min(best + 1, len(masses) - 1)]
+    found = minimize_scalar(
+        lambda mass: goal.cost(*curve(mass)), bounds=around, method="bounded", options={"xatol": 1e-5}
+    )
+    return float(found.x) if found.fun <= costs[best] else float(masses[best])
+
+
+def _result(goal: Goal, apogee: Figures, duration: Figures) -> Result:
+    return Result(goal.chance(apogee), goal.error(apogee), goal.points(apogee, duration))

@@ -1,0 +1,218 @@
+"""Contest points: seasons are files in `fieldkit/data/seasons`, flights and plans are scored by them."""
+
+import tomllib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from fieldkit import files
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Found
+from fieldkit.planning.air import air_of
+from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.safety import Line, Verdict
+from fieldkit.services.planning import Rocket, forecasts
+from fieldkit.shapes import Array, Float
+from fieldkit.units import FOOT
+
+FOLDER = Path(__file__).parents[1] / "data" / "seasons"
+DRAWS = 1000
+"""Rockets drawn, each of which flies all flights that may be declared. [1]"""
+AREAS = (0.4, 2.5)
+"""Shares of the parachute's area that are tried. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Season:
+    """The rule of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` count.
+
+    `mass` and `impulse` are the most on the pad, `length` the least; None where the season sets none.
+    """
+
+    year: int
+    target: float
+    window: tuple[float, float]
+    per_metre: float
+    per_second: float
+    best: int
+    declared: int
+    checked: bool
+    remarks: str
+    mass: float | None = None
+    impulse: float | None = None
+    length: float | None = None
+
+    def points(self, apogee: Float[Array, "*draw"], duration: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+        """Points of flights, fewer being better; an unknown duration (nan) costs none."""
+        late = np.maximum(np.maximum(self.window[0] - duration, duration - self.window[1]), 0.0)
+        return np.asarray(self.per_metre * np.abs(apogee - self.target) + self.per_second * np.nan_to_num(late))
+
+    def sums(self, points: Float[Array, "draw declared"]) -> Float[Array, "draw"]:
+        """The sum of the best of the declared flights, which is the score."""
+        return np.asarray(np.sort(points, axis=1)[:, : self.best].sum(axis=1))
+
+    def announced(self, target: float | None, window: tuple[float, float] | None) -> "Season":
+        """The same rule with the target [m] and window [s] of the day, where they were announced."""
+        return replace(self, target=target or self.target, window=window or self.window)
+
+    @property
+    def caveat(self) -> str:
+        """What is to be known before it is believed; empty for a rule that was checked."""
+        if self.checked:
+            return ""
+        return f"The rule of {self.year} ({self.remarks}) was not checked against the official text."
+
+
+def seasons(own: Path | None = None) -> list[int]:
+    """The years there are files of, here and in the flyer's own folder."""
+    folders = (FOLDER, own) if own is not None else (FOLDER,)
+    return sorted({int(file.stem) for folder in folders for file in folder.glob("*.toml") if file.stem.isdecimal()})
+
+
+def copy_season(year: int, own: Path) -> Path:
+    """The file of a year in the flyer's own folder, copied there where it is not yet, to be checked and changed.
+
+    Raises BadValue for a year that there is no file of, FieldkitError for a folder that cannot be written.
+    """
+    file = own / f"{year}.toml"
+    if not file.exists():
+        season(year)
+        files.replace(file, (FOLDER / file.name).read_bytes())
+    return file
+
+
+def season(year: int, own: Path | None = None) -> Season:
+    """The rule of a year, from the flyer's own folder of seasons where it has one.
+
+    Raises BadValue that names the years there are, or what a file lacks.
+    """
+    file = FOLDER / f"{year}.toml"
+    if own is not None and (own / f"{year}.toml").exists():
+        file = own / f"{year}.toml"
+    if not file.exists():
+        raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons(own)))}")
+    try:
+        rule = tomllib.loads(file.read_text(encoding="utf-8"))
+        low, high = (float(end) for end in rule["window_s"])
+        most = rule.get("limits", {})
+        return Season(
+            year=int(rule["season"]),
+            target=float(rule["target_ft"]) * FOOT,
+            window=(low, high),
+            per_metre=float(rule["points_per_ft"]) / FOOT,
+            per_second=float(rule["points_per_s"]),
+            best=int(rule["best"]),
+            declared=int(rule["declared"]),
+            checked=bool(rule["checked"]),
+            remarks=str(rule.get("remarks", "")),
+            mass=_scaled(most.get("lift_off_mass_g"), 1e-3),
+            impulse=_scaled(most.get("impulse_ns"), 1.0),
+            length=_scaled(most.get("length_mm_at_least"), 1e-3),
+        )
+    except (KeyError, ValueError, TypeError, AttributeError, OSError) as error:
+        raise BadValue(
+            f"{file.name}: found {error}, expected every key of a season with a value of its kind"
+        ) from error
+
+
+def _scaled(value: float | None, by: float) -> float | None:
+    return None if value is None else float(value) * by
+
+
+def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:
+    """Flights with an apogee and their points, in the order given."""
+    known = [(flight, flight.apogee) for flight in flights if flight.apogee is not None]
+    return [
+        (flight, float(rule.points(np.array(height), np.array(np.nan if flight.duration is None else flight.duration))))
+        for flight, height in known
+    ]
+
+
+def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: Sequence[str]) -> float:
+    """The sum of the best of the flights that were declared, by their ids. Raises BadValue for what cannot be."""
+    points = {flight.flight_id: own for flight, own in scored}
+    if strange := [name for name in names if name not in points]:
+        raise BadValue(f"declared flights: found {strange[0]!r}, expected flights of this rocket that have an apogee")
+    if not rule.best <= len(set(names)) <= rule.declared:
+        wanted = f"{rule.best} to {rule.declared} flights"
+        raise BadValue(f"declared flights: found {len(set(names))}, expected {wanted} such as 4,5,6")
+    return float(rule.sums(np.array([[points[name] for name in dict.fromkeys(names)]]))[0])
+
+
+@dataclass(frozen=True, slots=True)
+class Outlook:
+    """What a plan can expect: points of each flight that may be declared, as draws, and what they rest on.
+
+    `timed` counts the flights that told the descent; without any the duration is that of a usual parachute, and
+    `duration` [s] as wide as these are. `area` is the share of the parachute's area that has the fewest points, and
+    `points_there` what it would bring on average.
+    """
+
+    forecast: Prediction
+    points: Float[Array, "draw declared"]
+    duration: Float[Array, "draw declared"]
+    timed: int
+    area: float
+    points_there: float
+
+    def chance(self, rule: Season, cut: float) -> float:
+        """That the sum of the best declared flights is within a cut. [1]"""
+        return float((rule.sums(self.points) <= cut).mean())
+
+
+def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS) -> Outlook:
+    """Fly a plan as often as flights may be declared, on a share of the area of the parachute that was flown. [1]
+
+    The flights of a row share what is not known of the rocket and differ in luck, so their sum is as uncertain as it
+    should be.
+    """
+    said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
+    fall, shape = fall_of(rocket.history), (draws, rule.declared)
+    mass, density = landing_mass(said[0].plan, found), air_of(said[0].plan).density
+
+    def timed(share: float) -> Float[Array, "draw declared"]:
+        speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, share)
+        return durations(said, speeds)
+
+    apogee = np.stack([one.apogee for one in said], axis=-1)
+    best = _best_area(lambda share: float(rule.points(apogee, timed(share)).mean()))
+    duration = timed(area)
+    return Outlook(said[0], rule.points(apogee, duration), duration, fall.flights, *best)
+
+
+def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
+    """The share of the area that costs least, and that cost; by its logarithm, for half and double are alike."""
+    from scipy.optimize import minimize_scalar
+
+    bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))
+    best = minimize_scalar(
+        lambda log: cost(float(np.exp(log))), bounds=bounds, method="bounded", options={"xatol": 5e-3}
+    )
+    return float(np.exp(best.x)), float(best.fun)
+
+
+def allowed(rule: Season, plan: Flight, found: Found, length: float | None = None) -> list[Line]:
+    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket."""
+    source = f"season {rule.year}" + ("" if rule.checked else ", not checked against the official text")
+    mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
+    checks = [
+        ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
+        ("contest impulse", found.motor.total_impulse, rule.impulse, "at most", 1.0, "N s"),
+        ("contest length", length, rule.length, "at least", 1e3, "mm"),
+    ]
+    lines = []
+    for name, value, limit, how, scale, unit in checks:
+        if limit is None:
+            continue
+        wanted = f"{how} {limit * scale:g} {unit}"
+        if value is None:
+            lines.append(Line(name, "unknown", f"not given; {wanted}", source))
+            continue
+        well = value <= limit if how == "at most" else value >= limit
+        verdict: Verdict = "ok" if well else "unsafe"
+        lines.append(Line(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
+    return lines

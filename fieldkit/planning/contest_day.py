@@ -1,0 +1,83 @@
+"""The day of a contest: what is announced, declared and wanted there, beside the rule of its season."""
+
+from dataclasses import asdict, dataclass, replace
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.ledger import Ledger
+from fieldkit.planning.contest import Season
+
+DAYS = "contest"
+"""Name under which the ledger keeps them, by season."""
+
+
+@dataclass(frozen=True, slots=True)
+class Day:
+    """What is known of a contest's day: `target` [m] and `window` [s] as announced, the points that qualify (`cut`),
+    the flights `declared` so far, and the `length` of the rocket [m]; None or nothing where it is not."""
+
+    target: float | None = None
+    window: tuple[float, float] | None = None
+    cut: float | None = None
+    declared: tuple[str, ...] = ()
+    length: float | None = None
+
+    def rule(self, season: Season) -> Season:
+        """The rule of a season with what was announced in its place."""
+        return season.announced(self.target, self.window)
+
+
+def day_of(ledger: Ledger, year: int) -> Day:
+    """What was kept of the day of a season; nothing at first."""
+    kept = (ledger.draft(DAYS) or {}).get(str(year), {})
+    window = kept.get("window")
+    return replace(Day(**kept), window=tuple(window) if window else None, declared=tuple(kept.get("declared", ())))
+
+
+def keep_day(ledger: Ledger, year: int, day: Day) -> None:
+    """Keep what is known of the day of a season."""
+    ledger.change_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)}, "day", f"of season {year}")
+
+
+def read_window(text: str) -> tuple[float, float]:
+    """The window of durations as announced, typed as `37-40`. Raises BadValue. [s]"""
+    wanted = BadValue(f"found {text!r}, expected seconds, the fewer first, such as 37-40")
+    try:
+        low, high = (float(part.strip(" s")) for part in text.split("-"))
+    except ValueError:
+        raise wanted from None
+    if not 0 <= low < high < 1e4:
+        raise wanted
+    return low, high
+
+
+def read_declared(text: str) -> tuple[str, ...]:
+    """The flights that are declared, typed as `4,5,6`."""
+    return tuple(name.strip() for name in text.split(",") if name.strip())
+
+
+def read_points(text: str) -> float:
+    """Points as typed. Raises BadValue."""
+    try:
+        points = float(text)
+    except ValueError:
+        points = float("nan")
+    if not 0 <= points < 1e6:
+        raise BadValue(f"found {text!r}, expected points such as 60")
+    return points
+
+
+def read_part(name: str, text: str, unit: str) -> object:
+    """One part of a day as typed, or a length of its site; None where nothing is. Raises BadValue."""
+    if name == "declared":
+        return read_declared(text)
+    if not text.strip():
+        return None
+    if name == "window":
+        return read_window(text)
+    if name == "cut":
+        return read_points(text)
+    length = units.parse(text, "length", unit)
+    if not 0 < length < 1e5:
+        raise BadValue(f"found {text!r}, expected a length above nothing, such as 800ft")
+    return length

@@ -1,0 +1,180 @@
+"""The delay to buy or drill, from the distribution of coast time and the delay's own scatter."""
+
+import tomllib
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import BadValue, ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Found
+from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.services.planning import Rocket, forecasts
+from fieldkit.shapes import Array, Float
+
+SHARE, LEAST = 0.2, 1.5
+"""How far a delay may be from what is printed: this share of it [1], and no less than this [s]. Source: NFPA 1125, as
+cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
+DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
+DRAWS = 1000
+"""Flights flown for each delay. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Drill:
+    """The delay tool of a maker: what it can take off the longest delay [s], where that is from, and if it was checked
+    against the maker's instructions."""
+
+    maker: str
+    takes_off: tuple[float, ...]
+    source: str
+    checked: bool
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {"takes_off_s": list(self.takes_off), "source": self.source, "checked": self.checked}
+
+    @property
+    def caveat(self) -> str:
+        """What is to be known before it is believed; empty for a tool that was checked."""
+        if self.checked:
+            return ""
+        steps = ", ".join(f"{off:g}" for off in self.takes_off)
+        why = f"was not checked against its instructions ({self.source})"
+        return f"What {self.maker}'s tool takes off ({steps} s) {why}: go by the marks on yours."
+
+
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """One delay: how far from apogee it fires [s], how fast the rocket then is [m/s], its chance to be too fast [1].
+
+    `lands_first` is the chance that the rocket meets the ground before, which counts as too fast. [1]
+    """
+
+    delay: float
+    after_apogee: Three
+    speed: Three
+    too_fast: float
+    lands_first: float
+    on_sale: bool
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {
+            "delay_s": self.delay,
+            "after_apogee_s": named(self.after_apogee),
+            "eject_speed_mps": named(self.speed),
+            "chance_too_fast": self.too_fast,
+            "chance_lands_first": self.lands_first,
+            "on_sale": self.on_sale,
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class Delays:
+    """The coast from burnout to apogee [s], delays from best to worst, and what is to be said of them in words.
+
+    `forecast` is the flight with the best of them, without a charge where there is none.
+    """
+
+    coast: Three
+    delays: tuple[Delay, ...]
+    words: tuple[str, ...]
+    forecast: Prediction
+
+
+def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
+    """Standard deviation of a delay from what is printed [s], as a ratio of it; 0 for nan. [1]"""
+    delays = np.maximum(delays, 0.1)
+    return np.asarray(np.nan_to_num(np.maximum(SHARE, LEAST / delays) / 2))
+
+
+def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
+    """The delay tool of a motor's maker, which most makers have none of; only for reloads.
+
+    Raises BadValue for an own file that is damaged.
+    """
+    tools = _drills(DRILLS) | (_drills(own) if own is not None and own.exists() else {})
+    return tools.get(motor.maker) if motor.kind == "reload" else None
+
+
+def _drills(file: Path) -> dict[str, Drill]:
+    try:
+        tables = tomllib.loads(file.read_text(encoding="utf-8"))
+        return {maker: _drill(maker, table, f"your own {file.name}") for maker, table in tables.items()}
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, TypeError, ValueError) as error:
+        raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
+
+
+def _drill(maker: str, table: dict[str, Any], source: str) -> Drill:
+    takes_off = tuple(float(off) for off in table["takes_off_s"])
+    return Drill(maker, takes_off, str(table.get("source", source)), bool(table.get("checked", False)))
+
+
+def offered(motor: Motor, takes_off: Sequence[float] = ()) -> dict[float, bool]:
+    """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled. [s]"""
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
+    return dict.fromkeys(sold, True) | {delay: False for delay in drilled if delay > 0 and delay not in sold}
+
+
+def delays(
+    rocket: Rocket, plan: Flight, found: Found, limit: float, takes_off: Sequence[float] = (), draws: int = DRAWS
+) -> Delays:
+    """Judge the delays on sale, and those drilled from the longest by what a tool `takes_off`. [s]
+
+    `limit` is the speed at ejection that is too fast [m/s]. Each delay is flown: fall and drag, wind and an early
+    parachute are in its speed. Best is the smallest chance to be too fast, then the smallest mean square of speed.
+    Raises ImpossibleFlight where the motor does not lift the rocket.
+    """
+    ways = list(offered(found.motor, takes_off).items())
+    planned = [
+        (plan.with_changes(delay=delay), Found(found.motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
+    ]
+    sd = tolerance(np.array([np.nan, *(delay for delay, _ in ways)]))
+    said = forecasts(rocket, planned, draws=draws, delay_sd=sd)
+    lifted = said[0].apogee > 0
+    if lifted.mean() < 0.5:
+        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust to lift the rocket, expected more")
+    coast = said[0].coast_time[lifted]
+    judged = [_judged(one, delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)]
+    order = sorted(range(len(judged)), key=lambda i: (round(judged[i][1].too_fast, 2), judged[i][0]))
+    ranked = tuple(judged[i][1] for i in order)
+    words = tuple(_words(coast, found, ranked))
+    return Delays(three(coast), ranked, words, said[order[0] + 1] if order else said[0])
+
+
+def _judged(said: Prediction, delay: float, limit: float, on_sale: bool) -> tuple[float, Delay]:
+    lifted = said.apogee > 0
+    after, speed = said.eject[lifted], said.eject_speed[lifted]
+    first = np.isnan(speed)
+    mean = float(np.mean(speed[~first] ** 2)) if not first.all() else np.inf
+    lands = float(first.mean())
+    return mean, Delay(delay, three(after), three(speed), float((speed > limit).mean()) + lands, lands, on_sale)
+
+
+def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -> list[str]:
+    """What cannot be, said in words."""
+    name, middle, motor = found.motor.designation, float(np.median(coast)), found.motor
+    if middle < 0:
+        text = (
+            f"{name}: the rocket is over the top {-middle:.1f} s before the motor burns out, so a delay would have to"
+        )
+        return [f"{text} be negative and none fits: it is too heavy for this motor, or the motor burns too long."]
+    if not motor.delays:
+        return [f"{name}: no delays are on record; the best would be {middle:.1f} s."]
+    if not ranked:
+        return [f"{name} is sold plugged alone: it has no ejection charge, the altimeter must deploy."]
+    short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
+    if middle < short - LEAST:
+        text = f"{name}: coasts {middle:.1f} s, the shortest delay there can be is {short:g} s: every charge fires"
+        return [f"{text} late, on the way down. A lighter rocket or a faster motor coasts longer."]
+    if middle > long + LEAST:
+        text = f"{name}: coasts {middle:.1f} s, the longest delay there can be is {long:g} s: every charge fires"
+        return [f"{text} early, on the way up. A heavier rocket coasts less, or the altimeter must deploy."]
+    return []

@@ -1,0 +1,230 @@
+"""The motor guide: every motor that fits a rocket, flown on what its flights taught."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.forecast.kinds import by_kind
+from fieldkit.forecast.predict import Learnt
+from fieldkit.forecast.prediction import Prediction, median
+from fieldkit.inference.laplace.linearization import coast_and_lean
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import Site
+from fieldkit.motors import Catalogue, Found
+from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.planning.delay import tolerance
+from fieldkit.planning.descent import fall_of
+from fieldkit.planning.limits import Limits
+from fieldkit.planning.quantiles import named, three
+from fieldkit.planning.safety import Line, safety_lines, thrust_to_weight
+from fieldkit.services.planning import Rocket, flown_ahead, learnt_of
+from fieldkit.units import STANDARD_GRAVITY
+
+SAME = 0.0006
+"""By how much two diameters of one mount may differ. [m]"""
+DRAWS = 64
+"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
+SLANTED = 40
+"""The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
+LEAST_THRUST = 2.0
+"""Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
+SHORTLIST = "shortlist"
+"""Name under which the ledger keeps the motors that a flyer put by, by rocket."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What a motor must be. Lengths in m, impulse in N s, `classes` first and last letter, `names` a shortlist.
+
+    Without a `mount` every diameter goes; with `adapter` narrower ones than it. With `dry_mass` [kg] only what lifts.
+    """
+
+    mount: float | None = None
+    length: float = math.inf
+    impulse: float = math.inf
+    classes: tuple[str, str] | None = None
+    retired: bool = False
+    adapter: bool = False
+    names: frozenset[str] | None = None
+    dry_mass: float | None = None
+
+    def fits(self, motor: Motor) -> bool:
+        """Whether a motor is all of it."""
+        wide = 0.0 if self.mount is None else motor.diameter - self.mount
+        return (
+            (wide < SAME if self.adapter else abs(wide) < SAME)
+            and motor.length <= self.length + SAME
+            and motor.total_impulse <= self.impulse
+            and (self.retired or motor.available)
+            and (self.classes is None or self.classes[0] <= _letter(motor) <= self.classes[1])
+            and (self.names is None or label(motor) in self.names)
+            and (self.dry_mass is None or lifts(motor, self.dry_mass))
+        )
+
+
+def label(motor: Motor) -> str:
+    """Maker and designation: `AeroTech F24W`."""
+    return f"{motor.maker} {motor.designation}"
+
+
+def lifts(motor: Motor, dry_mass: float) -> bool:
+    """Whether a motor would push a rocket off a rod."""
+    return motor.average_thrust > LEAST_THRUST * (dry_mass + motor.loaded_mass) * STANDARD_GRAVITY
+
+
+def _letter(motor: Motor) -> str:
+    return "A" if "/" in motor.impulse_class else motor.impulse_class
+
+
+@dataclass(frozen=True, slots=True)
+class Choice:
+    """A motor with the delay that suits it best, the flight it would give and its safety lines.
+
+    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` tells
+    whether this rocket has flown it. Thrust to weight is of the first half second and of the average. [1]
+    """
+
+    motor: Motor
+    delay: float | None
+    ejections: tuple[tuple[float, float], ...]
+    prediction: Prediction
+    flown: bool
+    first_thrust: float
+    average_thrust: float
+    lines: tuple[Line, ...]
+
+    @property
+    def apogee(self) -> float:
+        """The median of what the altimeter will show. [m]"""
+        return float(np.median(self.prediction.apogee))
+
+    @property
+    def plan(self) -> Flight:
+        """The planned flight, motor and delay and all."""
+        return self.prediction.plan
+
+    @property
+    def failed(self) -> list[Line]:
+        """The safety lines that are not well, and known."""
+        return [line for line in self.lines if line.failed]
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {
+            "maker": self.motor.maker,
+            "motor": self.motor.designation,
+            "class": self.motor.impulse_class,
+            "delay_s": self.delay,
+            "apogee_m": named(three(self.prediction.apogee)),
+            "true_apogee_m": named(three(self.prediction.true_apogee)),
+            "rail_speed_mps": median(self.prediction.rail_speed),
+            "top_speed_mps": median(self.prediction.top_speed),
+            "thrust_to_weight": {"first_half_second": self.first_thrust, "average": self.average_thrust},
+            "apogee_to_eject_s": [{"delay_s": d, "after_apogee_s": after} for d, after in self.ejections],
+            "flown": self.flown,
+            "safety": [line.json() for line in self.lines],
+        }
+
+
+def mount_of(rocket: Rocket, config: str) -> float | None:
+    """The mount of a rocket, as wide as the widest motor that its configuration, or else it, has flown on. [m]"""
+    alike = [found.motor.diameter for flight, found in rocket.history if flight.config == config]
+    return max(alike or [found.motor.diameter for found in rocket.motors], default=None)
+
+
+def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
+    """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor where none does."""
+    widest = math.inf if wanted.mount is None else wanted.mount + SAME
+    near = [
+        listing
+        for listings in catalogue.shelf.values()
+        for listing in listings
+        if listing.diameter < widest and (wanted.retired or listing.available)
+    ]
+    motors = [motor for listing in near if wanted.fits(motor := listing.motor())]
+    if not motors:
+        mount = "any" if wanted.mount is None else f"a {wanted.mount * 1e3:g} mm"
+        raise UnknownMotor(f"found no motor for {mount} mount within these limits, expected wider ones")
+    return motors
+
+
+def guide(
+    rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
+) -> list[Choice]:
+    """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
+
+    A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
+    Raises ImpossibleFlight for a plan without a mass.
+    """
+    if not motors:
+        return []
+    draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
+    planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
+
+    def flown(rows: Sequence[int]) -> list[Flown]:
+        learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
+        return _flown(rocket, replace(learnt, model=replace(learnt.model, coarse=True)))
+
+    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
+    return [
+        Choice(
+            motor,
+            delay,
+            _ejections(motor, three(said.coast_time)[1] if (said.apogee > 0).mean() > 0.5 else math.nan),
+            said,
+            id(motor) in known,
+            *thrust_to_weight(motor, said.plan.dry_mass or math.nan),
+            tuple(safety_lines(said, site, fall, limits)),
+        )
+        for motor, (delay, said) in zip(motors, by_kind(rocket.history, planned, flown), strict=True)
+    ]
+
+
+Flown = tuple[float | None, Prediction]
+"""The delay that suits a motor best, if any is on sale [s], and its flight."""
+
+
+def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
+    """Each motor of what was learnt, with the delay that suits it."""
+    coasts, lean = coast_and_lean(learnt.model, learnt.at)
+    delays = [_nearest(found.motor, coast) for found, coast in zip(learnt.model.found, coasts, strict=True)]
+    sd = tolerance(np.array([delay or np.nan for delay in delays]))
+    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd, lean=lean)
+    return list(zip(delays, made, strict=True))
+
+
+def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:
+    planned = zip(learnt.model.flights, delays, strict=True)
+    flights = tuple(flight.with_changes(delay=delay) for flight, delay in planned)
+    return replace(learnt, model=replace(learnt.model, flights=flights))
+
+
+def _nearest(motor: Motor, coast: float) -> float | None:
+    """The delay on sale that fires nearest to apogee, the shortest for a motor that would not lift the rocket."""
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    return min(sold, key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
+
+
+def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    return tuple((delay, delay - coast) for delay in sold if math.isfinite(coast))
+
+
+def by_closeness(found: Sequence[Choice], target: float | None) -> list[Choice]:
+    """Nearest to a target first [m]; without one, the highest first."""
+    return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)
+
+
+def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:
+    """The motors that a flyer put by for a rocket, by `label`."""
+    return frozenset((ledger.draft(SHORTLIST) or {}).get(rocket, ()))
+
+
+def keep_shortlist(ledger: Ledger, rocket: str, labels: frozenset[str]) -> None:
+    """Keep these motors as the shortlist of a rocket."""
+    ledger.keep_draft(SHORTLIST, (ledger.draft(SHORTLIST) or {}) | {rocket: sorted(labels)})

@@ -1,0 +1,1 @@
+"""One rendering of each result per medium: text, JSON documents, tables, pages."""

@@ -1,0 +1,135 @@
+"""What the loop found and how forecasts fared as JSON, under the keys of the contract."""
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import Any
+
+import numpy as np
+
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_shares, tally
+from fieldkit.forecast.evaluation.rivals import Report
+from fieldkit.scoring.proper_scores import crps, pit
+from fieldkit.selection.choice import Ranked
+from fieldkit.selection.force.log_evidence import document as testimony_document
+from fieldkit.selection.next_experiment import Advice
+from fieldkit.selection.residual import fingerprint
+from fieldkit.services.findings import Compared, Findings
+
+FORWARD = "forward in time: each flight from the earlier ones of its rocket"
+
+
+def loop_document(found: Findings) -> dict[str, Any]:
+    """A diagnosis under the contract's keys, and what else is reported of it."""
+    diagnosis = found.diagnosis
+    before = finite(found.left_out.before.json())
+    return {
+        "rocket": found.rocket,
+        "n_flights": int(diagnosis.data.seen[:, 0].sum()),
+        "base_model": "field",
+        "residual": {
+            "before": before,
+            "pattern": [asdict(row) for row in found.patterns],
+            "pattern_of_readouts": [asdict(row) for row in found.readout_patterns],
+            "readouts": [finite(asdict(row)) for row in found.spreads],
+        },
+        "candidates": [_candidate(item) for item in diagnosis.ranking if item.effect],
+        "verdict": _verdict(found),
+        "before": before,
+        "after": finite(found.left_out.after.json()),
+        "gain_m": _gain(found.left_out),
+        "evaluation": found.left_out.how,
+        "forward": _forward(found),
+        "fingerprints": [
+            {"effect": str(trial.candidate.place), "readouts": [finite(asdict(mark)) for mark in row]}
+            for trial, row in found.fingerprints
+        ],
+        "missing_force": finite(testimony_document(found.testimony)),
+    }
+
+
+def _candidate(item: Ranked) -> dict[str, Any]:
+    place, strength = str(item.best.candidate.place), dict(zip(("mean", "sd"), item.best.strength(), strict=True))
+    return {
+        "effect": item.effect,
+        "evidence": item.log_bayes,
+        "steady_evidence": item.steady,
+        "parameters": {place: {**strength, "unit": item.best.unit}},
+        "fingerprint": fingerprint(item.best),
+        "after": {key: item.score.json()[key] for key in ("mae_m", "rmse_m", "bias_m")},
+    }
+
+
+def _verdict(found: Findings) -> dict[str, Any]:
+    diagnosis = found.diagnosis
+    return {
+        "effect": diagnosis.effect,
+        "confidence": diagnosis.confidence,
+        "why": diagnosis.why,
+        "also": list(diagnosis.also),
+        "tell_apart": [_test(test) for test in found.tests],
+        "goes_with": found.unexplained.in_words if found.unexplained else None,
+        "widened": found.unexplained.widened if found.unexplained else 1.0,
+    }
+
+
+def _test(test: Advice) -> dict[str, Any]:
+    return {
+        "do": test.what,
+        "write_down": list(test.readouts),
+        "expected_log_bayes_factor": test.expected,
+        "in_words": test.in_words,
+    }
+
+
+def _forward(found: Findings) -> dict[str, Any]:
+    """How flights were forecast from those before them alone, and what was chosen for each."""
+    chosen = zip(found.diagnosis.model.flights, found.ahead.chosen, found.ahead.seen, strict=True)
+    return {
+        "n_flights": found.forward.before.flights,
+        "before": finite(found.forward.before.json()),
+        "after": finite(found.forward.after.json()),
+        "gain_m": _gain(found.forward),
+        "chosen": [
+            {"flight_id": flight.flight_id, "effect": name or "none"} for flight, name, judged in chosen if judged
+        ],
+        "evaluation": found.forward.how,
+    }
+
+
+def _gain(compared: Compared) -> dict[str, Any]:
+    return {"mae_m": finite(compared.gain), "interval90": finite(compared.gain_interval)}
+
+
+def score_document(found: Report) -> dict[str, Any]:
+    """Forecasts replayed forward in time, judged."""
+    ways, inside = tally(found.rows)
+    return {
+        "flights": [_forecast(row) for row in found.rows],
+        "errors": [asdict(way) for way in ways],
+        "coverage90": inside,
+        "corrected": corrected_shares(found.rows),
+        "evaluation": FORWARD,
+        **found.json(),
+    }
+
+
+def kept_document(found: Report, stale: int) -> dict[str, Any]:
+    """Kept predictions in the same words; `stale` of them no longer follow from what the ledger holds."""
+    document = score_document(found)
+    del document["corrected"]
+    return document | {"evaluation": "as predicted before the flight", "stale": stale}
+
+
+def _forecast(row: Forecast) -> dict[str, Any]:
+    named = {one.name: getattr(row, one.name) for one in fields(row) if one.name not in ("draws", "spreads")}
+    scores = {} if row.draws is None else {"pit": pit(row.draws, row.flown), "crps": crps(row.draws, row.flown)}
+    return {**named, "when": row.when.isoformat() if row.when else None, **scores}
+
+
+def finite(value: Any) -> Any:
+    """The same with None for what is no number, as JSON has it."""
+    if isinstance(value, Mapping):
+        return {key: finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return None if isinstance(value, float) and not np.isfinite(value) else value

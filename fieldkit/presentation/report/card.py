@@ -1,0 +1,163 @@
+"""What a flight card holds: figures in both units, the prediction and the flight, the log, the rocket's record."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell
+from fieldkit.quantities import measure
+from fieldkit.services.forecasts import forecast_from_others
+from fieldkit.services.replay import recording_of
+from fieldkit.services.saved_forecasts import by_flight, kept
+from fieldkit.shapes import Array, Flags, Float
+
+Rows = tuple[tuple[str, str, str], ...]
+"""What, in SI, and in the other units."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Foretold:
+    """An apogee as draws and at 5, 50 and 95 % [m]: whether said before the flight, by what, and what had changed."""
+
+    draws: Float[Array, "draw"]
+    interval: tuple[float, float, float]
+    kept: bool
+    by: str
+    changes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Trace:
+    """Height [m] and, where it is known, vertical speed [m/s] against time [s], and the events on that clock."""
+
+    device: str
+    time: Float[Array, "time"]
+    height: Float[Array, "time"]
+    speed: Float[Array, "time"] | None
+    events: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Card:
+    """One flight with everything that is shown of it; `record` are the apogees of its rocket, in order flown."""
+
+    id: str
+    flight: Flight
+    readouts: Rows
+    circumstances: Rows
+    learned: Rows
+    foretold: Foretold | None
+    trace: Trace | None
+    record: Float[Array, "flight"]
+    clean: Flags
+    place: int
+
+    @property
+    def miss(self) -> float | None:
+        """Flown less foretold. [m]"""
+        if self.foretold is None or self.flight.apogee is None:
+            return None
+        return self.flight.apogee - self.foretold.interval[1]
+
+
+def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: Tell) -> list[Card]:
+    """A card for each of these flights of the ledger."""
+    said = {rocket: by_flight(kept(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
+    found = []
+    for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
+        tell(f"flight {id}", number / len(flights))
+        one = said[flight.rocket].get((flight.rocket, flight.flight_id))
+        if one is not None:
+            likely = np.array(one.made.payload.get("likely_m", one.interval), float)
+            when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"
+            words = f"predicted {when} by model {one.made.payload.get('model', '')}"
+            foretold: Foretold | None = Foretold(likely, one.interval, True, words, one.changes)
+        else:
+            foretold = _afterwards(ledger, motors, flight)
+        found.append(_card(ledger, motors, id, flight, foretold))
+    return found
+
+
+def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> Foretold | None:
+    """What the other flights say this one should have shown, where none was said before it."""
+    try:
+        made = forecast_from_others(ledger, motors, flight)
+    except FieldkitError:
+        return None
+    low, middle, high = (float(x) for x in made.apogee_quantiles())
+    words = f"no prediction was kept; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
+    return Foretold(made.apogee, (low, middle, high), False, words)
+
+
+def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, foretold: Foretold | None) -> Card:
+    own = [one for one in ledger.flights(flight.rocket) if one.apogee is not None]
+    names = [one.flight_id for one in own]
+    return Card(
+        id=id,
+        flight=flight,
+        readouts=_rows(flight, READOUTS),
+        circumstances=_rows(flight, (*SETUP, *CONDITIONS)),
+        learned=_learned(flight, motors),
+        foretold=foretold,
+        trace=_trace(ledger, id),
+        record=np.array([one.apogee or np.nan for one in own], float),
+        clean=np.array([one.clean for one in own], bool),
+        place=names.index(flight.flight_id) if flight.flight_id in names else -1,
+    )
+
+
+def _rows(flight: Flight, columns: Sequence[Column]) -> Rows:
+    """The numbers that were recorded, in SI and, where those differ, in US units."""
+    rows = []
+    for column in columns:
+        value = flight.number(column.name)
+        if value is not None:
+            metric, other = (measure(column, value, system) for system in ("SI", "US"))
+            rows.append((column.title, metric, other if other != metric else ""))
+    return tuple(rows)
+
+
+def _learned(flight: Flight, motors: Catalogue) -> Rows:
+    """Drag and thrust by this flight alone."""
+    from fieldkit.inference.network.flights import infer
+
+    try:
+        (one,) = infer([flight], motors).inferred
+    except (FieldkitError, ValueError):
+        return ()
+    rows = []
+    if np.isfinite(one.cd):
+        rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}", ""))
+    rows.append(("Thrust over certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
+    return tuple(rows)
+
+
+def _trace(ledger: Ledger, id: str) -> Trace | None:
+    """The log of a flight, None where there are no samples of height or they cannot be read again."""
+    try:
+        found = recording_of(ledger, id)
+    except FieldkitError:
+        return None
+    if found is None or found.reading is None:
+        return None
+    events = {name: event.time for name, event in found.recorded.events.items()}
+    climb = found.recorded.climb
+    for clock in found.reading.clocks:
+        if clock.altitude is not None and np.isfinite(clock.altitude).sum() > 1:
+            return Trace(found.kind, clock.time, clock.altitude, clock.speed, events)
+    return Trace(found.kind, climb.time, climb.height, climb.speed, events) if climb is not None else None
+
+
+def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
+    """Of the cards with a kept prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
+    told = [one for one in cards if one.foretold and one.foretold.kept and one.miss is not None]
+    inside = sum(
+        one.foretold.interval[0] <= (one.flight.apogee or 0) <= one.foretold.interval[2] for one in told if one.foretold
+    )
+    miss = float(np.mean([abs(one.miss) for one in told if one.miss is not None])) if told else float("nan")
+    return len(told), miss, inside

@@ -1,0 +1,176 @@
+"""The report as one HTML document, nothing outside it: what files said is escaped, and no script would run."""
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fieldkit import __version__
+from fieldkit.errors import BadValue
+from fieldkit.files import write
+from fieldkit.flight import BY_NAME
+from fieldkit.physics.effect import effects
+from fieldkit.presentation.report.html import embedded, rendered
+from fieldkit.presentation.report.loop.pictures import pictures, png, svg
+from fieldkit.scoring.bootstrap import Interval
+from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.force.text import climbs_in_words
+from fieldkit.services.close_loop import version_payload
+from fieldkit.services.findings import Compared, Findings
+
+SUFFIXES = (".html", ".htm", ".png")
+
+
+def check_page(path: Path) -> None:
+    """Raise BadValue for a name that is of no kind of page."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise BadValue(f"--report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
+
+
+def write_page(found: Findings, path: Path) -> None:
+    """Write the report to a file, as HTML or PNG by its name."""
+    check_page(path)
+    content = png(found) if path.suffix.lower() == ".png" else page(found).encode()
+    write(path, content)
+
+
+def page(found: Findings) -> str:
+    """The report as an HTML document."""
+    return rendered("loop/page.html", content(found))
+
+
+def content(found: Findings) -> dict[str, Any]:
+    """Everything that the page shows, as text."""
+    diagnosis = found.diagnosis
+    dates = [flight.date_time for flight in diagnosis.model.flights if flight.date_time]
+    return {
+        "rocket": found.rocket or "this rocket",
+        "count": found.left_out.before.flights,
+        "span": f"{min(dates):%Y-%m-%d} to {max(dates):%Y-%m-%d}" if dates else "",
+        "verdict": _verdict(found),
+        "figures": _figures(found),
+        "tests": [test.in_words for test in found.tests],
+        "patterns": [
+            f"{'Residuals' if row.readout == 'apogee' else BY_NAME[row.readout].title} go with {row.against} "
+            f"(p {row.p:.2g} after correction)."
+            for row in (*found.patterns, *found.readout_patterns)
+            if row.p < 0.1
+        ],
+        "pictures": {name: embedded(svg(name, found)) for name in pictures(found)},
+        "climbs": [f"{_begun(line)}." for line in climbs_in_words(found.testimony)],
+        "errors": [
+            row
+            for title, compared in (("left out", found.left_out), ("forward in time", found.forward))
+            for row in _errors(title, compared)
+        ],
+        "how": {"left_out": found.left_out.how, "forward": found.forward.how},
+        "parameters": _parameters(diagnosis),
+        "digest": version_payload(diagnosis)["digest"],
+        "spreads": _spreads(found),
+        "flights": _flights(diagnosis),
+        "version": __version__,
+    }
+
+
+def _verdict(found: Findings) -> dict[str, Any]:
+    diagnosis = found.diagnosis
+    titles = {"none": "Nothing is missing that these flights can show", "unexplained": "Something unexplained"}
+    named = [effects()[name].title for name in diagnosis.effect.split("+") if name in effects()]
+    return {
+        "effect": diagnosis.effect,
+        "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
+        "why": _begun(diagnosis.why),
+        "also": ", ".join(diagnosis.also),
+        "goes_with": _begun(found.unexplained.in_words) if found.unexplained else "",
+        "widened": f"{found.unexplained.widened:.2f}" if found.unexplained else "",
+    }
+
+
+def _begun(sentence: str) -> str:
+    """With a capital at the front; names within stay as they are."""
+    return sentence[:1].upper() + sentence[1:]
+
+
+def _figures(found: Findings) -> list[dict[str, str]]:
+    before, after = found.left_out.before.score, found.left_out.after.score
+    sure = f"{found.diagnosis.confidence:.0%}" if found.diagnosis.confidence < 0.995 else "over 99%"
+    figures = [{"value": f"{before.mae:.1f} m", "what": "mean error of flights left out, before"}]
+    if found.diagnosis.effect != "none":
+        figures.append({"value": f"{after.mae:.1f} m", "what": "after"})
+    return [*figures, {"value": sure, "what": "how sure, given what was tried"}]
+
+
+def _errors(title: str, compared: Compared) -> list[dict[str, Any]]:
+    if not compared.before.flights:
+        return []
+    rows = []
+    for when, judged in (("before", compared.before), ("after", compared.after)):
+        score = judged.score
+        cells = [
+            _cell(f"{score.mae:.1f}", judged.mae, ".1f"),
+            _cell(f"{score.rmse:.1f}", judged.rmse, ".1f"),
+            _cell(f"{score.bias:+.1f}", judged.bias, "+.1f"),
+            _cell(f"{score.coverage90:.0%}", judged.coverage90, ".0%"),
+        ]
+        rows.append({"title": f"{title}, {when}", "flights": judged.flights, "cells": cells})
+    return rows
+
+
+def _cell(value: str, interval: Interval, form: str) -> dict[str, str]:
+    low, high = interval
+    return {"value": value, "interval": f"{low:{form}} to {high:{form}}"}
+
+
+def _parameters(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    rows = []
+    for trial in diagnosis.accepted:
+        mean, sd = trial.strength()
+        effect = effects()[trial.candidate.place.effect]
+        rows.append(
+            {
+                "place": str(trial.candidate.place),
+                "explains": effect.explains,
+                "mean": f"{mean:.3g}",
+                "sd": f"{sd:.2g}",
+                "unit": trial.unit,
+                "source": effect.source,
+            }
+        )
+    return rows
+
+
+def _spreads(found: Findings) -> list[dict[str, Any]]:
+    def cell(value: float, p: float) -> dict[str, str]:
+        return {"value": f"{value:+.2f}" if np.isfinite(value) else "", "p": f"p {p:.2g}" if np.isfinite(p) else ""}
+
+    return [
+        {
+            "title": BY_NAME[row.readout].title.lower(),
+            "flights": row.flights,
+            "cells": [
+                cell(row.bias, row.bias_p),
+                {**cell(row.spread, row.spread_p), "value": f"{row.spread:.2f}" if np.isfinite(row.spread) else ""},
+                cell(row.autocorrelation, row.autocorrelation_p),
+            ],
+        }
+        for row in found.spreads
+    ]
+
+
+def _flights(diagnosis: Diagnosis) -> list[dict[str, str]]:
+    before, after = diagnosis.forecasts_before.apogee, diagnosis.forecasts_after.apogee
+    rows = []
+    for number, (flight, teaches) in enumerate(zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True)):
+        rows.append(
+            {
+                "id": flight.flight_id,
+                "date": f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
+                "config": flight.config,
+                "motor": flight.motor,
+                "apogee": "" if flight.apogee is None else f"{flight.apogee:.1f}",
+                "before": f"{before[number]:.1f}" if teaches else "",
+                "after": f"{after[number]:.1f}" if teaches else "",
+                "tags": ", ".join(flight.tags),
+            }
+        )
+    return rows

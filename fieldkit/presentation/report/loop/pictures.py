@@ -1,0 +1,216 @@
+"""The pictures of the loop's report. Each draws into axes that it is given; none opens a window."""
+
+from collections.abc import Callable, Mapping
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.flight import BY_NAME
+from fieldkit.presentation.report.loop.axis import Axis, axis
+from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, shortened, styled
+from fieldkit.scoring.score import Forecasts
+from fieldkit.selection.fingerprint import Mark
+from fieldkit.services.findings import Findings
+from fieldkit.shapes import Array, Flags, Float
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+
+NINE_OF_TEN = 1.645
+"""Standard deviations on either side that hold nine of ten draws of a normal distribution. [1]"""
+Draw = Callable[["Figure | SubFigure", Findings], None]
+
+
+def residuals(figure: "Figure | SubFigure", found: Findings) -> None:
+    """Each flight left out: flown less forecast, before and after, against the column of the verdict."""
+    diagnosis, against = found.diagnosis, axis(found)
+    truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
+    sides = [("before", diagnosis.forecasts_before, BEFORE)]
+    if diagnosis.effect != "none":
+        sides.append(("after: " + diagnosis.effect, diagnosis.forecasts_after, AFTER))
+    panels = figure.subplots(1, len(sides), sharey=True, squeeze=False)[0]
+    for panel, (title, forecasts, colour) in zip(panels, sides, strict=True):
+        _residual_panel(panel, against, forecasts, truth, seen, colour)
+        panel.set_title(title)
+    panels[0].set_ylabel("flown less forecast [m]")
+
+
+def _residual_panel(
+    panel: "Axes", against: Axis, forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags, colour: str
+) -> None:
+    shown = seen & np.isfinite(against.values)
+    place = against.values[shown] + _beside(against.values[shown], 0.6 if against.names else 0.012)
+    low, high = _interval(forecasts)
+    apogee = forecasts.apogee
+    miss = (np.exp(truth) - apogee)[shown]
+    panel.axhline(0, color=INK, linewidth=1)
+    panel.vlines(place, (low - apogee)[shown], (high - apogee)[shown], color=colour, alpha=0.25, linewidth=3)
+    panel.plot(place, miss, "o", color=colour, markersize=5)
+    panel.set_xlabel(against.title)
+    if against.names:
+        panel.set_xticks(range(len(against.names)), [shortened(name) for name in against.names])
+        panel.set_xlim(-0.6, len(against.names) - 0.4)
+
+
+def _beside(values: Float[Array, "shown"], width: float) -> Float[Array, "shown"]:
+    """Steps to the side for flights that share a place, so that each is seen."""
+    width = width if width > 0.1 else 6 * width * max(float(np.ptp(values)), 1e-9)
+    step = np.zeros(len(values))
+    for value in np.unique(values):
+        rows = np.flatnonzero(values == value)
+        step[rows] = width * (np.arange(len(rows)) - (len(rows) - 1) / 2) / max(len(rows) - 1, 4)
+    return step
+
+
+def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
+    """Ends of the 90 % interval of each forecast, its mixture taken as one normal in the logarithm. [m]"""
+    mean = (forecasts.weight * forecasts.mean).sum(axis=0)
+    sd = np.sqrt((forecasts.weight * (forecasts.sd**2 + (forecasts.mean - mean) ** 2)).sum(axis=0))
+    return np.exp(mean - NINE_OF_TEN * sd), np.exp(mean + NINE_OF_TEN * sd)
+
+
+def forward(figure: "Figure | SubFigure", found: Findings) -> None:
+    """Each flight forecast from those before it, beside what it flew."""
+    panel, ahead = figure.subplots(), found.ahead
+    number = np.arange(len(ahead.seen)) + 1
+    flown = np.exp(found.diagnosis.data.values[:, 0])
+    sides = [("plain", ahead.before, BEFORE, -0.14)]
+    if any(ahead.chosen):
+        sides.append(("as chosen from the flights before", ahead.after, AFTER, 0.14))
+    for title, forecasts, colour, shift in sides:
+        low, high = (ends[ahead.seen] for ends in _interval(forecasts))
+        place = number[ahead.seen] + shift
+        panel.vlines(place, low, high, color=colour, alpha=0.3, linewidth=5)
+        panel.plot(place, forecasts.apogee[ahead.seen], "_", color=colour, markersize=8, mew=2, label=title)
+    teach = found.diagnosis.data.seen[:, 0]
+    panel.plot(number[teach], flown[teach], "o", color=INK, markersize=4, label="flown")
+    panel.set_xlabel("flight, in the order flown")
+    panel.set_ylabel("apogee [m]")
+    panel.margins(y=0.2)
+    panel.legend(loc="best", ncols=3, fontsize=8)
+    panel.locator_params(axis="x", integer=True)
+
+
+def fingerprints(figure: "Figure | SubFigure", found: Findings) -> None:
+    """What each of the likeliest effects would leave in the ten readouts, and what was there."""
+    count = len(found.fingerprints)
+    if not count:
+        return
+    panels = figure.subplots(1, count, sharey=True, sharex=True, squeeze=False)[0]
+    for panel, (trial, row) in zip(panels, found.fingerprints, strict=True):
+        _fingerprint(panel, row)
+        panel.set_title(shortened(str(trial.candidate.place), 30))
+    panels[0].set_yticks(range(10), [BY_NAME[mark.readout].title.lower() for mark in found.fingerprints[0][1]])
+    panels[0].invert_yaxis()
+    reach = max(abs(end) for panel in panels for end in panel.dataLim.intervalx)
+    panels[0].set_xlim(-1.1 * reach, 1.1 * reach)
+    panels[len(panels) // 2].set_xlabel("shift in units of the readout's expected scatter")
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=2, fontsize=8)
+
+
+def _fingerprint(panel: "Axes", row: tuple[Mark, ...]) -> None:
+    place = np.arange(len(row))
+    expected, found, sd = (np.array([getattr(mark, name) for mark in row]) for name in ("expected", "found", "sd"))
+    panel.axvline(0, color=INK, linewidth=1)
+    panel.barh(place, np.nan_to_num(expected), height=0.62, color=AFTER, alpha=0.35, label="the effect would leave")
+    known = np.isfinite(found)
+    panel.errorbar(
+        found[known], place[known], xerr=NINE_OF_TEN * sd[known], fmt="o", color=INK, markersize=4, linewidth=1,
+        label="found in the flights",
+    )  # fmt: skip
+    for number in place[~known]:
+        note = panel.annotate(
+            "not recorded", (1, number), (-4, 0), xycoords=("axes fraction", "data"), textcoords="offset points",
+            va="center", ha="right", fontsize=7, color=FAINT,
+        )  # fmt: skip
+        note.set_in_layout(False)
+    panel.grid(axis="y", visible=False)
+
+
+def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
+    """The evidence for each effect, what of it stays without its strongest flight, and what would be enough."""
+    panel = figure.subplots()
+    items = [item for item in found.diagnosis.ranking if item.effect]
+    whole, steady = (np.array([getattr(item, name) for item in items]) for name in ("log_bayes", "steady"))
+    need = -max((item.log_odds for item in items), default=0.0)
+    ends = (-6.0, max(5 * need, 12.0))
+    accepted = [item.effect in found.diagnosis.effect.split("+") for item in items]
+    colours = [AFTER if one else FAINT for one in accepted]
+    rows = range(len(items))
+    panel.barh(rows, np.clip(whole, *ends), height=0.7, color=colours, alpha=0.3, label="all flights")
+    panel.barh(rows, np.clip(steady, *ends), height=0.36, color=colours, label="without the flight that says most")
+    panel.axvline(0, color=INK, linewidth=1)
+    panel.axvline(need, color=BEFORE, linewidth=1.2, linestyle=(0, (4, 2)))
+    panel.text(need, -0.9, " enough for one alone", fontsize=7.5, color=BEFORE, va="bottom")
+    for row, value in enumerate(whole):
+        panel.text(max(min(value, ends[1]), 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT)
+    panel.set_yticks(rows, [shortened(str(item.best.candidate.place), 34) for item in items])
+    panel.invert_yaxis()
+    panel.margins(x=0.12)
+    panel.set_xlabel("log Bayes factor against the plain model [nat]")
+    panel.legend(loc="lower right", fontsize=8)
+    panel.grid(axis="y", visible=False)
+
+
+def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
+    """The push that logs felt less the model's, along each climb: against time, and against speed."""
+    panels = figure.subplots(1, 2, sharey=True)
+    for number, one in enumerate(found.testimony.flights):
+        for burning, mark, colour in ((True, "^", BEFORE), (False, "o", AFTER)):
+            points = [point for point in one.points if point.burning is burning]
+            phase = "motor burning" if burning else "coasting"
+            for panel, name in zip(panels, ("time_from_liftoff", "speed"), strict=True):
+                panel.errorbar(
+                    [getattr(point, name) for point in points],
+                    [point.force for point in points],
+                    yerr=[NINE_OF_TEN * point.sd for point in points],
+                    fmt=f"{mark}-", color=colour, markersize=4, linewidth=0.8, alpha=0.75,
+                    label=phase if number == 0 else None,
+                )  # fmt: skip
+    for panel, title in zip(panels, ("time from lift-off [s]", "speed [m/s]"), strict=True):
+        panel.axhline(0, color=INK, linewidth=1)
+        panel.set_xlabel(title)
+    panels[0].set_ylabel("missing force per mass [m/s²]")
+    panels[1].legend(loc="best", fontsize=8)
+
+
+PICTURES: Mapping[str, tuple[Draw, tuple[float, float]]] = {
+    "residuals": (residuals, (7.6, 3.0)),
+    "forward": (forward, (7.6, 2.9)),
+    "fingerprints": (fingerprints, (7.6, 3.6)),
+    "ladder": (ladder, (7.6, 3.7)),
+    "missing_force": (missing_force, (7.6, 2.9)),
+}
+"""Each picture and its size. [inch]"""
+
+
+def pictures(found: Findings) -> list[str]:
+    """Names of the pictures that there is something to show in."""
+    return [name for name in PICTURES if name != "missing_force" or found.testimony.flights]
+
+
+def svg(name: str, found: Findings) -> bytes:
+    """One picture as an SVG document, letters drawn as shapes."""
+    from matplotlib.figure import Figure
+
+    draw, size = PICTURES[name]
+    with styled():
+        figure = Figure(figsize=size, layout="constrained")
+        draw(figure, found)
+        return drawn(figure, "svg")
+
+
+def png(found: Findings) -> bytes:
+    """All pictures below each other, as one PNG."""
+    from matplotlib.figure import Figure
+
+    with styled():
+        chosen = [PICTURES[name] for name in pictures(found)]
+        sizes = [size for _, size in chosen]
+        figure = Figure(figsize=(sizes[0][0], sum(high for _, high in sizes) + 0.5), layout="constrained")
+        figure.suptitle(f"{found.rocket}: {found.diagnosis.effect}", fontsize=13, weight="bold", x=0.02, ha="left")
+        parts = figure.subfigures(len(sizes), 1, height_ratios=[high for _, high in sizes], squeeze=False)
+        for part, (draw, _) in zip(parts[:, 0], chosen, strict=True):
+            draw(part, found)
+        return drawn(figure, "png")

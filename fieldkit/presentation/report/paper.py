@@ -1,0 +1,189 @@
+"""Reports as pages of A4: a card a page, a summary before them; what colour says, form says too."""
+
+from collections.abc import Iterator, Sequence
+from textwrap import wrap
+from typing import TYPE_CHECKING
+
+from fieldkit import __version__
+from fieldkit.presentation.report.book import Book, table
+from fieldkit.presentation.report.card import Card, Rows
+from fieldkit.presentation.report.loop.pictures import PICTURES
+from fieldkit.presentation.report.pictures import forecast, foretold_flown, log
+from fieldkit.presentation.report.style import A4, FAINT, GRID, INK, shortened
+from fieldkit.safe_text import printable
+from fieldkit.services.findings import Findings
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure, SubFigure
+
+MARGIN = 0.085
+"""On either side of a page, of the width between. [1]"""
+LEFT, RIGHT = 0.0, 1.0
+"""Of what is written, in the width between the margins. [1]"""
+PER_PAGE = 34
+"""Flights in the table of a page."""
+FOOT_LINE = f"fieldkit {__version__}. Forecasts are advice: at the field the range safety officer decides."
+ON_THE_LOOPS_PAGE = ("residuals", "forward", "ladder")
+"""Pictures of the loop that fit on a page of paper."""
+
+
+def pages(book: Book) -> Iterator["Figure"]:
+    """The pages of a report."""
+    if book.summary:
+        yield from _summary(book)
+        for found in book.loops:
+            yield _loop(book, found)
+    for card in book.cards:
+        yield _card(card)
+
+
+def _page(title: str, subtitle: str, ratios: Sequence[float]) -> tuple["Figure", list["SubFigure"]]:
+    """A page with a heading and a foot, and its parts below each other."""
+    from matplotlib.figure import Figure
+    from matplotlib.gridspec import GridSpec
+
+    page = Figure(figsize=A4, layout="constrained")
+    grid = GridSpec(
+        len(ratios) + 2, 3, figure=page, height_ratios=[0.085, *ratios, 0.03], width_ratios=[MARGIN, 1, MARGIN]
+    )
+    parts = [page.add_subfigure(grid[row, 1]) for row in range(len(ratios) + 2)]
+    head, foot = parts[0], parts[-1]
+    head.text(LEFT, 0.52, shortened(title, 44), fontsize=21, weight="bold", va="center")
+    head.text(LEFT, 0.14, shortened(subtitle, 100), fontsize=10.5, color=FAINT, va="center")
+    _rule(head, 0.0)
+    foot.text(LEFT, 0.5, FOOT_LINE, fontsize=7.5, color=FAINT, va="center")
+    return page, parts[1:-1]
+
+
+def _rule(part: "SubFigure", height: float, colour: str = INK) -> None:
+    from matplotlib.lines import Line2D
+
+    part.add_artist(Line2D([LEFT, RIGHT], [height, height], color=colour, linewidth=0.9, transform=part.transSubfigure))
+
+
+def _card(card: Card) -> "Figure":
+    page, (key, said, drawn, figures, words) = _page(*heading(card), (0.075, 0.2, 0.3, 0.24, 0.09))
+    _figures(key, headline(card))
+    forecast(said, card)
+    log(drawn, card)
+    _columns(figures, (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)))
+    _remarks(words, remarks(card))
+    return page
+
+
+def heading(card: Card) -> tuple[str, str]:
+    """What a card is of, and when and where that was."""
+    flight = card.flight
+    when = f"{flight.date_time:%A %d %B %Y, %H:%M}" if flight.date_time else "no date"
+    title = " ".join(part for part in (flight.rocket, flight.config) if part) or "Flight"
+    return f"{title} · flight {card.id.removeprefix(f'{flight.rocket}/')}", " · ".join(
+        filter(None, (when, flight.site))
+    )
+
+
+def headline(card: Card) -> tuple[tuple[str, str], ...]:
+    """The figures that a card leads with: value and what it is."""
+    rows = [(shortened(card.flight.motor, 16) or "?", "motor")]
+    if card.flight.apogee is not None:
+        rows.append((f"{card.flight.apogee:.1f} m", f"apogee, {card.flight.apogee / 0.3048:.0f} ft"))
+    if card.foretold is not None:
+        low, middle, high = card.foretold.interval
+        what = "predicted" if card.foretold.kept else "afterwards"
+        rows.append((f"{middle:.0f} m", f"{what}, {low:.0f} to {high:.0f}"))
+        if card.miss is not None:
+            inside = low <= (card.flight.apogee or 0) <= high
+            rows.append((f"{card.miss:+.1f} m", f"miss, {'inside' if inside else 'outside'} 90 %"))
+    return tuple(rows)
+
+
+def remarks(card: Card) -> list[str]:
+    """What is to be said of a flight in words."""
+    lines = []
+    if card.foretold is not None:
+        lines.append(card.foretold.by[:1].upper() + card.foretold.by[1:] + ".")
+        lines += [f"The prediction was stale: {'; '.join(card.foretold.changes)}."] if card.foretold.changes else []
+    if card.learned:
+        lines.append("By this flight alone: " + ", ".join(f"{name} {value}" for name, value, _ in card.learned) + ".")
+    if card.flight.tags:
+        teaches = "" if card.flight.clean else " It does not teach the model."
+        lines.append(f"Tags: {', '.join(card.flight.tags)}.{teaches}")
+    if card.flight.notes:
+        lines.append(f"Notes: {card.flight.notes}")
+    return [printable(line) for line in lines]
+
+
+def _figures(part: "SubFigure", rows: Sequence[tuple[str, str]]) -> None:
+    """Figures in large type beside each other, what they are below."""
+    step = (RIGHT - LEFT) / max(len(rows), 4)
+    for place, (value, what) in enumerate(rows):
+        part.text(LEFT + step * place, 0.62, value, fontsize=17, weight="bold", va="center")
+        part.text(LEFT + step * place, 0.18, what, fontsize=8.5, color=FAINT, va="center")
+
+
+def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
+    """Two lists of figures beside each other."""
+    most = max((len(rows) for _, rows in columns), default=1)
+    step = min(0.085, 0.86 / max(most + 1, 1))
+    half = (RIGHT - LEFT) / 2
+    for place, (title, rows) in enumerate(columns):
+        left = LEFT + place * (half + 0.02)
+        right = left + half - 0.02
+        part.text(left, 0.96, title, fontsize=10, weight="bold", va="center")
+        for number, (name, metric, other) in enumerate(rows, start=1):
+            height = 0.96 - number * step
+            part.text(left, height, name, fontsize=9, va="center")
+            part.text(right - 0.115, height, metric, fontsize=9, va="center", ha="right")
+            part.text(right, height, other, fontsize=9, va="center", ha="right", color=FAINT)
+
+
+def _remarks(part: "SubFigure", lines: Sequence[str]) -> None:
+    """Sentences, as many as there is room for."""
+    _rule(part, 0.98, GRID)
+    fitted = [piece for line in lines for piece in wrap(line, 116)]
+    if len(fitted) > 6:
+        fitted = [*fitted[:5], fitted[5][:112] + " …"]
+    for number, line in enumerate(fitted):
+        part.text(LEFT, 0.82 - 0.16 * number, line, fontsize=8.5, va="center")
+
+
+def _summary(book: Book) -> Iterator["Figure"]:
+    headers, rows = table(book)
+    for start in range(0, max(len(rows), 1), PER_PAGE):
+        some, cards = rows[start : start + PER_PAGE], book.cards[start : start + PER_PAGE]
+        first = start == 0
+        tall = min(0.36, 0.06 + 0.021 * len(some))
+        sentences = [piece for line in book.findings for piece in wrap(printable(line), 112)][:11] if first else []
+        ratios = [0.075 if first else 0.01, tall + 0.02, 0.026 * (len(some) + 1), 0.018 * len(sentences) + 0.02]
+        rest = max(0.885 - sum(ratios), 0.001)
+        page, (key, picture, grid, words, _) = _page(book.title, book.subtitle, (*ratios, rest))
+        if first:
+            _figures(key, book.figures)
+        foretold_flown(picture, cards)
+        _table(grid, headers, some)
+        for number, line in enumerate(sentences):
+            words.text(LEFT, 1 - (number + 1) / (len(sentences) + 1), line, fontsize=9, va="center")
+        yield page
+
+
+def _table(part: "SubFigure", headers: Sequence[str], rows: Sequence[tuple[str, ...]]) -> None:
+    """A table of texts; numbers to the right."""
+    places = (0.0, 0.1, 0.27, 0.445, 0.555, 0.675, 0.76, 0.835, 0.85)
+    right = (3, 4, 5, 6, 7)
+    step = 1 / (len(rows) + 1)
+    for number, row in enumerate([tuple(headers), *rows]):
+        height = 1 - (number + 0.5) * step
+        for column, cell in enumerate(row):
+            part.text(
+                LEFT + places[column] * (RIGHT - LEFT), height, shortened(cell, 18), fontsize=8.2, va="center",
+                ha="right" if column in right else "left", weight="bold" if number == 0 else "normal",
+            )  # fmt: skip
+        _rule(part, height - step / 2, INK if number == 0 else GRID)
+
+
+def _loop(book: Book, found: Findings) -> "Figure":
+    """The loop's pictures of one rocket."""
+    sizes = [PICTURES[name][1][1] for name in ON_THE_LOOPS_PAGE]
+    page, parts = _page(f"What the loop finds: {shortened(found.rocket, 20)}", book.title, [s / 12.5 for s in sizes])
+    for part, name in zip(parts, ON_THE_LOOPS_PAGE, strict=True):
+        PICTURES[name][0](part, found)
+    return page

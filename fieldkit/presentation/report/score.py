@@ -1,0 +1,95 @@
+"""How good forecasts were, as a picture: where flights lay in them, how often intervals held, and the rivals."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.errors import BadValue
+from fieldkit.files import write
+from fieldkit.forecast.evaluation.rivals import RIVALS, Report
+from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, styled
+from fieldkit.scoring.proper_scores import BINS, calibration, pit
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+
+SUFFIXES = (".png", ".svg", ".pdf")
+CURVE = tuple(float(level) for level in np.linspace(0.1, 0.95, 18))
+"""Levels of the reliability curve. [1]"""
+
+
+def check_picture(path: Path) -> None:
+    """Raise BadValue for a name that is of no kind of picture."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
+
+
+def write_picture(reports: Mapping[str, Report | None], path: Path) -> None:
+    """Draw each report that there is as a row of three pictures, to a file of the kind that its name says."""
+    from matplotlib.figure import Figure
+
+    check_picture(path)
+    there = {title: report for title, report in reports.items() if report is not None}
+    with styled():
+        figure = Figure(figsize=(8.27, 3.1 * len(there)), layout="constrained")
+        parts = figure.subfigures(len(there), 1, squeeze=False)[:, 0]
+        for part, (title, report) in zip(parts, there.items(), strict=True):
+            part.suptitle(f"{title}: {len(report.rows)} flights", fontsize=11, weight="bold", x=0.02, ha="left")
+            draw(part, report)
+        write(path, drawn(figure, path.suffix.lower()[1:]))
+
+
+def draw(figure: "Figure | SubFigure", report: Report) -> None:
+    """The three pictures of one report."""
+    place, held, rivals = figure.subplots(1, 3, width_ratios=(1, 1, 1.15))
+    _pits(place, report)
+    _reliability(held, report)
+    _rivals(rivals, report)
+
+
+def _pits(panel: "Axes", report: Report) -> None:
+    found = report.calibration
+    even = sum(found.counts) / BINS
+    panel.axhspan(*found.expected, color=FAINT, alpha=0.18, linewidth=0, label="by chance")
+    panel.axhline(even, color=INK, linewidth=1)
+    panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER)
+    panel.set_title("where flights lay")
+    panel.set_xlabel("share of the forecast below")
+    panel.set_ylabel("flights")
+    panel.set_xlim(0, 1)
+    panel.locator_params(axis="y", integer=True)
+    panel.legend(loc="upper right", fontsize=7)
+
+
+def _reliability(panel: "Axes", report: Report) -> None:
+    pits = [pit(row.draws, row.flown) for row in report.rows if row.draws is not None]
+    curve = calibration(pits, CURVE).intervals
+    low, high = np.array([one.expected for one in curve]).T
+    panel.fill_between(CURVE, low, high, color=FAINT, alpha=0.18, linewidth=0)
+    panel.plot([0, 1], [0, 1], color=INK, linewidth=1)
+    panel.plot(CURVE, [one.held for one in curve], "o-", color=AFTER, markersize=3.5, linewidth=1.5)
+    panel.set_title("how often intervals held")
+    panel.set_xlabel("share they are to hold")
+    panel.set_ylabel("share held")
+    panel.set_xlim(0, 1)
+    panel.set_ylim(0, 1.02)
+
+
+def _rivals(panel: "Axes", report: Report) -> None:
+    rows = range(len(report.against))
+    for row, one in zip(rows, report.against, strict=True):
+        low, high = (100 * end for end in one.interval)
+        colour = {"better": AFTER, "worse": BEFORE}.get(one.verdict, FAINT)
+        panel.plot([low, high], [row, row], color=colour, linewidth=4, alpha=0.5, solid_capstyle="butt")
+        panel.plot(100 * one.less, row, "o", color=colour, markersize=6)
+        panel.annotate(one.verdict, (100 * one.less, row), (0, 8), textcoords="offset points", ha="center", fontsize=8)
+    panel.axvline(0, color=INK, linewidth=1)
+    panel.set_yticks(list(rows), [RIVALS[one.rival] for one in report.against])
+    panel.set_ylim(len(report.against) - 0.5, -0.6)
+    panel.margins(x=0.15)
+    panel.set_title("against rivals")
+    panel.set_xlabel("mean error less by [% of apogee]")
+    panel.grid(axis="y", visible=False)

@@ -1,0 +1,139 @@
+"""Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures beside it."""
+
+from collections.abc import Iterator, Sequence
+from functools import partial
+from pathlib import Path
+from typing import Any, TypeVar
+
+from fieldkit.errors import BadValue
+from fieldkit.files import write
+from fieldkit.presentation.report.book import Book, table
+from fieldkit.presentation.report.card import Card
+from fieldkit.presentation.report.html import embedded, rendered
+from fieldkit.presentation.report.loop.pictures import svg
+from fieldkit.presentation.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
+from fieldkit.presentation.report.pictures import forecast, foretold_flown, log, picture
+from fieldkit.presentation.report.style import bound, drawn, styled
+from fieldkit.progress import Tell, untold
+from fieldkit.safe_text import as_markdown
+
+SUFFIXES = (".html", ".htm", ".pdf", ".png", ".md")
+NUMBERS = (3, 4, 5, 6, 7)
+"""Columns of the table of flights that are numbers."""
+WIDE = 7.2
+"""Of pictures on a page. [inch]"""
+T = TypeVar("T")
+
+
+def check_report(path: Path) -> None:
+    """Raise BadValue for a name that is of no kind of report."""
+    if path.suffix.lower() not in SUFFIXES:
+        raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
+
+
+def write_report(book: Book, path: Path, tell: Tell = untold) -> list[Path]:
+    """Write a report as the kind that its file's name says; the files written. Raises FieldkitError."""
+    check_report(path)
+    files = dict(_files(book, path, tell))
+    for file, content in files.items():
+        write(file, content)
+    return list(files)
+
+
+def _files(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
+    kind = path.suffix.lower()
+    if kind == ".md":
+        yield from _markdown(book, path, tell)
+    elif kind in (".html", ".htm"):
+        yield path, rendered("book.html", content(book, tell)).encode()
+    else:
+        with styled():
+            sheets = list(pages(book))
+            if kind == ".pdf":
+                yield path, bound(_told(sheets, tell))
+            for number, sheet in enumerate(_told(sheets, tell) if kind == ".png" else [], start=1):
+                name = path if len(sheets) == 1 else path.with_stem(f"{path.stem}-{number}")
+                yield name, drawn(sheet, "png")
+
+
+def _told(pages: Sequence[T], tell: Tell) -> Iterator[T]:
+    """Pages one after the other, each told of before it is drawn."""
+    for number, page in enumerate(pages):
+        tell(f"page {number + 1} of {len(pages)}", number / len(pages))
+        yield page
+
+
+def content(book: Book, tell: Tell = untold) -> dict[str, Any]:
+    """Everything that the page shows, as text and pictures."""
+    headers, rows = table(book)
+    return {
+        "title": book.title,
+        "subtitle": book.subtitle,
+        "summary": book.summary,
+        "figures": book.figures,
+        "overview": embedded(_overview(book, "svg")) if book.summary else "",
+        "headers": headers,
+        "rows": rows,
+        "numbers": NUMBERS,
+        "findings": book.findings,
+        "loops": [
+            {"rocket": one.rocket, "pictures": [embedded(svg(name, one)) for name in ON_THE_LOOPS_PAGE]}
+            for one in book.loops
+        ],
+        "cards": [_card(card) for card in _told(book.cards, tell)],
+        "foot": FOOT_LINE,
+    }
+
+
+def _card(card: Card) -> dict[str, Any]:
+    title, subtitle = heading(card)
+    return {
+        "title": title,
+        "subtitle": subtitle,
+        "figures": headline(card),
+        "forecast": embedded(picture(partial(forecast, card=card), (WIDE, 2.2), "svg")),
+        "log": embedded(picture(partial(log, card=card), (WIDE, 3.1), "svg")),
+        "columns": [("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)],
+        "remarks": remarks(card),
+    }
+
+
+def _overview(book: Book, kind: str) -> bytes:
+    return picture(partial(foretold_flown, cards=book.cards), (WIDE, 1.0 + 0.26 * len(book.cards)), kind)
+
+
+def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
+    """The report as Markdown, its pictures as PNG files that bear its name."""
+    lines: list[str] = []
+
+    def beside(name: str, content: bytes, alt: str) -> tuple[Path, bytes]:
+        file = path.with_name(f"{path.stem}-{name}.png")
+        lines.extend([f"![{alt}](<{file.name}>)", ""])
+        return file, content
+
+    if book.summary:
+        headers, rows = table(book)
+        lines += [f"# {as_markdown(book.title)}", "", as_markdown(book.subtitle), ""]
+        lines += [", ".join(f"{as_markdown(value)} {what}" for value, what in book.figures) + ".", ""]
+        yield beside("flights", _overview(book, "png"), "Foretold and flown")
+        lines += [*_grid(headers, rows), ""]
+        lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
+    for number, card in enumerate(_told(book.cards, tell), start=1):
+        title, subtitle = heading(card)
+        lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
+        lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
+        yield beside(f"{number}-forecast", picture(partial(forecast, card=card), (WIDE, 2.2), "png"), "Predicted")
+        told = "The log" if card.trace else "The flights of this rocket so far"
+        yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), told)
+        for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
+            if figures:
+                lines += [*_grid((name, "SI", "US"), figures), ""]
+        lines += [piece for one in remarks(card) for piece in (as_markdown(one), "")]
+    yield path, ("\n".join([*lines, FOOT_LINE]) + "\n").encode()
+
+
+def _grid(headers: tuple[str, ...], rows: Sequence[tuple[str, ...]]) -> Iterator[str]:
+    yield "| " + " | ".join(as_markdown(one) for one in headers) + " |"
+    yield "|" + "---|" * len(headers)
+    for row in rows:
+        yield "| " + " | ".join(as_markdown(one) for one in row) + " |"

@@ -1,0 +1,1 @@
+"""Scores of forecasts: proper scores and bootstrap intervals, of draws and outcomes alone."""

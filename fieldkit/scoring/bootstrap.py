@@ -1,0 +1,81 @@
+"""Errors of forecasts with what chance leaves open of them: bootstrap intervals over the flights."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.scoring.score import Forecasts, Score, score
+from fieldkit.shapes import Array, Flags, Float
+
+RESAMPLED = 2000
+"""Times the flights are drawn anew, with replacement."""
+SEED = 5
+LEVELS = (0.05, 0.95)
+
+Interval = tuple[float, float]
+"""Where a figure lies in nine of ten histories like this one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Judged:
+    """A score with the 90 % bootstrap interval of each of its figures, over so many flights."""
+
+    score: Score
+    flights: int
+    mae: Interval
+    rmse: Interval
+    bias: Interval
+    coverage90: Interval
+
+    def json(self) -> dict[str, Any]:
+        """The contract's keys, and the intervals under `interval90`."""
+        intervals = {"mae_m": self.mae, "rmse_m": self.rmse, "bias_m": self.bias, "coverage90": self.coverage90}
+        return {**self.score.json(), "interval90": {name: list(ends) for name, ends in intervals.items()}}
+
+
+def misses(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Float[Array, "seen"]:
+    """Forecast less flown apogee of the flights that were seen. [m]"""
+    return np.asarray((forecasts.apogee - np.exp(truth))[seen])
+
+
+def resampled(count: int) -> Any:
+    """Rows of `count` flights, drawn with replacement again and again, the same at every call. [resample flight]"""
+    return np.random.default_rng(SEED).integers(0, max(count, 1), (RESAMPLED, count))
+
+
+def judge(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Judged:
+    """Score forecasts of log apogee on the flights that were seen; flights are resampled, nothing is fitted anew.
+
+    Source: Efron and Tibshirani, An Introduction to the Bootstrap (1993), percentile intervals.
+    """
+    found, count = score(forecasts, truth, seen), int(seen.sum())
+    if not count:
+        nowhere = (float("nan"), float("nan"))
+        return Judged(found, 0, nowhere, nowhere, nowhere, nowhere)
+    rows = resampled(count)
+    error = misses(forecasts, truth, seen)[rows]
+    below = forecasts.below(truth)[seen]
+    inside = ((below > 0.05) & (below < 0.95))[rows]
+    return Judged(
+        found,
+        count,
+        ends_of(np.abs(error).mean(axis=1)),
+        ends_of(np.sqrt((error**2).mean(axis=1))),
+        ends_of(error.mean(axis=1)),
+        ends_of(inside.mean(axis=1)),
+    )
+
+
+def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> tuple[float, Interval]:
+    """By how much the mean absolute error fell, and its interval, both forecasts resampled together. [m]"""
+    fell = np.abs(misses(before, truth, seen)) - np.abs(misses(after, truth, seen))
+    if not len(fell):
+        return float("nan"), (float("nan"), float("nan"))
+    return float(fell.mean()), ends_of(fell[resampled(len(fell))].mean(axis=1))
+
+
+def ends_of(values: Float[Array, "resample"]) -> Interval:
+    """The interval that holds nine of ten resampled figures."""
+    low, high = np.quantile(values, LEVELS)
+    return float(low), float(high)

@@ -1,0 +1,79 @@
+"""How good forecasts were: errors and coverage of flights that the fit did not see."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.inference.laplace.leave_one_out import LeftOut
+from fieldkit.shapes import Array, Flags, Float
+
+
+@dataclass(frozen=True, slots=True)
+class Forecasts:
+    """Forecast of each flight's log apogee as a mixture of normals."""
+
+    mean: Float[Array, "part flight"]
+    sd: Float[Array, "part flight"]
+    weight: Float[Array, "part flight"]
+
+    @property
+    def apogee(self) -> Float[Array, "flight"]:
+        """The point forecast: the median is close to the exponential of the mean logarithm. [m]"""
+        return np.asarray(np.exp((self.weight * self.mean).sum(axis=0)))
+
+    def below(self, values: Float[Array, "flight"]) -> Float[Array, "flight"]:
+        """Probability of a lower log apogee."""
+        from scipy.special import ndtr
+
+        return np.asarray((self.weight * ndtr((values - self.mean) / self.sd)).sum(axis=0))
+
+    @staticmethod
+    def pick(options: Sequence["Forecasts"]) -> "Forecasts":
+        """The first flight from the first option, the second from the second, and so on."""
+        longest = max(len(option.mean) for option in options)
+
+        def column(name: str, fill: float) -> Array:
+            columns = [getattr(option, name)[:, number] for number, option in enumerate(options)]
+            return np.stack([np.pad(c, (0, longest - len(c)), constant_values=fill) for c in columns], axis=1)
+
+        return Forecasts(column("mean", 0.0), column("sd", 1.0), column("weight", 0.0))
+
+
+def mixed(
+    mean: Float[Array, "part flight"], variance: Float[Array, "part flight"], log_weight: Float[Array, "part flight"]
+) -> Forecasts:
+    """A mixture of normals, the parts weighed by what the other flights say of them."""
+    weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    return Forecasts(mean, np.sqrt(variance), weight)
+
+
+def forecasts_of(left_out: LeftOut) -> Forecasts:
+    """Forecasts of flights left out, scales weighed by the other flights."""
+    return mixed(left_out.mean, left_out.variance, left_out.log_weight)
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """Errors of forecasts, forecast less flown [m], and the share of flights in the 90 % interval [1]."""
+
+    mae: float
+    rmse: float
+    bias: float
+    coverage90: float
+
+    def json(self) -> dict[str, float]:
+        """The keys of the contract."""
+        return {"mae_m": self.mae, "rmse_m": self.rmse, "bias_m": self.bias, "coverage90": self.coverage90}
+
+
+def score(forecasts: Forecasts, truth: Float[Array, "flight"], seen: Flags) -> Score:
+    """The score of forecasts of log apogee on the flights that were seen."""
+    if not seen.any():
+        return Score(np.nan, np.nan, np.nan, np.nan)
+    error = (forecasts.apogee - np.exp(truth))[seen]
+    below = forecasts.below(truth)[seen]
+    inside = (below > 0.05) & (below < 0.95)
+    return Score(
+        float(np.abs(error).mean()), float(np.sqrt((error**2).mean())), float(error.mean()), float(inside.mean())
+    )

@@ -1,0 +1,1 @@
+"""Which effects a model lacks: candidates, their evidence, and the flight that tells them apart."""

@@ -1,0 +1,142 @@
+"""What could be missing from a rocket's model: every effect, everywhere or in one group of flights."""
+
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.model.rocket_model import Model, Term, groups
+from fieldkit.physics.effect import Effect, effects, spoken
+from fieldkit.physics.setups import delays, recorded
+from fieldkit.shapes import Array, Flags, Float
+
+EACH = "each"
+"""The place of an effect that has a strength of its own in every group."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where an effect acts: in one group of flights (empty for all, `EACH` for every one with a strength of its
+    own), and only from a flight on (empty for from the first)."""
+
+    effect: str
+    where: str = ""
+    since: str = ""
+
+    def __str__(self) -> str:
+        if not self.effect:
+            return self.where
+        group = f" of {self.where}" if self.where else ""
+        if self.where == EACH:
+            group = f" of each {effects()[self.effect].per}"
+        return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
+
+
+@dataclass(frozen=True, slots=True)
+class Candidate:
+    """One way to extend a model: its terms, and where the fit of them should begin.
+
+    `place.effect` is empty for a pattern. `starts` are values of the first term from which the fit is begun,
+    each in turn. `log_share` is the log of its share of the prior odds of its effect.
+    """
+
+    place: Place
+    terms: tuple[Term, ...]
+    starts: tuple[float, ...] = (0.0,)
+    log_share: float = 0.0
+
+    @property
+    def effect(self) -> str:
+        """The name by which a verdict speaks of the effect, or empty for a pattern."""
+        return spoken(self.place.effect)
+
+
+SINCE_SHARE = 0.4
+"""Share of an effect's prior odds for beginning at some flight rather than at the first. [1]"""
+
+
+def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
+    """The strength of an effect in a place, or its strengths, as unknowns of a model."""
+    effect = effects()[place.effect]
+    prior = effect.prior
+    places = [place]
+    if place.where == EACH:
+        kinds = dict.fromkeys(groups(model.flights, model.found, effect.per))
+        places = [Place(place.effect, kind, place.since) for kind in kinds if kind]
+    weights = [(one, place_weight(one, model)) for one in places]
+    return tuple(
+        Term(str(one), effect, prior.mean, prior.sd, weight, prior.low, prior.high)
+        for one, weight in weights
+        if place.where != EACH or weight.any()
+    )
+
+
+def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
+    """Every effect that these flights could show, everywhere and in each group it may differ in.
+
+    `teach` marks the flights that teach: a beginning is only looked for between them.
+    """
+    acting = {name: effect for name, effect in effects().items() if _can_act(name, effect, model)}
+    places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
+    forms = Counter(spoken(name) for name in acting if places[name])
+    for name, effect in acting.items():
+        prior = effect.prior
+        starts = effect.starts or ((prior.mean, 0.02 * prior.sd) if np.isfinite(prior.low) else (prior.mean,))
+        since = list(_beginnings(name, effect, model, teach))
+        share, form = SINCE_SHARE if since else 0.0, forms[spoken(name)]
+        for place in places[name]:
+            yield Candidate(place, effect_terms(place, model), starts, np.log((1 - share) / len(places[name]) / form))
+        for place in since:
+            yield Candidate(place, effect_terms(place, model), starts, np.log(share / len(since) / form))
+
+
+def _can_act(name: str, effect: Effect, model: Model) -> bool:
+    if name == "early_ejection" and not np.isfinite(delays(model.flights, model.found)).any():
+        return False
+    if effect.lacks and np.isfinite(recorded(model.flights, effect.lacks)).all():
+        return False
+    if not effect.needs:
+        return True
+    column = recorded(model.flights, effect.needs)
+    return bool(np.nanmax(np.abs(column), initial=0.0) > 0)
+
+
+def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
+    """Groups of flights an effect may be confined to."""
+    if effect.everywhere:
+        yield Place(name)
+    if effect.per:
+        group = groups(model.flights, model.found, effect.per)
+        if effect.each and len(set(group)) > 1:
+            yield Place(name, EACH)
+        elif len(set(group)) > 1:
+            yield from (Place(name, kind) for kind in dict.fromkeys(group) if kind)
+
+
+def _beginnings(name: str, effect: Effect, model: Model, teach: Flags) -> Iterator[Place]:
+    """Flights of each group from which on an effect may be there, with a flight that teaches on either side."""
+    if not effect.starts_anywhere:
+        return
+    group = groups(model.flights, model.found, effect.per) if effect.per else [""] * len(model.flights)
+    several = len(set(group)) > 1
+    for kind in dict.fromkeys(group):
+        rows = [row for row, own in enumerate(group) if own == kind and teach[row]]
+        margin = 1 if len(rows) < 6 else 2
+        for row in rows[margin : len(rows) - margin + 1]:
+            yield Place(name, kind if several else "", model.flights[row].flight_id)
+
+
+def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
+    """How strongly an effect acts on each flight: only in its place, and growing if it grows."""
+    effect = effects()[place.effect]
+    names = [flight.flight_id for flight in model.flights]
+    first = names.index(place.since) if place.since in names else 0
+    since = np.array(model.turns) - first
+    weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
+    if effect.lacks:
+        weight = weight * np.isnan(recorded(model.flights, effect.lacks))
+    if not place.where:
+        return np.asarray(weight)
+    inside = [group == place.where for group in groups(model.flights, model.found, effect.per)]
+    return np.asarray(weight * np.array(inside, float))

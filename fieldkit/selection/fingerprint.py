@@ -1,0 +1,138 @@
+"""Fingerprints: what an effect would leave in every readout beside what the flights left there.
+
+A plain model that lacks an effect bends as far as its priors let it, and shows only what it cannot follow. So the
+same is done to both sides: the shift that the effect makes and the readouts as they were are each compared with
+what the plain model makes of them, and both are read off along the flights on which the effect acts more or less.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.flight import READOUTS
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import OBSERVED, compared
+from fieldkit.model.rocket_model import shown
+from fieldkit.physics.setups import recorded
+from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.trial import Trial
+from fieldkit.shapes import Array, Flags, Float
+
+
+@dataclass(frozen=True, slots=True)
+class Mark:
+    """One readout: what the effect would do, and what was there, both in expected standard deviations.
+
+    `sd` is of what was there. `fitted` is False for readouts that the fit does not use: those are compared
+    with the plain model's flights, in units of their own scatter. nan where nothing was recorded.
+    """
+
+    readout: str
+    expected: float
+    found: float
+    sd: float
+    fitted: bool
+
+
+def marks(diagnosis: Diagnosis, trial: Trial) -> list[Mark]:
+    """The ten readouts under one effect at its fitted strength, signed as on flights that show more of it."""
+    plain, seen = diagnosis.base.fit, diagnosis.data.seen
+    readings = _with_and_without(trial)
+    shift = _shift(readings)
+    expected, found = _left(plain, shift), _left(plain, _misses(plain))
+    along = _along(expected, shift, seen)
+    rows = {
+        name: _mark(name, expected[:, i], found[:, i], along, seen[:, i], fitted=True)
+        for i, name in enumerate(OBSERVED)
+    }
+    rows |= _others(diagnosis, readings, along)
+    return [rows[column.name] for column in READOUTS]
+
+
+def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
+    """What the altimeter shows of every flight with the effect as fitted, and with all else alike but the effect."""
+    model = trial.fit.model
+    mean, _ = trial.fit.moments()
+    own = {term.name for term in trial.candidate.terms}
+    without = np.where([name in own for name in model.names], 0.0, mean)
+    return shown(model, np.stack([mean, without]), {})
+
+
+def _shift(readings: dict[str, Float[Array, "2 flight"]]) -> Float[Array, "flight readout"]:
+    """What the effect does to each readout of each flight, as the fit compares them."""
+    both = compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+    return np.asarray(np.nan_to_num(both[0] - both[1]))
+
+
+def _misses(plain: Fit) -> Float[Array, "flight readout"]:
+    """Readouts less what the plain model's prior expects."""
+    near = plain.tangent
+    prior = np.array([term.mean for term in plain.model.terms])
+    usable = plain.data.seen & np.isfinite(near.values)
+    return np.asarray(np.where(usable, plain.data.values - near.values, 0.0) + near.slope @ (near.at - prior))
+
+
+def _left(plain: Fit, shift: Float[Array, "flight readout"]) -> Float[Array, "flight readout"]:
+    """What the plain model cannot follow of a shift, in expected standard deviations of each readout."""
+    best = int(np.argmax(plain.log_weight))
+    usable = plain.data.seen & np.isfinite(plain.tangent.values)
+    slope, noise = plain.told.slope, plain.told.noise[best]
+    shift = np.where(usable, shift, 0.0)
+    pull = np.einsum("fot,fop,fp->t", slope, plain.told.sharpness[best], shift)
+    offset = plain.covariance[best] @ pull
+    return np.asarray((shift - slope @ offset) / np.sqrt(np.diagonal(noise, axis1=1, axis2=2)))
+
+
+def _along(
+    expected: Float[Array, "flight readout"], shift: Float[Array, "flight readout"], seen: Flags
+) -> Float[Array, "flight"]:
+    """How much of the effect each flight should show, in the readout that shows it most, of size one."""
+    strongest = int(np.argmax((np.where(seen, expected, 0.0) ** 2).sum(axis=0)))
+    teach = seen.any(axis=1)
+    along = np.where(teach, expected[:, strongest], 0.0)
+    size = float(np.sqrt((along[teach] ** 2).mean())) if teach.any() else 0.0
+    if size < 1e-3:
+        return np.asarray(teach, float)
+    return np.asarray(along / size * (np.sign(shift[teach, strongest].sum()) or 1.0))
+
+
+def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> Mark:
+    """Both along the flights that should show the effect; what is common to all is kept."""
+    power = float((along[seen] ** 2).sum())
+    if not power:
+        nan = float("nan")
+        return Mark(name, nan, nan, nan, fitted)
+    return Mark(
+        name,
+        float((expected[seen] * along[seen]).sum() / power),
+        float((found[seen] * along[seen]).sum() / power),
+        float(1 / np.sqrt(power)),
+        fitted,
+    )
+
+
+def _others(
+    diagnosis: Diagnosis, readings: dict[str, Float[Array, "2 flight"]], along: Float[Array, "flight"]
+) -> dict[str, Mark]:
+    """The readouts that the fit leaves aside, beside flights with and without the effect."""
+    plain = diagnosis.base.fit
+    shown_plain = shown(plain.model, plain.moments()[0][None], {})
+    rows = {}
+    for name in (column.name for column in READOUTS if column.name not in OBSERVED):
+        with np.errstate(invalid="ignore", divide="ignore"):
+            miss = np.log(recorded(plain.model.flights, name) / shown_plain[name][0])
+            shift = np.log(readings[name][0] / readings[name][1])
+        rows[name] = _other(name, miss, shift, along, diagnosis.data.seen[:, 0])
+    return rows
+
+
+def _other(name: str, miss: Any, shift: Any, along: Array, teach: Flags) -> Mark:
+    seen = np.isfinite(miss) & np.isfinite(shift) & teach & (along != 0)
+    if seen.sum() < 4:
+        nan = float("nan")
+        return Mark(name, nan, nan, nan, fitted=False)
+    centred = np.where(seen, miss - np.mean(miss[seen]), 0.0)
+    unit = max(float(np.std(centred[seen], ddof=1)), 1e-9)
+    moved = np.where(seen, shift - np.mean(shift[seen]), 0.0)
+    return _mark(name, moved / unit, centred / unit, along, seen, fitted=False)

@@ -1,0 +1,106 @@
+"""A measured climb beside the model: at every sample, the push that was felt less the model's thrust and drag there.
+
+Nothing is integrated: thrust and drag are computed from the measured speed and height, so that what is left belongs
+to that moment.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.analysis import Forces
+from fieldkit.motors.motor import Motor
+from fieldkit.physics.atmosphere import GRAVITY, Air
+from fieldkit.shapes import Array, Flags, Float
+
+STEP = 0.001
+"""Of the thrust curve as it is compared. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """A measured climb, straight up, on one clock in SI units.
+
+    `push` is thrust less drag over mass, as an axial accelerometer feels it, with its standard deviation; heights are
+    above the pad. `burning` is true up to burnout. `window` is how long each push was averaged [s].
+    """
+
+    time_from_liftoff: Float[Array, "time"]
+    height: Float[Array, "time"]
+    speed: Float[Array, "time"]
+    push: Float[Array, "time"]
+    push_sd: Float[Array, "time"]
+    burning: Flags
+    window: float = 0.0
+
+    def part(self, rows: Flags) -> "Track":
+        """Some of its samples."""
+        return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED})
+
+
+SAMPLED = tuple(name for name in Track.__dataclass_fields__ if name != "window")
+"""What a climb has one of at every sample."""
+
+
+def track_of(measured: Forces) -> Track:
+    """The climb of which forces were measured."""
+    return Track(**{name: getattr(measured, name) for name in SAMPLED}, window=measured.window or 0.0)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Rocket:
+    """What the model flies: motor, mass without it [kg], Cd times area [m^2], the air, the rail [m]."""
+
+    motor: Motor
+    dry_mass: float
+    drag_area: float
+    air: Air
+    rail_length: float = 1.0
+    thrust_factor: float = 1.0
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Missing:
+    """The missing force per mass along the climb [m/s^2], and the model's own thrust and drag per mass there.
+
+    `burning` is true until the motor's curve ends, which is after top speed where thrust dies away slowly.
+    """
+
+    track: Track
+    rocket: Rocket
+    force: Float[Array, "time"]
+    thrust: Float[Array, "time"]
+    steepness: Float[Array, "time"]
+    """Rate of change of thrust per mass. [m/s^3]"""
+    drag: Float[Array, "time"]
+    burning: Flags
+
+
+def beside_model(track: Track, rocket: Rocket) -> Missing:
+    """Every sample beside the model's thrust and drag there."""
+    thrust, steepness, mass, burning = _thrust(track.time_from_liftoff, rocket, track.window)
+    density = rocket.air.density * rocket.air.thinning(track.height)
+    drag = 0.5 * density * rocket.drag_area * track.speed * np.abs(track.speed) / mass
+    return Missing(track, rocket, track.push - thrust + drag, thrust, steepness, drag, burning)
+
+
+def _thrust(
+    time: Float[Array, "time"], rocket: Rocket, window: float
+) -> tuple[Float[Array, "time"], Float[Array, "time"], Float[Array, "time"], Flags]:
+    """Thrust per mass [m/s^2], its rate of change [m/s^3], mass [kg] and whether it burns, at times from lift-off.
+
+    Thrust is averaged over a window [s], as what is compared with it was.
+    """
+    motor, factor = rocket.motor, rocket.thrust_factor
+    full = rocket.dry_mass + motor.casing_mass + motor.propellant_mass
+    knots = np.arange(-window, motor.thrust_end + window + STEP, STEP)
+    curve = factor * np.interp(knots, motor.time, motor.thrust, left=0.0, right=0.0)
+    lift_off = knots[int(np.argmax(curve > full * GRAVITY))]
+    spent = np.concatenate([[0.0], np.cumsum((curve[1:] + curve[:-1]) / 2 * STEP)])
+    mass = full - motor.propellant_mass * np.interp(time + lift_off, knots, spent / spent[-1])
+    if window:
+        ends = [np.interp(knots + half, knots, spent) for half in (-window / 2, window / 2)]
+        curve = (ends[1] - ends[0]) / window
+    slope = np.gradient(curve, knots)
+    push, steep = (np.interp(time + lift_off, knots, values, left=0.0, right=0.0) for values in (curve, slope))
+    return push / mass, steep / mass, mass, time + lift_off < motor.thrust_end

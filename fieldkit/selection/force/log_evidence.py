@@ -1,0 +1,116 @@
+"""The testimony of the logs, beside the verdict from the readouts: it decides nothing, and may agree or not."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+
+from fieldkit.analysis import Recorded
+from fieldkit.model.rocket_model import bent
+from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
+from fieldkit.selection.force.one_flight import Found
+from fieldkit.selection.force.several_flights import FEWEST, Common, common_law
+from fieldkit.selection.force.terms import library
+
+Says = Literal["", "agrees", "more", "another effect", "cannot tell", "nothing of it"]
+"""How the law of the climbs stands to the verdict, `more` where that names no effect; empty where it has no say."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Witness:
+    """The missing force of the flights whose logs show it, the law that they share, and what it says of the verdict.
+
+    `silent` are the flights whose logs do not show it, each with the reason.
+    """
+
+    flights: tuple[FlightForce, ...]
+    silent: tuple[tuple[str, str], ...]
+    law: tuple[Common, ...]
+    says: Says
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects that the law speaks for."""
+        return tuple(dict.fromkeys(found.term.effect for found in self.law if found.term.effect))
+
+
+def testify(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> Witness:
+    """What the logs of clean flights say, by flight id; in place of a log there may be why it cannot be read.
+
+    The model beside which they are put is the plain one, its drag as fitted to the readouts of all flights.
+    """
+    model, fit = diagnosis.base.fit.model, diagnosis.base.fit
+    mean, _ = fit.moments()
+    areas = model.area * np.exp(bent(model, mean[None], "drag")[0])
+    flights: list[FlightForce] = []
+    silent: list[tuple[str, str]] = []
+    for flight, found, area, teaches in zip(model.flights, model.found, areas, diagnosis.data.seen[:, 0], strict=True):
+        if not teaches or (said := logs.get(flight.flight_id)) is None:
+            continue
+        rocket = rocket_of(flight, found.motor, float(area))
+        shown = said if isinstance(said, str) else flight_force(flight.flight_id, said, rocket)
+        if isinstance(shown, str):
+            silent.append((flight.flight_id, shown))
+        else:
+            flights.append(shown)
+    law = common_law([one.regression for one in flights], library())
+    return Witness(tuple(flights), tuple(silent), law, _says(diagnosis.effect, law, len(flights)))
+
+
+def _says(verdict: str, law: tuple[Common, ...], flights: int) -> Says:
+    """How a law stands to a verdict."""
+    if flights < FEWEST:
+        return ""
+    wanted = set(verdict.split("+")) - {"none", "unexplained"}
+    found = {one.term.effect for one in law} - {""}
+    if wanted & found:
+        return "agrees"
+    effects = {term.name: term.effect for term in library()}
+    if wanted & {effects[name] for one in law for name in one.also}:
+        return "cannot tell"
+    if found:
+        return "another effect" if wanted else "more"
+    return "nothing of it" if wanted & set(effects.values()) else ""
+
+
+def document(said: Witness) -> dict[str, Any]:
+    """A testimony as JSON has it; lists are empty where no log shows a missing force."""
+    return {
+        "flights": [_flight(one) for one in said.flights],
+        "silent": [{"flight_id": flight_id, "why": why} for flight_id, why in said.silent],
+        "law": [{**_term(one), "flights": one.flights, "could_show": one.seen, "gain": one.gain} for one in said.law],
+        "beside_verdict": said.says or None,
+    }
+
+
+def _flight(one: FlightForce) -> dict[str, Any]:
+    return {
+        "flight_id": one.flight_id,
+        "source": one.source,
+        "points": [
+            {
+                "phase": "boost" if point.burning else "coast",
+                "time_from_liftoff_s": point.time_from_liftoff,
+                "speed_mps": point.speed,
+                "missing_mps2": point.force,
+                "sd_mps2": point.sd,
+            }
+            for point in one.points
+        ],
+        "alone": [_term(found) for found in one.law.terms],
+        "explained": one.law.explained,
+        "left_mps2": one.law.left,
+    }
+
+
+def _term(one: Found | Common) -> dict[str, Any]:
+    return {
+        "term": one.term.name,
+        "effect": one.term.effect or None,
+        "mean": one.value,
+        "sd": one.sd,
+        "unit": one.term.unit,
+        "also": list(one.also),
+    }

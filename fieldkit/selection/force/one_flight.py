@@ -1,0 +1,93 @@
+"""What the missing force of one climb is made of, in as few physical terms as will do."""
+
+from collections.abc import Collection
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.selection.force.climb import Missing, Rocket, Track, beside_model
+from fieldkit.selection.force.regression import forward, price, regression
+from fieldkit.selection.force.terms import Term, library
+
+SHIFTS = tuple(sorted(np.linspace(-0.15, 0.15, 13).tolist(), key=abs))
+"""Of the clock that are tried, the smallest first. [s]"""
+SLOWEST = 5.0
+"""Below this speed a climb is over and its direction unknown. [m/s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """A term that is there, with its coefficient; `gain` is what it takes off the criterion. `also` are terms that
+    would have done nearly as well in its place."""
+
+    term: Term
+    value: float
+    sd: float
+    gain: float
+    also: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Law:
+    """What the missing force is made of, the most telling term first; empty where nothing is missing.
+
+    `explained` is the share of its variance, `left` what remains [m/s^2], `worth` the number of samples that
+    the record is worth.
+    """
+
+    terms: tuple[Found, ...]
+    explained: float
+    left: float
+    worth: float
+
+    @property
+    def effects(self) -> tuple[str, ...]:
+        """Names of the effects that it asks for."""
+        return tuple(found.term.effect for found in self.terms if found.term.effect)
+
+
+def missing_force(track: Track, rocket: Rocket, guard: float = 0.0) -> Missing:
+    """Measured less modelled push at every sample that flies upward, the clock set by the thrust curve.
+
+    Samples within `guard` [s] of burnout are left out: where acceleration was made from heights, smoothing has
+    mixed thrust and drag there.
+    """
+    time = track.time_from_liftoff
+    burnout = float(time[track.burning].max(initial=-np.inf))
+    flown = (track.speed > SLOWEST) & (np.abs(time - burnout) >= guard)
+    return beside_model(_on_time(track.part(flown), rocket), rocket)
+
+
+def _on_time(track: Track, rocket: Rocket) -> Track:
+    """The same with its clock shifted to where thrust rises and ends: a lift-off is detected late or early."""
+    if track.burning.sum() < 4:
+        return track
+    terms = library()
+
+    def left(shift: float) -> float:
+        moved = replace(track, time_from_liftoff=track.time_from_liftoff + shift)
+        whole = regression(beside_model(moved, rocket), terms)
+        rest = whole.left(list(whole.columns))
+        return float(rest @ rest)
+
+    return replace(track, time_from_liftoff=track.time_from_liftoff + min(SHIFTS, key=left))
+
+
+def law(missing: Missing, free: Collection[str] = ()) -> Law:
+    """The fewest terms that the missing force is made of; `free` as in `regression`."""
+    known = {term.name: term for term in library()}
+    whole = regression(missing, list(known.values()), free)
+
+    def gain(chosen: list[str], name: str) -> float:
+        return whole.cost(chosen) - whole.cost([*chosen, name]) - price(len(chosen), len(whole.columns))
+
+    chosen = forward(whole.columns, gain)
+    names = [one.name for one in chosen]
+    values, sds = whole.solve(names)
+    left = whole.left(names)
+    found = tuple(
+        Found(known[one.name], float(value), float(sd), one.gain, one.also)
+        for one, value, sd in zip(chosen, values, sds, strict=True)
+    )
+    explained = 1 - float(left @ left) / float(whole.wanted @ whole.wanted)
+    return Law(found, explained, float(np.sqrt(np.mean((left * missing.track.push_sd) ** 2))), whole.worth)

@@ -1,0 +1,128 @@
+"""The law of several climbs: the terms of the missing force that come back from flight to flight.
+
+Each flight has coefficients of its own, for motors and rockets scatter. A term is taken while the information
+criterion of all flights together falls without the flight that says most for it, and while its mean over the flights
+stands clear of how it differs between them: so one flight alone decides nothing. At the least they differ by the luck
+of single flights in thrust and burn time, or by what a term makes of it.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from functools import partial
+
+import numpy as np
+
+from fieldkit.selection.force.regression import Regression, forward, price
+from fieldkit.selection.force.terms import Term
+from fieldkit.shapes import Array, Float
+
+FEWEST = 2
+"""Climbs from which on a law is asked for."""
+SURE = 0.98
+"""Of the interval of a term's mean over the flights that must leave out zero. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Common:
+    """A term that comes back: its mean over the flights with the standard deviation of that mean.
+
+    `gain` is what it takes off the criterion without the flight that says most for it; it does so in `flights` of
+    those `seen` that could show it. `also` are terms that would have done nearly as well in its place.
+    """
+
+    term: Term
+    value: float
+    sd: float
+    gain: float
+    flights: int
+    seen: int
+    also: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Mean:
+    """A coefficient's mean over so many flights, and its standard deviation: `shown` as their spread has it, and
+    `lucky` as it is at the least, the luck of single flights being what it is."""
+
+    value: float
+    shown: float
+    lucky: float
+    flights: int
+
+    @property
+    def sd(self) -> float:
+        """The larger of both."""
+        return max(self.shown, self.lucky)
+
+    def stands_clear(self, candidates: int) -> bool:
+        """Whether it leaves out zero: by Student's distribution as shown, by the normal one of what luck is known to
+        do to the best of so many candidates (Bonferroni)."""
+        from scipy.special import ndtri, stdtrit
+
+        unsure = (1 - SURE) / 2
+        least = max(
+            stdtrit(self.flights - 1, 1 - unsure) * self.shown,
+            ndtri(1 - unsure / candidates) * self.lucky,
+        )
+        return bool(abs(self.value) > least)
+
+
+def common_law(climbs: Sequence[Regression], terms: Sequence[Term]) -> tuple[Common, ...]:
+    """The fewest terms that come back in the missing force of several climbs, the most telling first."""
+    if len(climbs) < FEWEST:
+        return ()
+    known = {term.name: term for term in terms}
+    lucks = {term.name: term.luck for term in terms if term.luck}
+    candidates = [name for name in known if sum(name in climb.columns for climb in climbs) >= FEWEST]
+    chosen = forward(candidates, partial(_steady_gain, climbs, lucks, len(candidates)))
+    names = [one.name for one in chosen]
+    law = []
+    for place, one in enumerate(chosen):
+        mean = _mean(climbs, lucks, one.name, names)
+        gains = _gains(climbs, names[:place], one.name)
+        flights = int((gains > 0).sum())
+        law.append(Common(known[one.name], mean.value, mean.sd, one.gain, flights, len(gains), one.also))
+    return tuple(law)
+
+
+def _steady_gain(
+    climbs: Sequence[Regression], lucks: Mapping[str, float], candidates: int, chosen: list[str], name: str
+) -> float:
+    """What a term takes off the criterion without the flight that says most for it; none where flights disagree."""
+    if not _mean(climbs, lucks, name, [*chosen, name]).stands_clear(candidates):
+        return -np.inf
+    gains = _gains(climbs, chosen, name)
+    return float(gains.sum() - gains.max()) - price(len(chosen), candidates)
+
+
+def _gains(climbs: Sequence[Regression], chosen: Sequence[str], name: str) -> Float[Array, "seen"]:
+    """What a term takes off the criterion of each flight that could show it."""
+    able = [(climb, _shown(climb, chosen)) for climb in climbs if name in climb.columns]
+    return np.array([climb.cost(before) - climb.cost([*before, name]) for climb, before in able])
+
+
+def _mean(climbs: Sequence[Regression], lucks: Mapping[str, float], name: str, names: Sequence[str]) -> Mean:
+    """A coefficient over the flights that could show it, in a law of these names.
+
+    Flights differ by more than their errors: the spread between them is estimated as in DerSimonian and Laird
+    (Controlled Clinical Trials 7, 1986), and is never less than their luck, for a few may be alike by chance.
+    """
+    each = []
+    for climb in climbs:
+        if name in climb.columns:
+            able = _shown(climb, names)
+            place = able.index(name)
+            each.append([column[place] for column in (*climb.solve(able), climb.luck(able, lucks))])
+    value, sd, luck = np.array(each).T
+    weight = 1 / sd**2
+    middle = weight @ value / weight.sum()
+    excess = weight @ (value - middle) ** 2 - (len(value) - 1)
+    between = max(excess / (weight.sum() - (weight**2).sum() / weight.sum()), 0.0)
+    apart, least = 1 / (sd**2 + between), 1 / (sd**2 + luck**2)
+    weight = np.minimum(apart, least)
+    shown, lucky = float(apart.sum() ** -0.5), float(least.sum() ** -0.5)
+    return Mean(float(weight @ value / weight.sum()), shown, lucky, len(value))
+
+
+def _shown(climb: Regression, names: Sequence[str]) -> list[str]:
+    return [name for name in names if name in climb.columns]

@@ -1,0 +1,46 @@
+"""What logs of the climb say, in one or two sentences."""
+
+from collections.abc import Iterator
+
+from fieldkit.selection.force.log_evidence import Witness
+from fieldkit.selection.force.one_flight import Found
+from fieldkit.selection.force.several_flights import FEWEST, Common
+
+BESIDE = {
+    "agrees": "this speaks for {effects}, as the verdict from the readouts does",
+    "more": "this speaks for {effects}, which the readouts alone do not show",
+    "another effect": "this speaks for {effects}, which is not the verdict from the readouts",
+    "cannot tell": "the logs cannot tell this from the effect of the verdict",
+    "nothing of it": "the effect of the verdict does not show in the logs",
+}
+
+
+def climbs_in_words(said: Witness) -> Iterator[str]:
+    """Nothing where no flight has a log; else what the climbs lack, and how that stands to the verdict."""
+    if said.flights:
+        yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
+        if said.says:
+            yield BESIDE[said.says].format(effects="+".join(said.effects))
+    reasons: dict[str, list[str]] = {}
+    for flight_id, why in said.silent:
+        reasons.setdefault(why, []).append(flight_id)
+    for why, ids in reasons.items():
+        others = f" and {len(ids) - 1} more" if len(ids) > 1 else ""
+        yield f"{_counted(len(ids))} without a missing force, {ids[0]}{others}: {why}"
+
+
+def _law(said: Witness) -> str:
+    if len(said.flights) < FEWEST:
+        alone = ", ".join(map(_term, said.flights[0].law.terms)) or "none"
+        return f"{alone}; one flight alone decides nothing"
+    terms = [f"{_term(one)} (in {one.flights} of {one.seen})" for one in said.law]
+    return ", ".join(terms) or "nothing that comes back from flight to flight"
+
+
+def _term(one: Found | Common) -> str:
+    also = f", or {', '.join(one.also)}," if one.also else ""
+    return f"{one.term.name}{also} {one.value:.3g} +/- {one.sd:.2g} {one.term.unit}"
+
+
+def _counted(logs: int) -> str:
+    return f"{logs} log{'s' if logs > 1 else ''}"

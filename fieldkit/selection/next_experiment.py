@@ -1,0 +1,187 @@
+"""The flight or the readout that would tell two explanations apart, by the evidence that it can be expected to bring.
+
+Each explanation forecasts what the altimeter would show of a flight that could be flown next. How far the two
+forecasts lie apart, in units of what each leaves open, is the log Bayes factor to be expected from it (Lindley, On a
+Measure of the Information Provided by an Experiment, 1956; the divergence of two normals, Kullback and Leibler,
+1951), and the smaller one counts of what it is if the one is right and if the other is.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.forecast.predict import rocket_model
+from fieldkit.inference.laplace.linearization import Tangent, lean_slope, tangents
+from fieldkit.inference.laplace.posterior import Fit, scale_grid
+from fieldkit.model.readout_data import OBSERVED, reading_sd
+from fieldkit.model.rocket_model import Model
+from fieldkit.motors import Found
+from fieldkit.physics.effect import effects
+from fieldkit.physics.setups import delays, recorded
+from fieldkit.selection.candidates import EACH, Place
+from fieldkit.selection.diagnose import SEARCH_SLACK
+from fieldkit.shapes import Array, Float
+
+Normal = tuple[Float[Array, "readout"], Float[Array, "readout readout"]]
+"""Mean and covariance of readouts as they are compared."""
+Planned = tuple[str, Flight, Found]
+"""How a flight would be asked for, the flight, and its motor."""
+BALLAST = 1.2
+"""Of a ballasted flight, in dry masses of the configuration. [1]"""
+LONGER = 2.0
+"""Seconds by which a longer delay is longer. [s]"""
+BREEZE = 6.0
+"""A windy day for a model rocket. [m/s]"""
+ENOUGH = 0.9
+"""Share of the evidence of all readouts from which on fewer of them will do. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Advice:
+    """Something to do, the log Bayes factor it should bring, and the readouts to write down for it.
+
+    `subject` is the motor flown, or what is measured. `first` and `second` are the apogees that the two explanations
+    forecast for a flight; nan for a measurement.
+    """
+
+    what: str
+    subject: str
+    readouts: tuple[str, ...]
+    expected: float
+    first: float = float("nan")
+    second: float = float("nan")
+
+    @property
+    def in_words(self) -> str:
+        """An advice of one line."""
+        odds = f"should make the odds {_odds(self.expected)}"
+        if not self.readouts:
+            return f"{self.what}: {odds}"
+        names = " and ".join(BY_NAME[name].title.lower() for name in self.readouts)
+        return f"{self.what} and write down {names}: {odds} ({self.first:.0f} or {self.second:.0f} m)"
+
+
+def _odds(nats: float) -> str:
+    odds = np.exp(min(nats, np.log(1000.0)))
+    return "more than 999 to 1" if odds > 999 else f"{odds:.1f} to 1" if odds < 3 else f"{odds:.0f} to 1"
+
+
+@dataclass(frozen=True, slots=True)
+class Explanation:
+    """Effects in their places, fitted to the flights there are."""
+
+    places: tuple[Place, ...]
+    fit: Fit
+
+
+def telling(model: Model, first: Explanation, second: Explanation) -> list[Advice]:
+    """What would tell two explanations of a rocket's flights apart, the most telling first."""
+    tests = [*_flights(model, first, second), *_measurements(first), *_measurements(second)]
+    return sorted(tests, key=lambda test: -test.expected)
+
+
+def _flights(model: Model, first: Explanation, second: Explanation) -> Iterator[Advice]:
+    plans = list(options(model))
+    flown = [_planned(model, side, plans) for side in (first, second)]
+    if any(made.names != side.fit.model.names for made, side in zip(flown, (first, second), strict=True)):
+        return  # a planned flight would bring unknowns that none had
+    ahead = [_forecast(made, side) for made, side in zip(flown, (first, second), strict=True)]
+    for row, (what, plan, _) in enumerate(plans):
+        one, other = ((mean[row], cov[row]) for mean, cov in ahead)
+        known = np.isfinite(one[0]) & np.isfinite(other[0])
+        if not known[0]:
+            continue
+        readouts, expected = _readouts(one, other, np.flatnonzero(known).tolist())
+        yield Advice(what, plan.motor, readouts, expected, float(np.exp(one[0][0])), float(np.exp(other[0][0])))
+
+
+def _readouts(one: Normal, other: Normal, every: Sequence[int]) -> tuple[tuple[str, ...], float]:
+    """The fewest readouts, one or two, that bring nearly all that the readouts together would; and how much."""
+    total = divergence(one, other, every)
+    best = max(every, key=lambda i: divergence(one, other, [i]))
+    alone = divergence(one, other, [best])
+    if alone > ENOUGH * total or len(every) < 2:
+        return (OBSERVED[best],), alone
+    second = max((i for i in every if i != best), key=lambda i: divergence(one, other, [best, i]))
+    return tuple(OBSERVED[i] for i in sorted((best, second))), divergence(one, other, [best, second])
+
+
+def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
+    """Expected log Bayes factor between two normals over some readouts, if the worse told one is right. [nat]"""
+    rows = np.ix_(which, which)
+    (a, s), (b, t) = ((mean[list(which)], cov[rows]) for mean, cov in (one, other))
+    volume = float(np.linalg.slogdet(t)[1] - np.linalg.slogdet(s)[1])
+    ahead = np.trace(np.linalg.solve(t, s)) + (a - b) @ np.linalg.solve(t, a - b) + volume
+    back = np.trace(np.linalg.solve(s, t)) + (a - b) @ np.linalg.solve(s, a - b) - volume
+    return float(min(ahead, back) - len(which)) / 2
+
+
+def _measurements(side: Explanation) -> Iterator[Advice]:
+    """What could be measured on the ground, where an effect knows how well its strength can be."""
+    mean, sd = side.fit.moments()
+    for place in side.places:
+        effect = effects()[place.effect]
+        if not effect.measured or place.where == EACH:
+            continue
+        row = side.fit.model.names.index(str(place))
+        there = (np.array([mean[row]]), np.array([[sd[row] ** 2 + effect.measured**2]]))
+        absent = (np.zeros(1), np.array([[effect.measured**2]]))
+        where = f" ({place.where})" if place.where else ""
+        yield Advice(effect.tell_apart + where, str(place), (), divergence(there, absent, [0]))
+
+
+def options(model: Model) -> Iterator[Planned]:
+    """Flights that could be flown next: known motors in known configurations, calm, windy, ballasted, longer delays."""
+    flights, found = model.flights, model.found
+    last = {flight.config: flight for flight in flights}
+    motors = {f"{item.motor.maker} {item.motor.designation}": row for row, item in enumerate(found)}
+    windy = bool(np.nanmax(np.nan_to_num(recorded(flights, "wind")), initial=0.0) > 0)
+    delay = delays(flights, found)
+    for flight in last.values():
+        for row in motors.values():
+            own = flight.with_changes(
+                motor=flights[row].motor, flight_id="", delay=flights[row].delay, tags=(), rail_angle=0.0, wind=0.0
+            )
+            title = f"fly {own.rocket} {own.config}".rstrip() + f" on the {own.motor}"
+            yield f"{title} in calm air" if windy else title, own, found[row]
+            if windy:
+                yield f"{title} in {BREEZE:.0f} m/s of wind", own.with_changes(wind=BREEZE), found[row]
+            if flight.dry_mass is not None:
+                heavy = own.with_changes(dry_mass=BALLAST * flight.dry_mass)
+                yield f"{title} with {BALLAST - 1:.0%} of ballast", heavy, found[row]
+            if np.isfinite(delay[row]):
+                later = own.with_changes(delay=float(delay[row]) + LONGER)
+                yield f"{title} with a delay {LONGER:.0f} s longer", later, found[row]
+
+
+def _forecast(
+    ahead: Model, side: Explanation
+) -> tuple[Float[Array, "plan readout"], Float[Array, "plan readout readout"]]:
+    """Mean and covariance of the readouts of flights that are planned, as they are compared."""
+    at = side.fit.tangent.at
+    terms = tuple(range(len(at)))
+    (near,) = tangents(ahead, [(terms, at)], lean_slope(ahead, at))
+    best = int(np.argmax(side.fit.log_weight))
+    mean = near.values + near.slope @ (side.fit.mean[best] - at)
+    shared = near.slope @ np.linalg.solve(side.fit.precision[best], np.swapaxes(near.slope, 1, 2))
+    return mean, shared + _own(near, best)
+
+
+def _own(near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
+    """Covariance of the readouts of single flights about their expectation, scatter and reading."""
+    scatter, reading, _ = (values[scale] for values in scale_grid())
+    raw = np.where(np.arange(len(OBSERVED)) == OBSERVED.index("apogee_to_eject"), 1.0, np.exp(near.values))
+    spread = scatter**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
+    return np.asarray(spread + ((reading * reading_sd(raw)) ** 2)[..., None] * np.eye(len(OBSERVED)))
+
+
+def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model:
+    """The fitted model on flights that are planned: the same unknowns, acting there as they would."""
+    flights = [*model.flights, *(flight for _, flight, _ in plans)]
+    found = [*model.found, *(motor for *_, motor in plans)]
+    wide = rocket_model(flights, found, side.places, slack=SEARCH_SLACK)
+    area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
+    own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
+    return replace(wide, area=own).part(slice(len(model.flights), None))

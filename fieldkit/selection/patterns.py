@@ -1,0 +1,139 @@
+"""Patterns that no effect explains: single days, the hour, a lasting change, a site, whatever was written down."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.physics.setups import recorded
+from fieldkit.selection.candidates import Candidate, Place
+from fieldkit.shapes import Array, Float
+
+Weigh = Callable[[Sequence[Flight]], Float[Array, "flight"]]
+"""How strongly a pattern acts on each of a rocket's flights, in the order flown, planned ones after them."""
+Kind = Mapping[str, Weigh]
+"""Patterns of one kind by what they are called."""
+MOST_VALUES = 6
+"""Different texts in a column of the flyer's own up to which it is taken to sort flights. [1]"""
+
+
+def pattern_candidates(model: Model) -> list[Candidate]:
+    """Patterns in thrust, drag and mass that no effect stands for, each kind of pattern with the same odds."""
+    kinds = known_patterns(model.flights)
+    return [
+        Candidate(Place("", where), _odd(where, weigh(model.flights)), log_share=float(-np.log(len(kind) * len(kinds))))
+        for kind in kinds
+        for where, weigh in kind.items()
+    ]
+
+
+def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
+    """A pattern that the first so many flights of a model show, as unknowns of all of them; none if they do not."""
+    for kind in known_patterns(model.flights[:flown]):
+        if place.where in kind:
+            return _odd(place.where, _weighed(kind[place.where], model, flown))
+    return ()
+
+
+def _weighed(weigh: Weigh, model: Model, flown: int) -> Float[Array, "flight"]:
+    """How strongly a pattern acts on the flights flown, and on each plan as if those before its turn were its like."""
+    past, planned = model.flights[:flown], zip(model.flights[flown:], model.turns[flown:], strict=True)
+    ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
+    return np.array([*weigh(past), *ahead])
+
+
+def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
+    """What flights may have in common: single days, the hour, a lasting change between two flights, every second or
+    third flight, a site, a condition that was written down, and what else the flyer's own table has a column for."""
+    return [kind for kind in (*_in_time(flights), *_in_columns(flights)) if kind]
+
+
+def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
+    """Patterns in the order and the hours of flying."""
+    yield {f"the day {day}": _same(_day, day) for day in _shared([_day(flight) for flight in flights])}
+    hours = _hours(flights)
+    if np.isfinite(hours).all() and hours.std() > 1:
+        middle = hours.mean()
+        yield {"the hour of the day": lambda some: np.nan_to_num((_hours(some) - middle) / 4)}
+    yield {f"every flight from {flights[k].flight_id} on": _from(k) for k in range(3, len(flights) - 2)}
+    if len(flights) >= 8:
+        turns = [(n, k) for n in (2, 3) for k in range(n - (n == 2))]
+        yield {f"every {n} flights, as {flights[k].flight_id}": _every(n, k) for n, k in turns}
+
+
+def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
+    """Patterns that go with what was written down of the flights."""
+    sites = _shared([flight.site for flight in flights])
+    yield {f"the site {site}": _same(lambda flight: flight.site, site) for site in sites}
+    numbers: dict[str, Weigh] = {name: _column(name) for name in ("temperature", "humidity", "pressure")}
+    for name in dict.fromkeys(name for flight in flights for name in flight.extra):
+        texts = [flight.extra.get(name, "") for flight in flights]
+        if len(set(texts)) > MOST_VALUES:
+            numbers[name] = _own_column(name)
+        elif len(set(texts)) > 1:
+            yield {f"{name} {value}": _same(_own(name), value) for value in _shared(texts)}
+    for name, read in numbers.items():
+        column = read(flights)
+        if np.isfinite(column).all() and np.ptp(column) > 0:
+            yield {name: _standard(read, float(column.mean()), float(column.std()))}
+
+
+def _shared(labels: Sequence[str]) -> list[str]:
+    """Labels that at least two flights bear and two do not."""
+    return [label for label in dict.fromkeys(labels) if label and 2 <= labels.count(label) <= len(labels) - 2]
+
+
+def _same(label: Callable[[Flight], str], value: str) -> Weigh:
+    return lambda some: np.array([label(flight) == value for flight in some], float)
+
+
+def _from(first: int) -> Weigh:
+    return lambda some: np.where(np.arange(len(some)) >= first, 1.0, 0.0)
+
+
+def _every(n: int, first: int) -> Weigh:
+    return lambda some: np.where(np.arange(len(some)) % n == first, 1.0, 0.0)
+
+
+def _standard(read: Weigh, mean: float, sd: float) -> Weigh:
+    """A column about its mean, nothing where it was not written down."""
+    return lambda some: np.nan_to_num((read(some) - mean) / sd)
+
+
+def _column(name: str) -> Weigh:
+    return lambda some: recorded(some, name)
+
+
+def _own(name: str) -> Callable[[Flight], str]:
+    return lambda flight: flight.extra.get(name, "")
+
+
+def _own_column(name: str) -> Weigh:
+    return lambda some: np.array([_number(flight.extra.get(name, "")) for flight in some])
+
+
+def _day(flight: Flight) -> str:
+    return flight.date_time.date().isoformat() if flight.date_time else ""
+
+
+def _hours(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    times = [flight.date_time for flight in flights]
+    return np.array([time.hour + time.minute / 60 if time else np.nan for time in times])
+
+
+def _number(text: str) -> float:
+    """A text as a number, nan where it is none."""
+    try:
+        return float(text)
+    except ValueError:
+        return float("nan")
+
+
+def _odd(name: str, weight: Float[Array, "flight"]) -> tuple[Term, ...]:
+    """Drag, thrust and mass that differ without a reason given."""
+    return (
+        Term(f"drag with {name}", "drag", 0.0, 0.15, weight),
+        Term(f"thrust with {name}", "thrust", 0.0, 0.06, weight),
+        Term(f"mass with {name}", "mass", 0.0, 0.08, weight),
+    )

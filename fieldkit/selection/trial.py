@@ -1,0 +1,127 @@
+"""Candidates put to the flights: fitted side by side, with what each says of every flight left out."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.inference.laplace.fit import HOPELESS, Lane, fit_lanes
+from fieldkit.inference.laplace.leave_one_out import LeftOut, leave_one_out
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import Data
+from fieldkit.model.rocket_model import Model
+from fieldkit.physics.effect import Effect
+from fieldkit.scoring.score import Forecasts, mixed
+from fieldkit.selection.candidates import EACH, Candidate, Place
+from fieldkit.shapes import Array, Float
+
+
+@dataclass(frozen=True, slots=True)
+class Trial:
+    """A candidate with its fit and what it says of each flight left out."""
+
+    candidate: Candidate
+    fit: Fit
+    left_out: LeftOut
+
+    @property
+    def log_evidence(self) -> float:
+        """Of the observed readouts. [nat]"""
+        return self.fit.log_evidence
+
+    @property
+    def unit(self) -> str:
+        """Of the strength; empty for a pattern."""
+        bends = self.candidate.terms[0].bends if self.candidate.terms else ""
+        return bends.unit if isinstance(bends, Effect) else ""
+
+    @property
+    def fold_evidence(self) -> Float[Array, "flight"]:
+        """Log evidence of all flights but one, for each one. [nat]"""
+        return np.asarray(np.logaddexp.reduce(self.left_out.log_weight, axis=0))
+
+    def strength(self) -> tuple[float, float]:
+        """Posterior mean and standard deviation of the strength, in the effect's unit.
+
+        Of an effect with a strength in every group, the root mean square over the groups.
+        """
+        names = [term.name for term in self.candidate.terms]
+        index = [self.fit.model.names.index(name) for name in names]
+        means, sds = self.fit.moments()
+        bends = self.candidate.terms[0].bends
+        if self.candidate.place.where == EACH:
+            return float(np.sqrt((means[index] ** 2).mean())), float(np.sqrt((sds[index] ** 2).mean()))
+        fitted, spread = float(means[index[0]]), float(sds[index[0]])
+        if isinstance(bends, Effect) and bends.squared:
+            fitted = max(fitted, spread / 10, 1e-12)
+            return float(np.sqrt(fitted)), float(spread / (2 * np.sqrt(fitted)))
+        return fitted, spread
+
+
+def plain_trial(fitted: Fit) -> Trial:
+    """The trial of a model without anything added."""
+    return Trial(Candidate(Place("none"), ()), fitted, leave_one_out(fitted))
+
+
+def try_all(
+    model: Model,
+    data: Data,
+    families: Mapping[str, Sequence[Candidate]],
+    near: Fit,
+    worth: float = -np.inf,
+    tell: Callable[[float], None] | None = None,
+) -> list[Trial]:
+    """Fit the candidates of every effect side by side, each from all its starts, from where a smaller model ended.
+
+    Those whose evidence leaves them no say beside the best of their effect are dropped; `worth` as in `fit_lanes`.
+    """
+    wide, lanes, owners = model, [], []
+    base = tuple(range(len(model.terms)))
+    for name, family in families.items():
+        for candidate in family:
+            own = tuple(range(len(wide.terms), len(wide.terms) + len(candidate.terms)))
+            wide = wide.with_terms(*candidate.terms)
+            rest = [term.mean for term in candidate.terms[1:]]
+            for start in candidate.starts:
+                lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest]), name))
+                owners.append(candidate)
+    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], worth=worth, tell=tell)
+    best: dict[Place, Fit] = {}
+    for candidate, result in zip(owners, fits, strict=True):
+        known = best.get(candidate.place)
+        if known is None or result.log_evidence > known.log_evidence:
+            best[candidate.place] = result
+    return [trial for family in families.values() for trial in _with_a_say(family, best)]
+
+
+def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[Trial]:
+    least = max(best[candidate.place].log_evidence for candidate in family) - HOPELESS
+    kept = [candidate for candidate in family if best[candidate.place].log_evidence >= least]
+    return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in kept]
+
+
+def plain_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
+    """The plain model fitted anew from where the trials ended: an effect that does nothing may have helped the
+    rest of the model to a better place, and must not get the credit."""
+    count = len(model.terms)
+    best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.log_evidence)}
+    lanes = [Lane(tuple(range(count)), trial.fit.tangent.at[:count]) for trial in best.values()]
+    fits = fit_lanes(model, data, lanes, known.tangent.scatter_slope[..., -1])
+    return max([known, *fits], key=lambda result: result.log_evidence)
+
+
+def by_effect(candidates: Sequence[Candidate]) -> dict[str, list[Candidate]]:
+    """Candidates by the name of their effect, empty for patterns."""
+    families: dict[str, list[Candidate]] = {}
+    for candidate in candidates:
+        families.setdefault(candidate.effect, []).append(candidate)
+    return families
+
+
+def family_forecasts(family: Sequence[Trial]) -> Forecasts:
+    """What an effect says of each flight left out, its places weighed by their evidence."""
+    parts = [
+        (trial.left_out.mean, trial.left_out.variance, trial.left_out.log_weight + trial.candidate.log_share)
+        for trial in family
+    ]
+    return mixed(*(np.concatenate(values) for values in zip(*parts, strict=True)))

@@ -1,0 +1,100 @@
+"""What is left where no known effect accounts for it: what it goes with, in a sentence, and by how much."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.forecast.widen import widening
+from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.residual import columns_of, kinds_of, patterns
+from fieldkit.shapes import Array, Flags, Float
+
+HOUR = "the hour of the day"
+"""The name of the pattern."""
+
+
+@dataclass(frozen=True, slots=True)
+class Leftover:
+    """Flights that differ from the others: which, by which share of the apogee, and how sure that is.
+
+    `amount` and `sd` are of a ratio of apogees, less one; `where` marks the flights; `widened` is by how much
+    intervals of forecasts are widened for it.
+    """
+
+    name: str
+    where: Flags
+    amount: float
+    sd: float
+    widened: float = 1.0
+
+    @property
+    def in_words(self) -> str:
+        """`the 3 flights from North pad fly 6 % higher than the others (± 2 %)`."""
+        count = int(self.where.sum())
+        if not count:
+            return f"the residual goes with {self.name}"
+        who = f"the {count} flights" if count > 1 else "the one flight"
+        verb = "fly" if count > 1 else "flies"
+        way = "higher" if self.amount > 0 else "lower"
+        return f"{who} {self.name} {verb} {abs(self.amount):.0%} {way} than the others (± {self.sd:.0%})"
+
+
+def leftover(diagnosis: Diagnosis) -> Leftover:
+    """What is left unexplained, and how much wider forecasts are for it."""
+    factor = widening(diagnosis.model.flights, diagnosis.model.found, diagnosis.data, diagnosis.pattern)
+    nothing = Leftover("nothing that was written down", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
+    return replace(_goes_with(diagnosis) or nothing, widened=factor)
+
+
+def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
+    """What the apogees' residuals go with most: the strongest pattern, else the most telling column."""
+    error = _shares(diagnosis)
+    pattern = next((item for item in diagnosis.ranking if not item.effect), None)
+    if pattern is not None and pattern.weight > 0:
+        place, weight = pattern.best.candidate.place.where, pattern.best.candidate.terms[0].weight
+        sorts = set(np.unique(weight)) <= {0.0, 1.0}
+        name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its middle"
+        return _compared(name, weight > (0 if sorts else np.median(weight)), error)
+    for row in patterns(diagnosis)[:1]:
+        if row.against in (numbers := columns_of(diagnosis)):
+            values = numbers[row.against]
+            middle = float(np.nanmedian(values))
+            return _compared(f"with {_title(row.against)} above {middle:.3g}", values > middle, error)
+        kinds = np.array(kinds_of(diagnosis)[row.against])
+        candidates = [_compared(f"with {row.against} {kind}", kinds == kind, error) for kind in np.unique(kinds)]
+        told = [one for one in candidates if one is not None]
+        return max(told, key=lambda one: abs(one.amount) / max(one.sd, 1e-6), default=None)
+    return None
+
+
+def _shares(diagnosis: Diagnosis) -> Float[Array, "flight"]:
+    """Log of flown over forecast apogee of each flight left out, nan where it does not teach."""
+    seen = diagnosis.data.seen[:, 0]
+    return np.where(seen, diagnosis.data.values[:, 0] - np.log(diagnosis.forecasts_before.apogee), np.nan)
+
+
+def _compared(name: str, inside: Flags, error: Float[Array, "flight"]) -> Leftover | None:
+    one, other = error[inside & np.isfinite(error)], error[~inside & np.isfinite(error)]
+    if not len(one) or not len(other):
+        return None
+    pooled = np.sqrt(np.nanvar(np.concatenate([one - one.mean(), other - other.mean()]), ddof=2))
+    sd = float(pooled * np.sqrt(1 / len(one) + 1 / len(other)))
+    return Leftover(name, inside & np.isfinite(error), float(np.expm1(one.mean() - other.mean())), sd)
+
+
+def _pattern_words(place: str) -> str:
+    if place.startswith("the site "):
+        return f"from {place.removeprefix('the site ')}"
+    if place.startswith("the day "):
+        return f"on {place.removeprefix('the day ')}"
+    if place == HOUR:
+        return "later in the day"
+    if place.startswith("every flight from "):
+        return place.removeprefix("every flight ")
+    counted = {"2": "second", "3": "third"}
+    _, number, _, rest = [*place.split(" ", 3), "", "", ""][:4]
+    return f"that are every {counted.get(number, number)} one, {rest}" if rest else f"with {place}"
+
+
+def _title(column: str) -> str:
+    return column.replace("_", " ")

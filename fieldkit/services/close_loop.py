@@ -1,0 +1,109 @@
+"""Closing the loop on a ledger: a rocket's flights diagnosed, and what was found kept as a version of its model."""
+
+import hashlib
+import json
+from collections.abc import Sequence
+from dataclasses import asdict
+from typing import Any
+
+import numpy as np
+
+from fieldkit.errors import NoFlights
+from fieldkit.forecast.predict import rocket_model
+from fieldkit.ledger import Ledger
+from fieldkit.model.readout_data import observe
+from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell, part, untold
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.force.logs import kept_logs
+from fieldkit.selection.unexplained import Leftover, leftover
+from fieldkit.services.findings import Findings, findings
+from fieldkit.services.forecasts import accepted_places, accepted_widening, flown
+
+
+def close_loop(
+    ledger: Ledger,
+    motors: Catalogue,
+    rocket: str,
+    *,
+    accept: bool = True,
+    tell: Tell = untold,
+    given: Sequence[str] = (),
+) -> Diagnosis:
+    """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
+
+    `given` are effects that the flyer knows to be there: they are taken whatever the evidence. A version is kept
+    only where it differs from the one in use. Raises NoFlights for fewer than four clean flights with an apogee,
+    UnknownEffect for a given effect that these flights could not show.
+    """
+    history = flown(ledger, motors, rocket)
+    teach = [flight.clean and flight.apogee is not None for flight, _ in history]
+    if sum(teach) < 4:
+        raise NoFlights(
+            f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
+        )
+    flights = [flight for flight, _ in history]
+    model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
+    diagnosis = diagnose(model, observe(flights, teach), tell, given)
+    if accept:
+        adopt(ledger, rocket, diagnosis)
+    return diagnosis
+
+
+def look(
+    ledger: Ledger,
+    motors: Catalogue,
+    rocket: str,
+    tell: Tell = untold,
+    *,
+    accept: bool = False,
+    given: Sequence[str] = (),
+) -> Findings:
+    """Close the loop of a rocket and find everything that is reported of it, by the logs kept with its flights too.
+
+    Raises as `close_loop`; nothing is changed unless `accept`.
+    """
+    diagnosis = close_loop(ledger, motors, rocket, accept=accept, tell=part(tell, 0.0, 0.6), given=given)
+    logs = kept_logs(ledger, diagnosis, part(tell, 0.6, 0.1))
+    return findings(rocket, diagnosis, part(tell, 0.7, 0.3), logs)
+
+
+def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
+    """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
+    places = diagnosis.places
+    left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
+    same = places == accepted_places(ledger, rocket)
+    if same and np.isclose(accepted_widening(ledger, rocket), left.widened if left else 1.0, atol=0.005):
+        return
+    if not places and (left is None or left.widened == 1.0):
+        ledger.activate(rocket, None)
+        return
+    ledger.keep_version(rocket, version_payload(diagnosis, left))
+
+
+def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
+    """What a model version keeps: its effects with strengths, the flights behind it, errors, a digest.
+
+    `left` is what no effect accounts for, and by how much it widens forecasts.
+    """
+    payload: dict[str, Any] = {
+        "effects": [
+            {
+                **asdict(trial.candidate.place),
+                **dict(zip(("mean", "sd"), trial.strength(), strict=True)),
+                "unit": trial.unit,
+            }
+            for trial in diagnosis.accepted
+        ],
+        "flights": [
+            f.flight_id for f, seen in zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True) if seen
+        ],
+        "confidence": diagnosis.confidence,
+        "before": diagnosis.before.json(),
+        "after": diagnosis.after.json(),
+    }
+    if left is not None:
+        pattern = [asdict(place) for place in diagnosis.pattern]
+        payload["unexplained"] = {"goes_with": left.in_words, "widened": left.widened, "pattern": pattern}
+    payload["digest"] = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
+    return payload

@@ -1,0 +1,62 @@
+"""The whole loop on the twelve reference flights: from readouts to the next apogee and back."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.inference.network.flights import Inferred, Model, infer
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell, part
+from fieldkit.services.close_loop import look
+from fieldkit.services.findings import Findings
+from fieldkit.services.forecasts import predict_plans, which_rocket
+from fieldkit.services.imports import bring_in
+from fieldkit.studies.paper.reference import TABLE
+from fieldkit.studies.paper.report import Report, report
+
+ENSEMBLES: tuple[Model, ...] = ("field", "paper")
+
+
+@dataclass(frozen=True, slots=True)
+class Demo:
+    """What each step found: one entry a flight, or one a motor and configuration.
+
+    `by_paper` is what the reference paper's ensemble says where `inferred` is what ours does.
+    """
+
+    rocket: str
+    flights: Sequence[Flight]
+    inferred: Sequence[Inferred]
+    by_paper: Sequence[Inferred]
+    predictions: Sequence[Prediction]
+    loop: Findings
+    paper: Report
+
+
+def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
+    """Import, infer, predict, close the loop, and fly the published thrust profile against the certificates.
+
+    Raises LedgerError for a ledger that holds flights: it is somebody's.
+    """
+    if count := len(ledger.flights()):
+        raise LedgerError(f"{ledger.name}: found {count} flights, the demo wants an empty ledger or none at all")
+    tell("importing", 0.0)
+    bring_in(ledger, [TABLE], lambda name: None)
+    flights = ledger.flights()
+    tell("inferring", 0.1)
+    inferred, by_paper = (infer(flights, motors, model).inferred for model in ENSEMBLES)
+    rocket = which_rocket(ledger, None)
+    tell("predicting", 0.15)
+    predictions = predict_plans(ledger, motors, plans(flights))
+    found = look(ledger, motors, rocket, part(tell, 0.2, 0.5), accept=True)
+    tell("flying the published thrust", 0.7)
+    return Demo(rocket, flights, inferred, by_paper, predictions, found, report())
+
+
+def plans(flights: Sequence[Flight]) -> list[Flight]:
+    """A plan for each motor and configuration that these flights name, flown together or not."""
+    motors, configs = (sorted({getattr(flight, name) for flight in flights}) for name in ("motor", "config"))
+    return [Flight(rocket=flights[0].rocket, config=config, motor=motor) for motor in motors for config in configs]

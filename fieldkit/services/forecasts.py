@@ -1,0 +1,191 @@
+"""Forecasts from a ledger: what is asked of a rocket by name, answered from the flights that are kept."""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+import numpy as np
+
+from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.forecast.conformal import kept_surprises, stretch
+from fieldkit.forecast.predict import predict
+from fieldkit.forecast.prediction import Prediction, quantiles
+from fieldkit.ledger import Ledger, Start
+from fieldkit.motors import Catalogue, Found
+from fieldkit.presentation.forecast_text import forecast_document
+from fieldkit.selection.candidates import Place
+from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.evaluation.forward_in_time import Forecast
+
+LIKELY = 40
+"""Equally likely apogees that a kept prediction is known by: enough to tell how it fared, to 2.5 %. [1]"""
+Which = Literal["before", "after"]
+INHERITED = ("dry_mass", "diameter", "rail_length")
+"""What a plan takes over from the last flight of its rocket and configuration where it says nothing."""
+
+
+def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
+    """The flights of a rocket that physics can follow, in order, each with its motor.
+
+    Clusters, stages and flights without a dry mass are left out.
+    """
+    return followed(ledger.flights(rocket), motors)
+
+
+def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
+    """Those of some flights that physics can follow, each with its motor."""
+    known = []
+    for flight in flights:
+        if flight.dry_mass is None:
+            continue
+        try:
+            known.append((flight, motors.resolve(flight.motor)))
+        except UnknownMotor:
+            continue
+    return known
+
+
+def which_rocket(ledger: Ledger, wanted: str | None) -> str:
+    """The rocket asked for, flown or begun from a design, or the one flown last. Raises NoFlights that lists them."""
+    rockets = ledger.names("rocket")
+    if wanted is None:
+        if not rockets:
+            raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
+        return rockets[0]
+    if wanted not in rockets and not ledger.starts(wanted):
+        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none yet'}")
+    return wanted
+
+
+def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tuple[Place, ...]:
+    """The effects in a rocket's model as it is used now, or as it was before the loop added any."""
+    version = ledger.active_version(rocket) if which == "after" else None
+    if version is None:
+        return ()
+    return version_places(version.payload)
+
+
+def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
+    """The effects that a version of a model keeps, and the pattern that forecasts follow, if any, each in its place."""
+    entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
+    return tuple(Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in entries)
+
+
+def version_adds(payload: Mapping[str, Any]) -> str:
+    """What a version of a model adds to the plain one: `wind+wear`, `the site mead, intervals 1.20 times as wide`."""
+    added = "+".join(str(place) for place in version_places(payload)) or "nothing"
+    wider = payload.get("unexplained", {}).get("widened", 1.0)
+    return f"{added}, intervals {wider:.2f} times as wide" if wider > 1.005 else added
+
+
+def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> float:
+    """By how much the model of a rocket widens its intervals for what it does not explain. [1]"""
+    version = ledger.active_version(rocket) if which == "after" else None
+    return float(version.payload.get("unexplained", {}).get("widened", 1.0)) if version else 1.0
+
+
+def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
+    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
+
+    A configuration that has not flown takes them from how it starts, if that is known.
+    """
+    if start is not None and all(flight.config != plan.config for flight in history):
+        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
+        plan = plan.with_changes(**known)
+    alike = [flight for flight in history if flight.config == plan.config] or list(history)
+    missing: dict[str, Any] = {}
+    for name in INHERITED:
+        value = next((v for flight in reversed(alike) if (v := flight.number(name)) is not None), None)
+        if plan.number(name) is None and value is not None:
+            missing[name] = value
+    return plan.with_changes(**missing)
+
+
+def start_of(ledger: Ledger, plan: Flight) -> Start | None:
+    """How the configuration of a plan starts; where the rocket has only one that is kept, that one."""
+    return start_among(ledger.starts(plan.rocket), plan)
+
+
+def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
+    """Of the starting configurations of a rocket, that of a plan; where only one is kept, that one."""
+    named = [one for one in known if one.config == plan.config]
+    return (named or list(known))[0] if named or len(known) == 1 else None
+
+
+def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
+    """The Cd that each configuration of some flights of a rocket starts from, where a design tells one. [1]"""
+    starts = {flight.config: start_among(known, flight) for flight in flights}
+    return {config: start.cd for config, start in starts.items() if start and start.cd}
+
+
+def predict_plans(
+    ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], which: Which = "after", *, keep: bool = True
+) -> list[Prediction]:
+    """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
+
+    Raises UnknownMotor, NoFlights for a plan that names no rocket when none was flown, and
+    ImpossibleFlight for one without a mass.
+    """
+    answers: dict[int, Prediction] = {}
+    surprises = kept_surprises([kept.payload for kept in ledger.predictions()])
+    for rocket in dict.fromkeys(plan.rocket for plan in plans):
+        rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
+        history = flown(ledger, motors, rocket)
+        before = [flight for flight, _ in history]
+        starts, own = ledger.starts(rocket), [plans[row] for row in rows]
+        planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
+        places = accepted_places(ledger, rocket, which)
+        cds = design_cds(starts, [*before, *own])
+        made = predict(history, planned, places, declared=which == "after", cds=cds)
+        wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
+        finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]
+        if keep:
+            _keep(ledger, finished, before, which)
+        answers |= dict(zip(rows, finished, strict=True))
+    return [answers[row] for row in range(len(plans))]
+
+
+def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which) -> None:
+    """Keep predictions of one rocket, each with what it was made from."""
+    version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
+    for one in predictions:
+        decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
+        parts = decided | model_parts(history, one.model, version)
+        likely = quantiles(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
+        payload = forecast_document(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
+        ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
+
+
+def used_version(ledger: Ledger, rocket: str) -> int:
+    """The number of the model that a rocket is predicted with, 0 for the plain one."""
+    active = ledger.active_version(rocket)
+    return active.number if active else 0
+
+
+def keep_forecasts(ledger: Ledger, rows: "Sequence[Forecast]") -> None:
+    """Keep forecasts beside what was flown, so that the next ones are as wide as these had to be."""
+    for row in rows:
+        payload = {
+            "rocket": row.rocket,
+            "flight_id": row.flight_id,
+            "flown_m": float(row.flown),
+            "interval_m": [float(end) for end in row.interval],
+            "evaluation": "forward in time",
+        }
+        digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
+        ledger.keep_prediction(payload, digest=digest, rocket=row.rocket, flight_id=row.flight_id)
+
+
+def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
+    """What the other flights of its rocket say a flight should have shown; nothing is kept.
+
+    Raises UnknownMotor and ImpossibleFlight, as `predict_plans`.
+    """
+    history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
+    plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
+    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], accepted_places(ledger, flight.rocket))
+    return made.widened(accepted_widening(ledger, flight.rocket))

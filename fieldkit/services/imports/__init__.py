@@ -1,0 +1,17 @@
+"""Files into the ledger, and its files read again."""
+
+from fieldkit.services.imports.add_files import Receipt, bring_in, take_in
+from fieldkit.services.imports.gather import Gathered, gather, read_file
+from fieldkit.services.imports.remeasure import Remeasured, recordings_of, remeasured
+
+__all__ = [
+    "Gathered",
+    "Receipt",
+    "Remeasured",
+    "bring_in",
+    "gather",
+    "read_file",
+    "recordings_of",
+    "remeasured",
+    "take_in",
+]

@@ -1,0 +1,157 @@
+"""Files that come after others of the same flight: each joins its flight, where that can be told for certain.
+
+A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight where the
+device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
+lift-off to within two seconds. Or a download, an export and what was heard by radio tell of the same flight by the
+logger's serial number and its number of the flight; as numbers begin anew once a memory is erased, they have to be as
+high too. Where neither is certain it may be so: it is said, and the flyer decides.
+"""
+
+import zlib
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass, field
+from datetime import time
+from math import hypot
+from typing import TYPE_CHECKING
+
+from fieldkit.analysis import measured_sd
+from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
+from fieldkit.flight import Flight
+from fieldkit.importing import Choice
+from fieldkit.importing.companion_files import KINDS, same_moment
+from fieldkit.importing.incoming import Arrival, Original
+from fieldkit.importing.read import read_kept
+from fieldkit.services.imports.remeasure import as_held, format_of, renewed, which
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger, Renewal
+
+SAME_HEIGHT = 0.01
+"""Files of one flight agree on its apogee to this part of it, beside their uncertainties. [1]"""
+
+
+@dataclass(slots=True)
+class Sorting:
+    """Arrivals that are new, flights that files are added to, how many are there already, and what is to be said."""
+
+    new: list[Arrival] = field(default_factory=list)
+    renewals: list["Renewal"] = field(default_factory=list)
+    there: int = 0
+    notes: list[str] = field(default_factory=list)
+
+
+def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[Choice] = ()) -> Sorting:
+    """Which arrivals are flights of their own, and which are further files of a flight of the ledger."""
+    sorting = Sorting()
+    for arrival in arrivals:
+        if arrival.log is None or not (arrival.flight.extra.get(KINDS) or _number(arrival.flight)):
+            sorting.new.append(arrival)
+            continue
+        held = [(id, flight) for id, flight in _everyone(ledger) if _fits(flight, arrival.flight)]
+        certain = [id for id, flight in held if _is_same(flight, arrival)]
+        if len(certain) == 1:
+            _join(ledger, certain[0], arrival, sorting, choices)
+            continue
+        sorting.new.append(arrival)
+        if maybe := certain or [id for id, flight in held if _maybe(flight, arrival)]:
+            why = "which has its number" if _number(arrival.flight) else "whose lift-off is not known for certain"
+            sorting.notes.append(
+                f"{arrival.source}: may be of the flight {' or '.join(maybe[:3])}, {why}; "
+                f"where it is, `fieldkit remove` that flight and import its files together"
+            )
+    return sorting
+
+
+def _number(flight: Flight) -> tuple[str, str] | None:
+    """The serial number of a flight's logger and the number that it has for the flight, None where one is not known."""
+    serial, number = flight.extra.get("serial"), flight.extra.get("flight")
+    return (serial, number) if serial and number else None
+
+
+def _everyone(ledger: "Ledger") -> list[tuple[str, Flight]]:
+    flights = ledger.flights()
+    return list(zip(ledger.ids(flights), flights, strict=True))
+
+
+def _fits(there: Flight, new: Flight) -> bool:
+    """Whether a flight is by the device of a new file, and of no other rocket."""
+    if new.rocket not in ("", there.rocket):
+        return False
+    if _number(new):
+        return _number(there) == _number(new)
+    serials = {there.extra.get("serial", ""), new.extra.get("serial", "")} - {""}
+    return bool(there.extra.get(KINDS)) and there.extra.get("device") == new.extra.get("device") and len(serials) <= 1
+
+
+def _is_same(there: Flight, arrival: Arrival) -> bool:
+    """Whether a flight that fits is that of a new file for certain."""
+    new = arrival.flight
+    if not _number(new):
+        return same_moment(there.date_time, new.date_time)
+    return _is_other_form(there, arrival) and _are_as_high(there, new)
+
+
+def _is_other_form(there: Flight, arrival: Arrival) -> bool:
+    """Whether a numbered flight arrives in another form than it has come in, or in several."""
+    return there.extra.get("log_format") != arrival.flight.extra.get("log_format") or bool(arrival.others)
+
+
+def _are_as_high(there: Flight, new: Flight) -> bool:
+    """Whether two files can tell of one apogee, by how well each measured it."""
+    heights = [flight.number("apogee") for flight in (there, new)]
+    if heights[0] is None or heights[1] is None:
+        return False
+    sds = [measured_sd("apogee", flight.extra) or 0.0 for flight in (there, new)]
+    return abs(heights[0] - heights[1]) < 3 * hypot(*sds) + SAME_HEIGHT * heights[0]
+
+
+def _maybe(there: Flight, arrival: Arrival) -> bool:
+    """Whether a new file may be of a flight that fits: in a form it has not come in, and no date speaks against it."""
+    new = arrival.flight
+    if _number(new):
+        return new.flight_id != there.flight_id
+    if set(there.extra[KINDS].split()) & set(new.extra[KINDS].split()):
+        return False
+    days = {flight.date_time.date() for flight in (there, new) if flight.date_time}
+    timed = all(flight.date_time and flight.date_time.time() != time() for flight in (there, new))
+    return len(days) <= 1 and not timed
+
+
+def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[Choice]) -> None:
+    """Add the files of an arrival to a flight, or leave it where its files are a flight of their own after all."""
+    from fieldkit.ledger import Renewal
+
+    flight, entered, log = ledger.flight(id), ledger.entered(id), ledger.log(id)
+    kept = [Original.of(one) for one in ((log,) if log is not None else ()) + tuple(ledger.other_logs(id))]
+    digests = {one.digest for one in kept}
+    new = [one for one in (arrival.log, *arrival.others) if one and one.digest not in digests]
+    if not new:
+        sorting.there += _is_there(flight, arrival, sorting)
+        return
+    kinds = [set(one.extra.get(KINDS, "").split()) for one in (flight, arrival.flight)]
+    if not kept or (kinds[1] and kinds[0] >= kinds[1]):
+        sorting.new.append(arrival)
+        return
+    contents = [zlib.decompress(one.packed) for one in (*kept, *new)]
+    try:
+        read = which(flight, read_kept(contents, id, format_of(flight), choices), id)
+    except (DamagedLog, UnknownFormat, LedgerError) as error:
+        sorting.new.append(arrival)
+        sorting.notes.append(
+            f"{arrival.source}: is of the flight {id}, but cannot be read with its other files: {error}"
+        )
+        return
+    fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
+    given = {name: value for name, value in (arrival.given or {}).items() if getattr(flight, name) in (None, "", ())}
+    again = None if entered is None else renewed(entered, None, fresh)
+    sorting.renewals.append(Renewal(id, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new)))
+    sorting.notes.append(f"{arrival.source}: is a further file of the flight {id}, and was added to it")
+
+
+def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:
+    """Whether the flight has all that an arrival says; else the arrival is left for the ledger to object to."""
+    said = {name: value for name, value in (arrival.given or {}).items() if name != "extra" and value not in (None, "")}
+    if all(getattr(flight, name) == value for name, value in said.items()):
+        return True
+    sorting.new.append(arrival)
+    return False

@@ -1,0 +1,145 @@
+"""Files on their way into the ledger: what a parser reads, with the original bytes and the logs that a table names."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path, PurePosixPath, PureWindowsPath
+
+from fieldkit import files
+from fieldkit.capture import is_capture, logs_in
+from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
+from fieldkit.flight import BY_NAME, FIELDS, READOUTS, Flight
+from fieldkit.importing import Choice, Mapped, Rejected
+from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
+from fieldkit.importing.read import read, read_together
+from fieldkit.importing.to_flights import CheckMotor
+
+
+@dataclass(frozen=True, slots=True)
+class Gathered:
+    """What files hold for a ledger, before one is opened: nothing of their bytes is left but packed."""
+
+    arrivals: tuple[Arrival, ...]
+    rejected: tuple[Rejected, ...]
+    notes: tuple[str, ...]
+    mapped: tuple[Mapped, ...] = ()
+
+
+def gather(
+    paths: Sequence[Path],
+    check_motor: CheckMotor,
+    *,
+    format: str | None = None,
+    defaults: Mapping[str, object] | None = None,
+    choices: Sequence[Choice] = (),
+) -> Gathered:
+    """Read files for one import; `defaults` are fields for flights that leave them open.
+
+    `choices` say which columns of a table of samples are what, best first.
+
+    Raises FieldkitError for a file that cannot be used at all, before anything is taken from any.
+    """
+    folders: list[Path] = []
+    originals: list[Original] = []
+
+    def one_by_one() -> Iterator[tuple[str, bytes]]:
+        for path in paths:
+            for name, content in _logs(path):
+                yield name, content
+                folders.append(path.parent)
+                originals.append(Original.of(content))  # read by now, and let go: it may be long
+
+    intakes = read_together(one_by_one(), check_motor, format, choices)
+    by_digest = {original.digest: original for original in originals}
+    arrivals: list[Arrival] = []
+    rejected: list[Rejected] = []
+    notes: list[str] = []
+    for folder, original, intake in zip(folders, originals, intakes, strict=True):
+        name = intake.source
+        rejected += intake.rejected
+        notes += intake.notes
+        for flight, row in zip(intake.flights, intake.rows, strict=True):
+            given = _left_open(flight, defaults or {})
+            others = tuple(by_digest[one] for one in flight.extra.get(OTHER_LOGS, "").split() if one in by_digest)
+            arrival = Arrival(flight.with_changes(**given), original, name, row, given, others)
+            try:
+                arrival, remarks = _with_log(arrival, folder, check_motor)
+            except BadValue as error:
+                rejected.append(Rejected(name, row, "log", str(error)))
+            else:
+                arrivals.append(arrival)
+                notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
+    mapped = tuple(one for intake in intakes for one in intake.mapped)
+    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped)
+
+
+def _logs(path: Path) -> list[tuple[str, bytes]]:
+    """What parsers read of a file, with names: the file itself, or the logs in it where it is a capture."""
+    if is_capture(path):
+        return [(log.name, log.content) for log in logs_in(path)]
+    return [(_name(path), read_file(path))]
+
+
+def _name(path: Path) -> str:
+    """A file's name for messages and the ledger, also where it is not written in Unicode."""
+    return os.fsencode(path).decode("utf-8", "replace")
+
+
+def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
+    """Defaults for the fields that a flight leaves open."""
+    empty = (None, "", ())
+    return {f: v for f, v in defaults.items() if getattr(flight, f) in empty}
+
+
+def read_file(path: Path) -> bytes:
+    """The bytes of a log or a table. Raises DamagedLog that says why they cannot be read."""
+    try:
+        return files.read(path)
+    except OSError as error:
+        found = f"cannot be read ({error.strerror}), expected a log or a flight table"
+        raise DamagedLog(found, source=_name(path)) from error
+
+
+def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:
+    """An arrival with the bytes and the readouts of the log it names, and what is to be said of that log.
+
+    Raises BadValue for a log outside the folder of its table, wherever links lead.
+    """
+    flight = arrival.flight
+    if not flight.log:
+        return arrival, []
+    try:
+        content = files.read(_inside(folder, flight.log), plain=True)
+    except OSError as error:
+        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
+    try:
+        found = read(content, flight.log, check_motor)
+    except (UnknownFormat, DamagedLog) as error:
+        return replace(arrival, log=Original.of(content), given=None), [f"kept but not read: {error}"]
+    measured = {column.name for column in READOUTS if flight.number(column.name) is None}
+    row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
+    filled = _filled(flight, found.flights)
+    return replace(arrival, flight=filled, log=Original.of(content), given=row), list(found.notes)
+
+
+def _inside(folder: Path, log: str) -> Path:
+    """The file that a table in a folder names, on whatever system it was written. Raises BadValue for one outside."""
+    elsewhere = any(kind(log).anchor for kind in (PurePosixPath, PureWindowsPath))  # also a share on a network
+    if not elsewhere:
+        as_named = folder / log
+        path = as_named if os.path.exists(as_named) else folder.joinpath(*PureWindowsPath(log).parts)
+        if path.resolve().is_relative_to(folder.resolve()):
+            return path.resolve()
+    raise BadValue(f"found the log {log!r}, expected a path inside the folder of the table")
+
+
+def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
+    """A flight with the readouts and extra columns that its row leaves open, where the log is of one flight."""
+    found = list(found)
+    if len(found) != 1:
+        return flight
+    if not found[0].extra:
+        return flight.with_changes(**(found[0].readouts() | flight.readouts()))
+    typed = {BY_NAME[name].sd_header for name in flight.readouts()}
+    extra = {name: text for name, text in found[0].extra.items() if name not in typed} | dict(flight.extra)
+    return flight.with_changes(**(found[0].readouts() | flight.readouts()), extra=extra)

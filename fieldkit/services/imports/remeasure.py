@@ -1,0 +1,150 @@
+"""The files of a flight of the ledger, read again from the bytes that it keeps, and what is measured otherwise now."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import COLUMNS, READOUTS, Column, Flight
+from fieldkit.importing import Choice, Reading
+from fieldkit.importing.companion_files import KINDS, same_moment
+from fieldkit.importing.incoming import OTHER_LOGS
+from fieldkit.importing.read import read_kept, read_recordings
+from fieldkit.importing.recognize import parsers
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+
+FIRST_FILE = ("log_format", "log_part", OTHER_LOGS)
+"""Extra columns that say which parser reads the file that came first, and which of its flights this is."""
+
+
+@dataclass(frozen=True, slots=True)
+class Remeasured:
+    """A flight as the ledger has it, as it came in if it was edited since, and both as its files are read now.
+
+    `kept` names the readouts that the flyer typed or edited, which stay, though the files say otherwise.
+    """
+
+    id: str
+    flight: Flight
+    entered: Flight | None
+    renewed: Flight
+    renewed_entered: Flight | None
+    kept: tuple[str, ...] = ()
+
+    @property
+    def changes(self) -> Mapping[str, tuple[float | None, float | None]]:
+        """Readouts that change: the figure there is and the one measured now. [SI]"""
+        pairs = {c.name: (self.flight.number(c.name), self.renewed.number(c.name)) for c in READOUTS}
+        return {name: (old, new) for name, (old, new) in pairs.items() if old != new}
+
+    @property
+    def others(self) -> tuple[str, ...]:
+        """Columns that change and are no readouts: a date, the firmware, an uncertainty."""
+        fields = [c.name for c in COLUMNS if c not in READOUTS] + ["date_time"]
+        found = [name for name in fields if getattr(self.flight, name) != getattr(self.renewed, name)]
+        old, new = self.flight.extra, self.renewed.extra
+        return (*found, *(name for name in {**old, **new} if old.get(name) != new.get(name)))
+
+
+def remeasured(ledger: "Ledger", id: str, choices: Sequence[Choice] = ()) -> Remeasured | None:
+    """A flight of the ledger with its files read again; None where it has none with samples.
+
+    `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an id that means
+    no flight or a log that does not say which of its flights it is, DamagedLog or UnknownFormat for one that no
+    parser reads any more.
+    """
+    flight, log = ledger.flight(id), ledger.log(id)
+    if log is None or "log_format" not in flight.extra:
+        return None
+    fresh = read_kept([log, *ledger.other_logs(id)], id, format_of(flight), choices)
+    entered = ledger.entered(id)
+    read = as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, ""))
+    kept = tuple(c.name for c in READOUTS if _stays(c, flight, entered, read))
+    again = None if entered is None else renewed(entered, None, read)
+    return Remeasured(id, flight, entered, renewed(flight, entered, read), again, kept)
+
+
+def recordings_of(ledger: "Ledger", id: str, choices: Sequence[Choice] = ()) -> list[Reading]:
+    """The readings of all files of a flight of the ledger, its own among them; none where it has no file.
+
+    Raises as `remeasured` does.
+    """
+    flight, log = ledger.flight(id), ledger.log(id)
+    if log is None:
+        return []
+    return read_recordings(log, id, format_of(flight), choices, ledger.other_logs(id))
+
+
+def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
+    """Which of the flights read in files a flight is: by its lift-off, else by its number among them.
+
+    Raises LedgerError where that cannot be told.
+    """
+    found = list(fresh)
+    if len(found) > 1:
+        found = [one for one in fresh if same_moment(flight.date_time, one.date_time)]
+    if len(found) != 1:
+        found = [one for one in fresh if one.extra.get("log_part", "") == flight.extra.get("log_part", "")]
+    if len(found) != 1:
+        raise LedgerError(f"{id}: its log holds {len(fresh)} flights now, and none of them is surely this one")
+    return found[0]
+
+
+def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
+    """A flight as read again, with what tells how the ledger keeps its files: the first of them, and the `others`."""
+    ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
+    extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
+    return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))
+
+
+def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
+    """A flight with what its files say now, where the flyer has said nothing; `entered` is it before any edit.
+
+    A figure is the files' own where it bears an uncertainty or is what the device stated, or where there was none.
+    """
+    was = entered or flight
+    changes: dict[str, object] = {}
+    for column in READOUTS if was.log else COLUMNS:  # a row that names a log takes its readouts alone
+        if _open_to(column, flight, was):
+            changes[column.name] = fresh.number(column.name)
+    if flight.date_time is None and was.date_time is None and not was.log:
+        changes["date_time"] = fresh.date_time
+    stays = {c.sd_header for c in READOUTS if c.name not in changes}
+    ours = {header for c in READOUTS for header in (c.sd_header, c.stated_header)}
+    ours |= {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
+    extra = {name: text for name, text in flight.extra.items() if name not in ours or name in fresh.extra}
+    for name, text in fresh.extra.items():
+        if name not in stays and flight.extra.get(name) == was.extra.get(name):
+            extra[name] = text
+    return flight.with_changes(**changes, extra={name: text for name, text in extra.items() if name not in stays})
+
+
+def _open_to(column: Column, flight: Flight, was: Flight) -> bool:
+    """Whether a figure is the files' to say."""
+    value = was.number(column.name)
+    if flight.number(column.name) != value:
+        return False  # edited
+    if value is None:
+        return True
+    return column in READOUTS and from_files(column, was)
+
+
+def from_files(column: Column, flight: Flight) -> bool:
+    """Whether a readout was measured in a log, or is what its device stated."""
+    value = flight.number(column.name)
+    stated = flight.extra.get(column.stated_header)
+    return column.sd_header in flight.extra or (value is not None and stated == column.render(value))
+
+
+def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight) -> bool:
+    """Whether the flyer's own figure stays where the files say another."""
+    mine, theirs = flight.number(column.name), fresh.number(column.name)
+    return theirs is not None and mine != theirs and not _open_to(column, flight, entered or flight)
+
+
+def format_of(flight: Flight) -> str | None:
+    """The parser that read the first file of a flight, None where there is no such parser any more."""
+    known = flight.extra.get("log_format")
+    return known if known in parsers() else None

@@ -1,0 +1,98 @@
+"""A flight being typed in, at a prompt or on a screen: what is offered, how units carry over, how it ends."""
+
+from datetime import datetime
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import Column, Flight
+from fieldkit.flight.plausibility import middles
+from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, answer_text, read_answer
+from fieldkit.ledger import Added, Ledger
+from fieldkit.ledger.sites import site_of
+from fieldkit.motors import is_cluster
+
+WEATHER = ("wind", "temperature")
+"""Questions whose answers belong to the day."""
+DRAFT = "add"
+UNITS = "units"
+"""Names under which the ledger keeps what was typed so far, and the units that were typed last."""
+
+
+def kind(column: Column) -> str:
+    """Columns that are likely to be typed in one unit: heights are, a height and a diameter are not."""
+    return f"{column.quantity} {column.unit}"
+
+
+def typed_unit(text: str) -> str:
+    """The unit written behind a number, empty where there is none: `ft` of `923 ft`."""
+    return text.strip().lstrip("+-.,0123456789eE ")
+
+
+def with_unit(text: str, unit: str) -> str:
+    """A typed number with the unit it is meant in; a text that has one, or is no number, as it is."""
+    return text if text in ("", NOTHING) or typed_unit(text) else text + unit
+
+
+def offer(ledger: Ledger, flight: Flight, question: Question) -> str:
+    """What the last flight like this one suggests as an answer, as one would type it."""
+    if question.name == "tags":
+        return "cluster" if is_cluster(flight.motor) else ""
+    if not question.offered:
+        return ""
+    if question.name in WEATHER:
+        return _weather(ledger, question.name)
+    rocket = None if question.name == "rocket" else flight.rocket
+    config = flight.config if question.name == "dry_mass" else None
+    last = ledger.latest(rocket, config)
+    if last is None and question.name == "site":
+        last = ledger.latest()
+    return answer_text(last, question.name) if last else ""
+
+
+def _weather(ledger: Ledger, name: str) -> str:
+    """What the last flight of this very day had: weather belongs to a flight, and the next one's is likely the same."""
+    last = ledger.latest()
+    same_day = last is not None and last.date_time is not None and last.date_time.date() == datetime.now().date()
+    return answer_text(last, name) if last is not None and same_day else ""
+
+
+def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
+    """A flight with what is offered for the questions that were not answered."""
+    for question in QUESTIONS:
+        if question.offered and question.name not in answered and flight.rocket:
+            value = read_answer(question.name, offer(ledger, flight, question))
+            flight = flight.with_changes(**{question.name: value})
+    return flight
+
+
+def usual(ledger: Ledger, flight: Flight) -> dict[str, float]:
+    """The middles of the readouts that the same rocket had on the same motor, whatever its delay; none where one is not
+    said. [SI]"""
+    motor = _without_delay(flight.motor)
+    if not (flight.rocket and motor):
+        return {}
+    return middles(one for one in ledger.flights(flight.rocket) if _without_delay(one.motor) == motor)
+
+
+def _without_delay(motor: str) -> str:
+    return motor.partition("-")[0].strip().casefold()
+
+
+def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
+    """Give a typed flight a number, a time and its site's elevation where it has none, and put it in the ledger.
+
+    Raises BadValue for a flight without a rocket or without anything that was observed of it.
+    """
+    if not flight.rocket:
+        raise BadValue("the answers ended before the rocket was named, nothing was added")
+    if not (flight.readouts() or flight.tags):
+        raise BadValue("found no readout and no tag, expected at least one; nothing was added")
+    if flight.site and flight.site_elevation is None:
+        flight = flight.with_changes(site_elevation=site_of(ledger, flight.site).elevation)
+    flight = flight.with_changes(
+        flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
+        date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),
+    )
+    added = ledger.add([flight], command="add", draft=draft)
+    if added.conflicts:
+        raise BadValue(added.conflicts[0].error)
+    return flight, added

@@ -1,0 +1,97 @@
+"""Which forecast a flight is measured against: the one made for it, or for a flight like it just before."""
+
+from collections.abc import Callable, Sequence
+from datetime import datetime, time, timedelta
+from functools import cache
+
+from fieldkit.errors import UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.ledger import Prediction
+from fieldkit.motors import Catalogue, Found
+from fieldkit.services.provenance import plan_changes, plan_parts
+
+LAPSES = timedelta(days=14)
+"""A forecast without a flight's name is taken to be of a flight no later than this after it."""
+
+
+def made_for(
+    flights: Sequence[Flight], predictions: Sequence[Prediction], motors: Catalogue
+) -> list[Prediction | None]:
+    """The forecast of each flight as it was said beforehand, None where nothing was.
+
+    One that names the flight wins; of several the last. Else it is one of the same rocket, configuration and motor
+    made in the two weeks before the flight: that whose mass and conditions are most like the flight's, then the
+    last. One that rests on the flight was not made beforehand.
+    """
+    motor_of = _motors(motors)
+    named: dict[tuple[str, str], list[Prediction]] = {}
+    alike: dict[tuple[str, str, object], list[Prediction]] = {}
+    for one in predictions:
+        if "apogee_m" not in one.payload:
+            continue  # a replay of what would have been said
+        if one.flight_id:
+            named.setdefault((one.rocket, one.flight_id), []).append(one)
+        else:
+            key = (one.rocket, one.payload.get("config", ""), motor_of(one.payload.get("motor", "")))
+            alike.setdefault(key, []).append(one)
+    found: list[Prediction | None] = []
+    for flight in flights:
+        said = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
+        if not said and alike:
+            like = alike.get((flight.rocket, flight.config, motor_of(flight.motor)), ())
+            said = [one for one in like if in_time(one, flight) and not _knew(one, flight)]
+            said.sort(key=lambda one: (-_differences(one, flight, motors), one.number))
+        found.append(said[-1] if said else None)
+    return found
+
+
+def in_time(prediction: Prediction, flight: Flight) -> bool:
+    """Whether a forecast was made in the two weeks before a flight; a date alone means the end of that day."""
+    if flight.date_time is None:
+        return False
+    whole_day = flight.date_time.time() == time()
+    latest = flight.date_time + timedelta(days=1) * whole_day
+    return latest - LAPSES <= _local(prediction.at) <= latest
+
+
+def _knew(prediction: Prediction, flight: Flight) -> bool:
+    return flight.flight_id in prediction.payload.get("made_from", {}).get("flights", ())
+
+
+def _differences(prediction: Prediction, flight: Flight, motors: Catalogue) -> int:
+    made = prediction.payload.get("made_from")
+    found = resolved(motors, flight)
+    if made is None or found is None:
+        return 0
+    return len(list(plan_changes(made, plan_parts(flight, found), flown=True)))
+
+
+def resolved(motors: Catalogue, flight: Flight) -> Found | None:
+    """A flight's motor, None for a cluster or one that nobody knows."""
+    try:
+        return motors.resolve(flight.motor)
+    except UnknownMotor:
+        return None
+
+
+def _motors(motors: Catalogue) -> Callable[[str], object]:
+    """The motor that a text means, whatever its delay and however it is written; else the text."""
+
+    @cache
+    def motor_of(text: str) -> object:
+        found = resolved(motors, Flight(motor=text))
+        return found.motor if found else text
+
+    return motor_of
+
+
+def residual(flight: Flight, prediction: Prediction | None) -> float | None:
+    """Flown less forecast apogee, None where one is missing. [m]"""
+    if prediction is None or flight.apogee is None:
+        return None
+    return flight.apogee - float(prediction.payload["apogee_m"]["p50"])
+
+
+def _local(moment: datetime) -> datetime:
+    """A moment as the clock at the field shows it, as flights have it."""
+    return moment.astimezone().replace(tzinfo=None)

@@ -1,0 +1,155 @@
+"""What a prediction is made from, part by part, and what of it is no longer so.
+
+A part is a few named texts, in the units of the flight table, so that a prediction that has become stale can say
+why: `dry mass was 322 g, is 330 g`. Flights that taught the model are kept as a digest each, of what the model reads
+of them. The digest of a prediction is of all parts together.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Mapping, Sequence
+
+from fieldkit import __version__
+from fieldkit.flight import BY_NAME, CHECKED, COLUMNS, CONDITIONS, Column, Flight
+from fieldkit.ledger import Start
+from fieldkit.motors import Found, Motor
+from fieldkit.quantities import spelled
+from fieldkit.units import unit
+
+Parts = Mapping[str, Mapping[str, str]]
+"""Name of a part to its texts by name."""
+
+OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
+"""Parts that the flyer decides, and that a flight can differ in from its prediction."""
+FROM_DESIGN, DRAG = ("dry_mass", "diameter"), "Cd"
+"""What a plan may take over from the design of its rocket: columns, and the name of the coefficient."""
+TEACHES, FLOWN_ONLY = "+", "-"
+"""Before the digest of a flight: whether it teaches the model, or only counts as flown."""
+
+
+def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
+    """The parts that the flyer decides: of a plan with everything that it takes over from earlier flights."""
+    delay = found.delay if found.delay is not None else plan.delay
+    return {
+        "mass": _columns(plan, ["dry_mass"]),
+        "configuration": {"config": plan.config, **_columns(plan, ["diameter"])},
+        "motor": {
+            "motor": f"{found.motor.maker} {found.motor.designation}",
+            "delay_s": "" if delay is None else f"{delay:g}",
+            "thrust": motor_digest(found.motor),
+        },
+        "conditions": _columns(plan, [column.name for column in CONDITIONS]),
+    }
+
+
+def model_parts(history: Sequence[Flight], name: str, version: int | None) -> dict[str, dict[str, str]]:
+    """The parts that the model decides: its version, None for the one that is asked for by name, and its flights."""
+    asked = {"name": name} if version is None else {"name": name, "version": str(version)}
+    return {
+        "model": {**asked, "fieldkit": __version__},
+        "flights": {flight.flight_id: flight_digest(flight) for flight in history if flight.readouts()},
+    }
+
+
+def design_parts(start: Start | None, plan: Flight) -> dict[str, dict[str, str]]:
+    """The part that the rocket's design decides: its Cd, and of mass and diameter what the plan has from it."""
+    known = _design(start)
+    taken = {header: text for header, text in _columns(plan, FROM_DESIGN).items() if text and text == known.get(header)}
+    return {"design": {DRAG: known.get(DRAG, ""), **taken}}
+
+
+def design_changes(made: Parts, start: Start | None) -> Iterator[str]:
+    """What is no longer so of the rocket's design, a phrase each."""
+    now = _design(start)
+    for name, old in made.get("design", {}).items():
+        if old != now.get(name, ""):
+            yield f"the design's {_change(name, old, now.get(name, ''))}"
+
+
+def _design(start: Start | None) -> dict[str, str]:
+    if start is None:
+        return {}
+    drag = "" if start.cd is None else f"{start.cd:.6g}"
+    return {DRAG: drag, **_columns(Flight(dry_mass=start.dry_mass, diameter=start.diameter), FROM_DESIGN)}
+
+
+def digest(parts: Parts) -> str:
+    """SHA-256 of everything that a prediction is made from, in hex."""
+    return hashlib.sha256(json.dumps(parts, sort_keys=True).encode()).hexdigest()
+
+
+def flight_digest(flight: Flight) -> str:
+    """Eight hex digits of what the model reads of a flight, behind a sign for whether it teaches."""
+    when = flight.date_time.isoformat() if flight.date_time else ""
+    read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
+    read += [CHECKED] * (CHECKED in flight.tags)
+    return (TEACHES if flight.clean else FLOWN_ONLY) + _short(json.dumps(read))
+
+
+def motor_digest(motor: Motor) -> str:
+    """Eight hex digits of a motor's thrust curve and masses: a file of the flyer's own may change under its name."""
+    numbers = [*motor.time.tolist(), *motor.thrust.tolist(), motor.propellant_mass, motor.casing_mass]
+    return _short(json.dumps([f"{number:.6g}" for number in numbers]))
+
+
+def plan_changes(made: Parts, now: Parts, *, flown: bool) -> Iterator[str]:
+    """What the flyer changed of a plan, a phrase each.
+
+    Of a flight that was flown only what both know is compared: a temperature that nobody foretold is no change.
+    """
+    for part in OF_THE_PLAN:
+        for name, new in now[part].items():
+            old = made[part].get(name, "")
+            if old == new or (flown and not (old and new)):
+                continue
+            yield _change(name, old, new)
+
+
+def _change(name: str, old: str, new: str) -> str:
+    """`dry mass was 322 g, is 330 g`."""
+    if name == "thrust":
+        return "the thrust curve of the motor is another"
+    column = next((column for column in COLUMNS if column.header == name), None)
+    title, unit = (column.title.lower(), f" {spelled(column.unit)}") if column else (name, "")
+    before, after = (f"{text}{unit}" if text else "not said" for text in (old, new))
+    return f"{title} was {before}, is {after}"
+
+
+def model_changes(made: Parts, now: Parts) -> Iterator[str]:
+    """What changed of the model and of the flights that it learned from, a phrase each."""
+    for name, old in made["model"].items():
+        new = now["model"].get(name, "")
+        if name == "version" and old != new:
+            yield f"{_version(old)} gave way to {_version(new)}"
+        elif name == "fieldkit" and new and old != new:
+            yield f"made by fieldkit {old}, this is {new}"
+    before, after = made["flights"], now["flights"]
+    for one, old in before.items():
+        if one not in after:
+            yield f"flight {one} is gone"
+        elif after[one][0] != old[0]:
+            yield f"flight {one} {'teaches again' if after[one][0] == TEACHES else 'is tagged'}"
+        elif after[one] != old:
+            yield f"flight {one} was edited"
+    if new_ones := [one for one in after if one not in before]:
+        several = f"flights {', '.join(new_ones[:4])}{' and more' if len(new_ones) > 4 else ''}"
+        yield f"{several if len(new_ones) > 1 else f'flight {new_ones[0]}'} came in since"
+
+
+def _version(number: str) -> str:
+    return "the plain model" if number == "0" else f"model version {number}"
+
+
+def _columns(flight: Flight, names: Sequence[str] | Mapping[str, object]) -> dict[str, str]:
+    """Numbers of a flight as texts under their headers, empty where not recorded."""
+    return {column.header: _text(column, flight.number(column.name)) for column in COLUMNS if column.name in names}
+
+
+def _text(column: Column, value: float | None) -> str:
+    if value is None:
+        return ""
+    return f"{unit(column.quantity, column.unit).from_si(value):.6g}"
+
+
+def _short(text: str) -> str:
+    return hashlib.sha256(text.encode()).hexdigest()[:8]

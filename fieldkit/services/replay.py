@@ -1,0 +1,106 @@
+"""Logs played again: the samples of a flight of the ledger, or of a file, and what is measured in them."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from types import MappingProxyType
+
+from fieldkit.analysis import Figure, Recorded, measure, measured_sd
+from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
+from fieldkit.flight import Flight
+from fieldkit.importing import Reading
+from fieldkit.importing.companion_files import same_moment
+from fieldkit.importing.read import read, read_recordings
+from fieldkit.importing.reading import Choice
+from fieldkit.importing.to_flights import derived_id
+from fieldkit.ledger import Ledger
+from fieldkit.services.imports import read_file, recordings_of
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Recording:
+    """A flight as something recorded it: its name, what kind of thing it is, its samples and what they tell.
+
+    `reading` is None for a flight of which only readouts are known.
+    """
+
+    name: str
+    kind: str
+    reading: Reading | None
+    recorded: Recorded
+    stated: Mapping[str, float] = field(default_factory=lambda: MappingProxyType({}))
+    """Readouts that the device stated. [SI]"""
+
+
+def recording_of(ledger: Ledger, id: str, choices: Sequence[Choice] = ()) -> Recording | None:
+    """The samples of a flight of the ledger, read again from the bytes that it keeps; None where it has none.
+
+    `choices` say which columns of a table of samples are what, best first.
+    Raises LedgerError for an id that means no flight, and where a log of several flights does not say which it is.
+    """
+    flight = ledger.flight(id)
+    try:
+        readings = recordings_of(ledger, id, choices)
+    except (DamagedLog, UnknownFormat):
+        return None
+    readings = [one for one in readings if one.describes == "flight"] or readings
+    if not readings:
+        return None
+    return _recording(id, _part(flight, readings, id))
+
+
+def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
+    """Which of a log's readings a flight is: by its lift-off, its number among them, or its name."""
+    if len(same := [one for one in readings if same_moment(one.stated.get("date_time"), flight.date_time)]) == 1:
+        return same[0]
+    part = flight.extra.get("log_part", "1" if len(readings) == 1 else "")
+    if part.isdecimal() and 1 <= int(part) <= len(readings):
+        return readings[int(part) - 1]
+    named = [one for one in readings if one.stated.get("flight_id") == flight.flight_id]
+    if len(named) != 1:
+        raise LedgerError(f"{id}: its log holds {len(readings)} flights and none of them is called so")
+    return named[0]
+
+
+def recordings(
+    ledger: Ledger | None, what: str, format: str | None = None, choices: Sequence[Choice] = ()
+) -> list[Recording]:
+    """What a file holds, or the flight of the ledger that an id means, as recordings to be compared.
+
+    A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError where there
+    is neither such a file nor such a flight.
+    """
+    path = Path(what)
+    if path.is_file():
+        return _in_file(path, format, choices)
+    if ledger is None:
+        raise NoFlights(f"{what}: there is no such file")
+    found = recording_of(ledger, what, choices)
+    return [found or _by_readouts(ledger.flight(what), what)]
+
+
+def _in_file(path: Path, format: str | None, choices: Sequence[Choice]) -> list[Recording]:
+    log = read_file(path)
+    try:
+        readings = read_recordings(log, path.name, format, choices)
+    except DamagedLog:
+        flights = read(log, path.name, lambda motor: None, format).flights
+        if not flights:
+            raise
+        return [_by_readouts(flight, flight.flight_id or derived_id(flight)) for flight in flights]
+    many = len(readings) > 1
+    return [_recording(f"{path.name}#{n}" if many else path.name, one) for n, one in enumerate(readings, start=1)]
+
+
+def _recording(name: str, reading: Reading) -> Recording:
+    kind = "simulation" if reading.describes == "simulation" else reading.device or "log"
+    stated = {key: value for key, value in reading.stated.items() if isinstance(value, float)}
+    return Recording(name, kind, reading, measure(reading.clocks, reading.events), stated)
+
+
+def _by_readouts(flight: Flight, name: str) -> Recording:
+    """A flight of which only readouts are known; one that was typed in has no uncertainty of its own."""
+    figures = {
+        key: Figure(value, measured_sd(key, flight.extra) or 0.0, "readout") for key, value in flight.readouts().items()
+    }
+    return Recording(name, "readouts", None, Recorded(figures=figures))

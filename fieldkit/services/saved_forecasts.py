@@ -1,0 +1,163 @@
+"""Kept predictions beside what became of them: the flight that came in, or what has changed since they were made."""
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import Any, Literal
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, Past, Prediction, Start
+from fieldkit.motors import Catalogue
+from fieldkit.services.forecasts import followed, start_among, used_version
+from fieldkit.services.match_forecasts import LAPSES, made_for, residual, resolved
+from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
+
+State = Literal["open", "stale", "flown", "replaced", "lapsed"]
+STANDING: tuple[State, ...] = ("open", "stale", "flown")
+"""States of predictions that are told where not all are asked for."""
+
+
+@dataclass(frozen=True, slots=True)
+class Kept:
+    """A prediction as it was made, the flight that it is of, and what changed before that flight came in.
+
+    `changes` are phrases, empty where everything that it was made from is still so. `over` says that no flight
+    will be measured against it any more: a later prediction took its place, or two weeks went by.
+    """
+
+    made: Prediction
+    flight: Flight | None
+    changes: tuple[str, ...]
+    over: State | None = None
+
+    @property
+    def stale(self) -> bool:
+        """Whether something that it was made from is no longer so, or was not when the flight came in."""
+        return bool(self.changes)
+
+    @property
+    def state(self) -> State:
+        """In a word."""
+        if self.flown is not None:
+            return "flown"
+        return self.over or ("stale" if self.stale else "open")
+
+    @property
+    def interval(self) -> tuple[float, float, float]:
+        """The apogee foretold, at 5, 50 and 95 %. [m]"""
+        at = self.made.payload["apogee_m"]
+        return float(at["p05"]), float(at["p50"]), float(at["p95"])
+
+    @property
+    def flown(self) -> float | None:
+        """The apogee that was flown. [m]"""
+        return self.flight.apogee if self.flight else None
+
+    @property
+    def miss(self) -> float | None:
+        """Flown less foretold. [m]"""
+        return residual(self.flight, self.made) if self.flight else None
+
+    def json(self) -> dict[str, Any]:
+        """The prediction, what it was made from by digest, and what became of it."""
+        payload = {key: value for key, value in self.made.payload.items() if key not in ("made_from", "likely_m")}
+        return payload | {
+            "number": self.made.number,
+            "at": self.made.at.isoformat(),
+            "digest": self.made.digest,
+            "state": self.state,
+            "stale": self.stale,
+            "changes": list(self.changes),
+            "flown": {"flight_id": self.flight.flight_id, "apogee_m": self.flown, "miss_m": self.miss}
+            if self.flight
+            else None,
+        }
+
+
+def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[Kept]:
+    """Every prediction of a rocket, or of all, oldest first; once for each flight that is measured against it."""
+    predictions = [one for one in ledger.predictions(rocket) if "apogee_m" in one.payload]
+    flights = ledger.flights(rocket) if predictions else []
+    pairs = [
+        (said.number, flight)
+        for flight, said in zip(flights, made_for(flights, predictions, motors), strict=True)
+        if said is not None
+    ]
+    flown = [flight for _, flight in pairs if flight.apogee is not None]
+    pasts = {id(flight): past for flight, past in zip(flown, ledger.before(flown), strict=True)}
+    now = {one: Past(tuple(ledger.flights(one)), used_version(ledger, one)) for one in {p.rocket for p in predictions}}
+    starts = {one: ledger.starts(one) for one in now}
+    later = _replaced(predictions)
+    found: list[Kept] = []
+    for one in predictions:
+        own: list[Flight | None] = [flight for number, flight in pairs if number == one.number]
+        for flight in own or [None]:
+            past = pasts.get(id(flight)) or now[one.rocket]
+            over = later.get(one.number) or ("lapsed" if flight is None and _lapsed(one) else None)
+            changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, starts[one.rocket])]
+            found.append(Kept(one, flight, tuple(changes), over))
+    return found
+
+
+def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> Kept | None:
+    """The prediction that a flight is measured against, or None where none was made."""
+    return by_flight(kept(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
+
+
+def by_flight(found: Sequence[Kept]) -> dict[tuple[str, str], Kept]:
+    """Predictions by the rocket and flight_id of the flight that is measured against each."""
+    return {(one.flight.rocket, one.flight.flight_id): one for one in found if one.flight}
+
+
+def in_words(one: Kept) -> Iterator[str]:
+    """What was foretold for a flight and what was flown, a line each."""
+    low, middle, high = one.interval
+    said = f"{middle:.0f} m, 90 % between {low:.0f} and {high:.0f} m"
+    yield f"foretold {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
+    if one.flown is not None and one.miss is not None:
+        way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
+        yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} of the interval"
+    if one.stale:
+        yield f"stale {'by then' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
+
+
+def _replaced(predictions: Sequence[Prediction]) -> dict[int, State]:
+    """Predictions that name a flight of which a later one was made."""
+    named = [one for one in predictions if one.flight_id]
+    last = {(one.rocket, one.flight_id): one.number for one in named}
+    return {one.number: "replaced" for one in named if last[one.rocket, one.flight_id] != one.number}
+
+
+def _lapsed(prediction: Prediction) -> bool:
+    return not prediction.flight_id and datetime.now(UTC) - prediction.at > LAPSES
+
+
+def _changes(prediction: Prediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:
+    """What is no longer so, of the plan and of the model as it was when the flight came in, or is now."""
+    made: Parts | None = prediction.payload.get("made_from")
+    if made is None:
+        return  # of an older fieldkit, which did not keep it
+    flown = flight is not None and flight.apogee is not None
+    if flight is not None and (found := resolved(motors, flight)):
+        yield from plan_changes(made, plan_parts(flight, found), flown=flown)
+    history = [one for one, _ in followed(past.flights, motors)]
+    now = model_parts(history, made["model"]["name"], past.version)
+    yield from model_changes(made, now if not flown else {**now, "model": now["model"] | {"fieldkit": ""}})
+
+
+def _redesigned(prediction: Prediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
+    """What changed of the rocket's design while the prediction is open: what it was at a flight is not kept."""
+    made: Parts | None = prediction.payload.get("made_from")
+    if made is None or (flight is not None and flight.apogee is not None):
+        return
+    config = made["configuration"].get("config", "")
+    yield from design_changes(made, start_among(starts, Flight(rocket=prediction.rocket, config=config)))
+
+
+def standing(found: Sequence[Kept]) -> str:
+    """How many there are of each kind, in words."""
+    counts = Counter(one.state for one in found)
+    stale = sum(one.stale for one in found if one.state == "flown")
+    words = [f"{count} {state}" for state, count in counts.items()]
+    return ", ".join(words) + (f" ({stale} of the flown were stale by then)" if stale else "")

@@ -1,0 +1,1 @@
+"""Studies of the methods: the reference paper put to the test."""

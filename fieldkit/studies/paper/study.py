@@ -1,0 +1,117 @@
+"""The reference study: where the published bias comes from, part by part, and what remains when it is gone."""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import rocket_model
+from fieldkit.model.readout_data import observe
+from fieldkit.motors import catalogue
+from fieldkit.physics.flight import apogees, fly
+from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resampled
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.shapes import Array, Float
+from fieldkit.studies.paper.assumption_steps import Step, step, worlds
+from fieldkit.studies.paper.reference import Reference, reference
+from fieldkit.studies.paper.report import Report, report
+from fieldkit.studies.paper.two_flights import TwoFlights, two_flights
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """A share of the published bias, its name and the mean over the eight flights. [m]"""
+
+    title: str
+    share: float
+
+
+@dataclass(frozen=True, slots=True)
+class Ejection:
+    """From apogee to ejection by the delay in the motor's name [s], what that costs, and with a short delay. [m]"""
+
+    after_apogee: float
+    cost: float
+    cost_short: float
+
+
+SHORT_DELAY = 0.2
+"""By which a certified delay may fall short (NFPA 1125). [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Study:
+    """Everything on the page: the paper's report, the steps from its physics to ours, the parts, what remains."""
+
+    report: Report
+    flights: Reference
+    steps: tuple[Step, ...]
+    parts: tuple[Part, ...]
+    lowered: tuple[float, ...]
+    """By how much each step lowers the apogees of the published Cd and alpha, in the mean. [m]"""
+    ejection: Ejection
+    loop: Diagnosis
+    left_out: Judged
+    left_out_after: Judged
+    pair: TwoFlights
+
+
+def study() -> Study:
+    """Compute the study from the twelve flights and what was published of them."""
+    every = reference()
+    valid = every.part(every.valid)
+    loop = _loop(every.flights)
+    steps = tuple(step(world, valid) for world in worlds())
+    flown = [one.world.heights(valid, valid.published_cd, valid.published_alpha).mean() for one in steps]
+    return Study(
+        report(),
+        valid,
+        steps,
+        parts_of(valid, steps),
+        tuple(float(before - after) for before, after in zip(flown[:1] + flown[:-1], flown, strict=True)),
+        _ejection(valid),
+        loop,
+        judge(loop.forecasts_before, loop.data.values[:, 0], loop.data.seen[:, 0]),
+        judge(loop.forecasts_after, loop.data.values[:, 0], loop.data.seen[:, 0]),
+        two_flights(every),
+    )
+
+
+def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[Part, ...]:
+    """Shares that add up to the published bias: the network's own, a step of the physics each, and what is left."""
+    bias = [float((one.rebuilt - flights.apogee).mean()) for one in steps]
+    published = float((flights.published_apogee - flights.apogee).mean())
+    moved = [
+        Part(after.world.title, before_bias - after_bias)
+        for before_bias, after_bias, after in zip(bias, bias[1:], steps[1:], strict=False)
+    ]
+    network = Part("the published network in place of the exact posterior", published - bias[0])
+    return (*moved, Part("shrinkage towards the prior, left in the exact posterior", bias[-1]), network)
+
+
+def _loop(flights: tuple[Flight, ...]) -> Diagnosis:
+    """What `fieldkit loop` says on these flights."""
+    found = [catalogue().resolve(flight.motor) for flight in flights]
+    model = rocket_model(flights, found, slack=SEARCH_SLACK)
+    return diagnose(model, observe(flights, [flight.clean for flight in flights]))
+
+
+def _ejection(flights: Reference) -> Ejection:
+    """The flights on the F24-4W at the published Cd and alpha, certified thrust, casing and all."""
+    rows = flights.part(np.array([flight.motor.startswith("F24") for flight in flights.flights]))
+    world = next(one for one in worlds() if one.key == "ejection")
+    setup = world.build(rows, rows.published_cd, rows.published_alpha)
+    free = apogees(setup.with_changes(delay=np.full(len(rows), np.nan)))
+
+    def cost(delay: float) -> float:
+        return float((free - apogees(setup.with_changes(delay=delay * setup.delay))).mean())
+
+    return Ejection(float(fly(setup).apogee_to_eject.mean()), cost(1.0), cost(1.0 - SHORT_DELAY))
+
+
+def interval(misses: Float[Array, "flight"], absolute: bool = False) -> Interval:
+    """The 90 % bootstrap interval of a mean miss. [m]"""
+    values: Any = np.abs(misses) if absolute else misses
+    low, high = np.quantile(values[resampled(len(misses))].mean(axis=1), LEVELS)
+    return float(low), float(high)

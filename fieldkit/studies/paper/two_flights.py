@@ -1,0 +1,230 @@
+"""The two E35 flights: the rocket 126 g lighter flew 5 m higher, where straight flight expects some sixty.
+
+Each effect is asked what it would take on the lighter flight alone, the drag being whatever lets the heavier one
+reach what it reached; and which next flight would tell those apart that could have been it.
+"""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import combinations
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.motors import Found, catalogue
+from fieldkit.physics.effect import Effect, Prior, effects
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.physics.state import Setup
+from fieldkit.shapes import Array, Flags, Float
+from fieldkit.studies.paper.reference import Reference
+
+PAIR = ("1", "4")
+"""The heavier flight (configuration B) and the lighter one (A), both on an E35-5W."""
+ALPHAS = (0.8, 1.0, 1.2)
+"""Thrust factors of the paper's prior at which the expected gain is asked."""
+STRONGEST_WIND = 15.0
+"""Up to which wind is tried. [m/s]"""
+BREEZE = 5.0
+"""A wind that nobody would remark on, the unit in which wind is judged. [m/s]"""
+TRIED = 60
+"""Strengths of each effect."""
+NEAR = 3.0
+"""Within which of the flown apogee a strength must bring the flight: an effect may have a jump there. [m]"""
+TOLD = 2.0
+"""Standard deviations apart from which on two causes are told. [1]"""
+OWN_DRAG = "another drag of configuration A"
+
+
+def _more_drag(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
+
+
+OWN = Effect(
+    title=OWN_DRAG,
+    explains="the payload changes shape or stability as well as mass",
+    unit="share of Cd",
+    prior=Prior(mean=0.0, sd=0.09, low=-0.6, high=3.0),
+    source="the slack that forecasts leave between configurations",
+    tell_apart="fly both configurations on one motor, and write down the coast",
+    setup=_more_drag,
+)
+LIKELY = 2.5
+"""Standard deviations of its prior up to which a strength is called likely. [1]"""
+READOUTS = ("apogee", "top_speed", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+"""What the next flight could write down."""
+WORTH = {"apogee": 16.0, "top_speed": 0.025, "peak_accel": 0.06, "coast_to_apogee": 0.04, "apogee_to_eject": 0.4}
+"""Scatter of single flights and of reading: apogee [m] as these flights have it; top speed, peak and coast by share
+[1], motors and altimeter together; ejection [s], delays being certified to a tenth."""
+
+
+@dataclass(frozen=True, slots=True)
+class Cause:
+    """An effect on the lighter flight alone: the strength that explains it, and how far from believable that is.
+
+    `strength` is nan where none does. `away` is its distance from what was believed, in standard deviations of
+    the prior. `shows` is what the altimeter would show of that flight.
+    """
+
+    effect: str
+    unit: str
+    strength: float
+    away: float
+    shows: Mapping[str, float]
+
+    @property
+    def possible(self) -> bool:
+        """Whether any strength explains it."""
+        return bool(np.isfinite(self.strength))
+
+
+@dataclass(frozen=True, slots=True)
+class TwoFlights:
+    """What was flown, what straight flight expects for each thrust factor, and the causes, the likeliest first."""
+
+    flown_gain: float
+    lighter_by: float
+    expected_gain: Mapping[float, float]
+    causes: tuple[Cause, ...]
+    tells: tuple["Tell", ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Tell:
+    """A readout of the lighter rocket, and how many pairs of likely causes it would tell apart, of so many."""
+
+    readout: str
+    apart: int
+    pairs: int
+
+
+def two_flights(flights: Reference) -> TwoFlights:
+    """The study of the pair."""
+    heavy, light = (next(f for f in flights.flights if f.flight_id == name) for name in PAIR)
+    gains = {alpha: _gain(heavy, light, alpha) for alpha in ALPHAS}
+    causes = sorted(
+        _causes(heavy, light),
+        key=lambda cause: cause.away if cause.possible else np.inf,
+    )
+    return TwoFlights(
+        _apogee(light) - _apogee(heavy),
+        float(heavy.dry_mass or 0) - float(light.dry_mass or 0),
+        gains,
+        tuple(causes),
+        _tells([cause for cause in causes if cause.possible and cause.away < LIKELY]),
+    )
+
+
+def _apogee(flight: Flight) -> float:
+    assert flight.apogee is not None
+    return flight.apogee
+
+
+def _found(flight: Flight) -> Found:
+    return catalogue().resolve(flight.motor)
+
+
+def _setup(flight: Flight, area: float, alpha: float) -> Setup:
+    return field_setup([flight], [_found(flight)], np.array([area]), alpha)
+
+
+def _area(flight: Flight, alpha: float) -> float:
+    """Drag area with which a flight reaches what it reached. [m^2]"""
+    from scipy.optimize import brentq
+
+    def miss(log_area: float) -> float:
+        return float(fly(_setup(flight, np.exp(log_area), alpha)).apogee_shown[0]) - _apogee(flight)
+
+    return float(np.exp(brentq(miss, np.log(1e-5), np.log(0.1), xtol=1e-5)))
+
+
+def _gain(heavy: Flight, light: Flight, alpha: float) -> float:
+    """How much higher the lighter one should have flown. [m]"""
+    shown = fly(_setup(light, _area(heavy, alpha), alpha)).apogee_shown
+    return float(shown[0]) - _apogee(heavy)
+
+
+def _causes(heavy: Flight, light: Flight) -> list[Cause]:
+    """Every effect on the shelf, and a drag of its own for the lighter configuration."""
+    area = _area(heavy, 1.0)
+    flown_between = int(light.flight_id) - int(heavy.flight_id)
+    own = [_cause(name, effect, light, area, flown_between) for name, effect in effects().items()]
+    return [*own, _cause(OWN_DRAG, OWN, light, area, 1)]
+
+
+def _cause(name: str, effect: Effect, light: Flight, area: float, flown_between: int) -> Cause:
+    """The least strength, to either side of nothing, at which the lighter flight comes to what it flew."""
+    told = light.with_changes(**{effect.needs: 1.0}) if effect.needs else light
+    prior = effect.prior
+    low, high = (0.0, STRONGEST_WIND) if effect.needs else _bounds(effect)
+    strengths = np.linspace(low, high, TRIED)
+    miss = _readings(effect, told, area, strengths)["apogee"] - _apogee(light)
+
+    def root(part: Flags) -> float:
+        ends = _crossing(strengths[part], miss[part])
+        return _refined(lambda x: float(_readings(effect, told, area, x)["apogee"][0]) - _apogee(light), ends)
+
+    found = [root(strengths >= 0), root(strengths <= 0)]
+    found = [root for root in found if np.isfinite(root)]
+    if not found:
+        return Cause(name, effect.unit, np.nan, np.inf, {})
+    strength = min(found, key=abs)
+    readings = _readings(effect, told, area, np.array([strength, strength]))
+    shows = {key: float(readings[key][0]) for key in READOUTS}
+    if effect.needs:
+        return Cause(name, "m/s of wind that it turns into", strength, strength / BREEZE, shows)
+    strength /= flown_between if effect.grows else 1
+    away = abs((strength**2 if effect.squared else strength) - prior.mean) / prior.sd
+    return Cause(name, effect.unit, strength, away, shows)
+
+
+def _bounds(effect: Effect) -> tuple[float, float]:
+    """The weakest and the strongest that an effect is believed to be."""
+    low, high = effect.prior.low, effect.prior.high
+    return (0.0, float(np.sqrt(high))) if effect.squared else (low, high)
+
+
+def _crossing(strengths: Array, miss: Array) -> Array:
+    """The pair of strengths nearest to nothing between which a miss changes sign, or none."""
+    order = np.argsort(np.abs(strengths))
+    strengths, miss = strengths[order], miss[order]
+    crossed = np.flatnonzero(miss[1:] * miss[:-1] <= 0)
+    return strengths[crossed[0] : crossed[0] + 2] if len(crossed) else strengths[:0]
+
+
+def _refined(miss: Callable[[Array], float], ends: Array) -> float:
+    from scipy.optimize import brentq
+
+    if not len(ends):
+        return float("nan")
+    root = float(brentq(lambda x: miss(np.array([x])), ends[0], ends[1], xtol=1e-4))
+    return root if abs(miss(np.array([root]))) < NEAR else float("nan")
+
+
+def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> Mapping[str, Array]:
+    """What the altimeter shows of a flight at each strength."""
+    count = len(strengths)
+    setup = field_setup([flight] * count, [_found(flight)] * count, np.full(count, area), 1.0)
+    setup = effect.bend_setup(setup, strengths, [flight] * count)
+    return effect.bend_reading(fly(setup).readouts(), strengths)
+
+
+def _tells(causes: Sequence[Cause]) -> tuple[Tell, ...]:
+    """For each readout, how many pairs of causes it would tell apart, and then for all of them."""
+    pairs = list(combinations(causes, 2))
+    counts = [
+        Tell(name, sum(_apart(one, other, (name,)) > TOLD for one, other in pairs), len(pairs)) for name in READOUTS
+    ]
+    return (*counts, Tell("all five", sum(_apart(one, other, READOUTS) > TOLD for one, other in pairs), len(pairs)))
+
+
+def _apart(one: Cause, other: Cause, readouts: Sequence[str]) -> float:
+    """How far two causes put readouts apart, in standard deviations of single flights."""
+    total = 0.0
+    for name in readouts:
+        a, b = one.shows[name], other.shows[name]
+        if not np.isfinite(a) or not np.isfinite(b):
+            continue
+        ratio = name in ("top_speed", "peak_accel", "coast_to_apogee")
+        total += ((np.log(a / b) if ratio else a - b) / WORTH[name]) ** 2
+    return float(np.sqrt(total))

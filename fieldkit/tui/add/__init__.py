@@ -1,0 +1,1 @@
+"""Typing in a flight on a screen."""

@@ -1,0 +1,196 @@
+"""The form of the page Add without its widgets: what is offered, what was answered, what is odd, and how it is kept."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from threading import Lock
+from typing import TYPE_CHECKING
+
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.flight import READOUTS, Flight
+from fieldkit.flight.plausibility import IDENTITY, identity
+from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, oddities, read_answer
+from fieldkit.quantities import measure, spelled
+
+if TYPE_CHECKING:
+    from fieldkit.tui.next.desk import Desk
+
+SETUP = ("rocket", "config", "motor", "site")
+"""Asked above the readouts, and offered from the last flight."""
+BY_NAME = {question.name: question for question in QUESTIONS}
+READ = tuple(column.name for column in READOUTS)
+MORE = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
+OTHER = {"SI": "US", "US": "SI", "mixed": "SI"}
+"""The system in which a figure is repeated beside it."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answered:
+    """The answers as a flight, what was wrong with those that cannot be read, by question, and the `usual` readouts of
+    the same rocket on the same motor. [SI]"""
+
+    flight: Flight
+    wrong: Mapping[str, str]
+    usual: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Begun:
+    """What the form begins with: what was typed halfway, the units typed last, what the last flight suggests."""
+
+    draft: Mapping[str, str]
+    units: Mapping[str, str]
+    offers: Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Saved:
+    """The number a flight was added under, empty where it was there already, and what it lacks to tell of drag; or the
+    question at fault, and why."""
+
+    id: str = ""
+    lacks: str = ""
+    wrong: str = ""
+    trouble: str = ""
+
+
+def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[str, float]) -> Answered:
+    """Read all answers; `units` are those of numbers typed without one, `usual` as in `Answered`."""
+    flight, wrong = Flight(), dict[str, str]()
+    for name, text in texts.items():
+        try:
+            value = read_answer(name, "" if text == NOTHING else text, units.get(name, ""))
+            flight = flight.with_changes(**{name: value})
+        except BadValue as error:
+            wrong[name] = str(error)
+    return Answered(flight, wrong, usual)
+
+
+def beside(question: Question, said: Answered, unit: str, system: str) -> str:
+    """What stands beside an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
+    if question.name in said.wrong:
+        return f"✗ {said.wrong[question.name]}"
+    if odd := oddities(said.flight, question.name, said.usual):
+        return f"! {odd[0]}"
+    column = question.column
+    value = said.flight.number(question.name) if column else None
+    if column is None or value is None:
+        return spelled(unit)
+    figures = [measure(column, value, one) for one in (system, OTHER[system])]
+    others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
+    return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)
+
+
+def together(flight: Flight, system: str) -> Iterable[str]:
+    """What the figures say of each other: speed, acceleration and burn time, and ejection against apogee."""
+    ratio = identity(flight)
+    if ratio is not None:
+        fits = IDENTITY[0] <= ratio <= IDENTITY[1]
+        yield f"speed/(average × burn) {ratio:.2f} {'✓' if fits else '! not about 1'}"
+    apogee, eject = flight.apogee, flight.eject_altitude
+    if apogee is not None and eject is not None:
+        below = measure(READOUTS[0], abs(apogee - eject), system)
+        yield f"ejection {below} below apogee ✓" if eject <= apogee * 1.001 else f"! ejection {below} ABOVE apogee"
+
+
+def summary(flight: Flight) -> str:
+    """The flight in a line: `Astra A on F24-4W: 10 of 10 readouts`."""
+    build = " ".join(part for part in (flight.rocket or "rocket not named", flight.config) if part)
+    motor = f" on {flight.motor}" if flight.motor else ""
+    return f"{build}{motor}: {len(flight.readouts())} of {len(READ)} readouts"
+
+
+def lacks(flight: Flight) -> str:
+    """What a flight says nothing of drag and thrust without, empty where it has all of it: `motor and dry mass`."""
+    return " and ".join(BY_NAME[name].title.lower() for name in ("motor", "dry_mass") if not getattr(flight, name))
+
+
+class Draft:
+    """The flight being typed, as the ledger keeps it and takes it in the end.
+
+    Keys are kept by a worker while others are typed: a draft that comes after its flight was saved or forgotten is
+    dropped. All methods may be called from any thread.
+    """
+
+    def __init__(self, desk: "Desk") -> None:
+        self._desk = desk
+        self._lock = Lock()
+        self._units: Mapping[str, str] = {}
+        self.flight = 0
+        """Counts the flights that were typed."""
+        self.shown = False
+        """Whether what the ledger held when the form was opened stands in it; until then it is kept as well."""
+
+    def begin(self) -> Begun:
+        """Take up what was typed halfway."""
+        from fieldkit.services.manual_entry import DRAFT, UNITS
+
+        ledger = self._desk.ledger
+        draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
+        return Begun(draft, self._units, self.offers(draft))
+
+    def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
+        """What the last flight suggests, given what was answered."""
+        from fieldkit.services.manual_entry import offer
+
+        flight, offers = Flight(), dict[str, str]()
+        for question in QUESTIONS:
+            text = answers.get(question.name)
+            if text is None:
+                text = offers[question.name] = offer(self._desk.ledger, flight, question)
+            try:
+                flight = flight.with_changes(**{question.name: read_answer(question.name, text)})
+            except BadValue:
+                continue
+        return offers
+
+    def usual(self, flight: Flight) -> dict[str, float]:
+        """The usual readouts of the same rocket on the same motor. [SI]"""
+        from fieldkit.services.manual_entry import usual
+
+        return usual(self._desk.ledger, flight)
+
+    def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
+        """Keep what was typed of the `flight`-th flight."""
+        from fieldkit.services.manual_entry import DRAFT, UNITS
+
+        self._desk.wake()
+        with self._lock:
+            if flight != self.flight:
+                return
+            ledger = self._desk.ledger
+            before = {} if self.shown else ledger.draft(DRAFT) or {}
+            ledger.keep_draft(DRAFT, {**before, **answers})
+            if units != self._units:
+                ledger.keep_draft(UNITS, dict(units))
+                self._units = units
+
+    def forget(self) -> bool:
+        """Drop what was typed, which undo brings back; False where nothing was."""
+        from fieldkit.services.manual_entry import DRAFT
+
+        with self._lock:
+            self.flight += 1
+            return self._desk.ledger.drop_draft(DRAFT)
+
+    def save(self, said: Answered) -> Saved:
+        """Put the flight in the ledger, if all of it can be read and its motor is known."""
+        from fieldkit.services.manual_entry import DRAFT, enter
+
+        for name, why in said.wrong.items():
+            return Saved(wrong=name, trouble=f"{BY_NAME[name].title}: {why}")
+        if trouble := self.motor_trouble(said.flight.motor):
+            return Saved(wrong="motor", trouble=trouble)
+        try:
+            with self._lock:
+                _, added = enter(self._desk.ledger, said.flight, DRAFT)
+                self.flight += 1
+        except FieldkitError as error:
+            return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
+        return Saved(added.new[0] if added.new else "", lacks(said.flight))
+
+    def motor_trouble(self, name: str) -> str:
+        """Why a motor is not known, empty where it is or none is named."""
+        from fieldkit.motors import is_cluster
+
+        trouble = "" if not name or is_cluster(name) else self._desk.motors.complaint(name)
+        return f"Motor: {trouble}" if trouble else ""

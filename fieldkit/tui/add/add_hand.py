@@ -1,0 +1,73 @@
+"""The field in hand of the page Add: its number in large digits, what it means, what the figures say together."""
+
+from collections.abc import Iterable
+from typing import Self
+
+from textual.containers import Horizontal
+from textual.content import Content
+from textual.geometry import Region
+from textual.widget import Widget
+from textual.widgets import Digits, Static
+
+from fieldkit.importing.manual_entry import Question, oddities
+from fieldkit.quantities import spelled
+from fieldkit.safe_text import printable
+from fieldkit.tui.add.add_form import Answered, summary, together
+from fieldkit.tui.add.fields import Field
+
+
+class Big(Digits):
+    """Digits in a place of their own size, whatever they are: a key lays nothing out anew."""
+
+    def refresh(self, *regions: Region, repaint: bool = True, layout: bool = False, recompose: bool = False) -> Self:
+        """Paint them; a layout that they ask for is left out."""
+        return super().refresh(*regions, repaint=repaint, recompose=recompose)
+
+
+class Hand(Horizontal):
+    """A frame that bears the question, with the number and the words in it."""
+
+    DEFAULT_CSS = """
+    Hand { height: 5; border: round $border; padding: 0 1; }
+    Hand #big { width: 30; height: 3; color: $accent; }
+    Hand #says { width: 1fr; height: 3; }
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """The digits and the words."""
+        yield Big("", id="big")
+        yield Static("", id="says")
+
+    def show(self, field: Field, said: Answered, unit: str, system: str) -> None:
+        """A field, among all the answers; `unit` is that of a number without one."""
+        self._enlarge(field, said, unit)
+        self._say(_meaning(field.question, field.answer, said), said, system)
+
+    def rest(self, said: Answered, system: str) -> None:
+        """No field: the flight in a line, and what Enter does with it."""
+        self.border_title = "Enter saves it" if said.flight.readouts() else "Enter types the next flight"
+        self.border_subtitle = ""
+        self.query_one("#big", Digits).update("")
+        self._say(summary(said.flight), said, system)
+
+    def _say(self, first: str, said: Answered, system: str) -> None:
+        lines = [first, *together(said.flight, system)]
+        self.query_one("#says", Static).update(Content("\n".join(map(printable, lines))), layout=False)
+
+    def _enlarge(self, field: Field, said: Answered, unit: str) -> None:
+        """The number in large digits, its unit in the frame."""
+        from fieldkit.services.manual_entry import typed_unit
+
+        question, text = field.question, field.line.value.strip()
+        known = question.column is not None and said.flight.number(question.name) is not None
+        asked = f" ({spelled(unit)})" if question.column else ""
+        self.border_title = Content(f"{question.title}{asked}")
+        self.border_subtitle = spelled(typed_unit(text)) if known else ""
+        self.query_one("#big", Digits).update(text[: len(text) - len(typed_unit(text))] if known else "")
+
+
+def _meaning(question: Question, answer: str, said: Answered) -> str:
+    """Why an answer cannot be read, what is odd about it, else what the question means."""
+    trouble = said.wrong.get(question.name)
+    odd = oddities(said.flight, question.name, said.usual)
+    return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help

@@ -1,0 +1,95 @@
+"""The lines of the page Add: set-up above, the field in hand large, the ten readouts and the button, the rest below."""
+
+from collections.abc import Iterable, Mapping
+
+from textual.containers import Container, Vertical, VerticalScroll
+from textual.widget import Widget
+from textual.widgets import Button, Input
+
+from fieldkit.tui.add.add_form import BY_NAME, MORE, READ, SETUP
+from fieldkit.tui.add.add_hand import Hand
+from fieldkit.tui.add.fields import Field
+from fieldkit.tui.page import PageScreen
+
+
+class Sheet:
+    """The lines on a page; `touched` names the questions that the flyer has answered there."""
+
+    def __init__(self, page: PageScreen) -> None:
+        self._page = page
+        self._held: Field | None = None
+        self.touched: set[str] = set()
+
+    def body(self) -> Iterable[Widget]:
+        """The widgets, in their order."""
+        with Container(id="setup"):
+            for name in SETUP:
+                yield Field(BY_NAME[name], short=True)
+        yield Hand()
+        with VerticalScroll(id="fields", can_focus=False):
+            with Vertical(id="readouts"):
+                for name in READ:
+                    yield Field(BY_NAME[name])
+                yield SaveButton(self.touched)
+            with Vertical(id="more"):
+                for name in MORE:
+                    yield Field(BY_NAME[name])
+
+    def field(self, name: str) -> Field:
+        """The field of a question."""
+        return self._page.query_one(f"#field-{name}", Field)
+
+    @property
+    def button(self) -> Button:
+        """The one that saves."""
+        return self._page.query_one(SaveButton)
+
+    def answers(self) -> dict[str, str]:
+        """What stands in each line, by question."""
+        return {name: self.field(name).answer for name in BY_NAME}
+
+    def fill(self, texts: Mapping[str, str]) -> None:
+        """Fill lines in which nothing was typed, or was typed and its message is still on the way."""
+        with self._page.prevent(Input.Changed):
+            for name in texts.keys() & BY_NAME.keys() - self.touched:
+                if not self.field(name).typed:
+                    self.field(name).fill(texts[name])
+
+    def clear(self) -> None:
+        """Empty every line."""
+        self.touched.clear()
+        with self._page.prevent(Input.Changed):
+            for name in BY_NAME:
+                self.field(name).fill("")
+
+    def first_empty(self) -> Input:
+        """The first line that is asked and empty: what the flight was, else the first readout not typed."""
+        named = [name for name in SETUP[:3] if not self.field(name).line.value]
+        unread = [name for name in READ if not self.field(name).line.value]
+        return self.field((named or unread or READ)[0]).line
+
+    def take_in_hand(self, widget: Widget | None) -> Field | None:
+        """Set off the field that a line belongs to, and no other."""
+        left, self._held = self._held, field_of(widget)
+        for one in (left, self._held):
+            if one is not None:
+                one.set_class(one is self._held, "-hand")
+        return self._held
+
+
+def field_of(widget: Widget | None) -> Field | None:
+    """The field that a line belongs to."""
+    return widget.parent if widget is not None and isinstance(widget.parent, Field) else None
+
+
+class SaveButton(Button):
+    """The button behind the ten readouts."""
+
+    def __init__(self, touched: set[str]) -> None:
+        super().__init__("Save this flight", id="save", compact=True)
+        self._touched = touched
+
+    @property
+    def enter(self) -> str:
+        """What Enter does, for the key bar."""
+        return "Save" if self._touched else "Next"

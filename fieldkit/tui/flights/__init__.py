@@ -1,0 +1,1 @@
+"""The flights of a ledger on screens: rows, cards, logs, tags, removal."""

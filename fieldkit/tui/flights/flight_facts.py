@@ -1,0 +1,85 @@
+"""What is worked out of one flight: what its readouts say of drag and thrust, and what was forecast for it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, TypeVar
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
+from fieldkit.shapes import Array, Float
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
+
+T = TypeVar("T")
+DRAWS = 4000
+"""Of a posterior, for its picture."""
+
+
+@dataclass(frozen=True, slots=True)
+class Said:
+    """A flight's Cd (or drag area, where the diameter is not known) and thrust factor, and doubts about them."""
+
+    drag: Float[Array, "draw"]
+    drag_name: str
+    thrust: Float[Array, "draw"]
+    warnings: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Foretold:
+    """The apogee as it was forecast, at 5, 50 and 95 % [m], and by whom and when."""
+
+    low: float
+    middle: float
+    high: float
+    by: str
+
+
+def said_by(flight: Flight, motors: "Catalogue") -> Said:
+    """The posterior of a flight. Raises FieldkitError where it can have none."""
+    import numpy as np
+
+    from fieldkit.errors import ImpossibleFlight
+    from fieldkit.inference.network.field_ensemble import infer_field
+
+    if flight.dry_mass is None or not flight.readouts():
+        raise ImpossibleFlight("drag and thrust need the dry mass and at least one readout")
+    found = infer_field([flight], [motors.resolve(flight.motor)])
+    area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
+    if flight.diameter:
+        return Said(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
+    return Said(area * 1e4, "drag area cm²", thrust, found.warnings[0])
+
+
+def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
+    """The forecast that was made for a flight, else the one that the other flights make now.
+
+    Raises FieldkitError where there can be none.
+    """
+    from fieldkit.errors import ImpossibleFlight
+    from fieldkit.services.forecasts import forecast_from_others
+    from fieldkit.services.saved_forecasts import of_flight
+
+    kept = of_flight(ledger, motors, flight)
+    if kept is not None:
+        by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
+        return Foretold(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
+    if not flight.motor:
+        raise ImpossibleFlight("the flight names no motor; e names it: motor=F24-4W")
+    made = forecast_from_others(ledger, motors, flight)
+    low, middle, high = (float(one) for one in made.apogee_quantiles())
+    return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
+
+
+def or_why(work: Callable[[], T]) -> Callable[[], T | str]:
+    """The work, or in one line why there is nothing to be had of it: no fault, and no notice."""
+
+    def tried() -> T | str:
+        try:
+            return work()
+        except FieldkitError as error:
+            return str(error)
+
+    return tried

@@ -1,0 +1,111 @@
+"""The rows of the page Flights: a flight with what is known of it, its columns, and what a filter looks in."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from datetime import datetime
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.flight import Flight
+from fieldkit.quantities import number
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
+
+
+@dataclass(slots=True, eq=False)
+class Row:
+    """A flight with what is shown beside it; `miss` is flown less forecast [m], `drag` and `thrust` come later.
+
+    `stale` says that what the forecast was made from had changed when the flight came in.
+    """
+
+    id: str
+    place: int
+    flight: Flight
+    miss: float | None = None
+    stale: bool = False
+    drag: float | None = None
+    thrust: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """A column of the table: heading, width, what it says of a row, and what it is sorted by."""
+
+    title: str
+    width: int
+    text: Callable[[Row, str], str]
+    order: Callable[[Row], Any]
+    right: bool = False
+
+
+def _number(value: float | None, form: str) -> str:
+    return "" if value is None else format(value, form)
+
+
+def _miss(row: Row, system: str) -> str:
+    if row.miss is None:
+        return ""
+    sign = "+" if row.miss >= 0 else "-"
+    return sign + number(cards.APOGEE, abs(row.miss), system) + "*" * row.stale
+
+
+def _date(form: str) -> Callable[[Row, str], str]:
+    return lambda row, _: f"{row.flight.date_time:{form}}" if row.flight.date_time else ""
+
+
+def columns(width: int) -> list[Shown]:
+    """All ten columns in any width: narrow ones shorten the date and the tags."""
+    wide, tight = width >= 108, width < 76
+    return [
+        Shown("id", 4 if not wide else 8, lambda r, _: r.id, lambda r: r.place),
+        Shown(
+            "date",
+            16 if wide else 5 if tight else 10,
+            _date("%Y-%m-%d %H:%M" if wide else "%m-%d" if tight else "%Y-%m-%d"),
+            lambda r: (r.flight.date_time or datetime.min, r.place),
+        ),
+        Shown("rocket", 14 if wide else 6, lambda r, _: r.flight.rocket, lambda r: r.flight.rocket.lower()),
+        Shown("config" if wide else "cfg", 8 if wide else 3, lambda r, _: r.flight.config, lambda r: r.flight.config),
+        Shown("motor", 14 if wide else 6 if tight else 8, lambda r, _: r.flight.motor, lambda r: r.flight.motor),
+        Shown(
+            "apogee",
+            9 if wide else 7,
+            lambda r, s: number(cards.APOGEE, r.flight.apogee, s) if r.flight.apogee is not None else "",
+            lambda r: r.flight.apogee or 0.0,
+            right=True,
+        ),
+        Shown("Cd", 5 if not tight else 4, lambda r, _: _number(r.drag, ".2f"), lambda r: r.drag or 0.0, right=True),
+        Shown(
+            "α" if tight else "alpha",
+            5 if not tight else 4,
+            lambda r, _: _number(r.thrust, ".2f"),
+            lambda r: r.thrust or 0.0,
+            right=True,
+        ),
+        Shown("miss", 6 if not tight else 5, _miss, lambda r: abs(r.miss) if r.miss is not None else -1.0, right=True),
+        Shown("tags", 0, lambda r, _: " ".join(r.flight.tags), lambda r: " ".join(r.flight.tags)),
+    ]
+
+
+def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
+    """Every flight in the order it was flown, with the miss of the forecast that was made for it."""
+    from fieldkit.services.saved_forecasts import by_flight, kept
+
+    flights = ledger.flights()
+    said = by_flight(kept(ledger, motors))
+    rows = []
+    for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
+        one = said.get((flight.rocket, flight.flight_id))
+        rows.append(Row(id, place, flight, one.miss, one.stale) if one else Row(id, place, flight))
+    return rows
+
+
+def haystack(row: Row) -> str:
+    """What a filter looks in."""
+    flight = row.flight
+    when = flight.date_time.isoformat(" ") if flight.date_time else ""
+    texts = (row.id, flight.rocket, flight.config, flight.motor, flight.site, when, *flight.tags, flight.notes)
+    return " ".join(texts).lower()

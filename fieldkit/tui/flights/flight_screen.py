@@ -1,0 +1,292 @@
+"""One flight: what the altimeter showed, what that says of drag and thrust, its log, and what was forecast."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, SETUP, Flight
+from fieldkit.quantities import measure, number
+from fieldkit.safe_text import printable
+from fieldkit.tui.flights import logged
+from fieldkit.tui.flights.flight_facts import Foretold, foretold, or_why, said_by
+from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
+from fieldkit.tui.flights.removal import REMOVE, remove
+from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.report import ask_report
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.hanging import hanging, stacked
+
+if TYPE_CHECKING:
+    from fieldkit.tui.next.desk import Desk
+
+
+EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
+PLACES = {"figures": "reading ..."} | dict.fromkeys(EMPTY, "")
+"""What stands in each place until more is known of a flight."""
+
+
+class FlightScreen(PageScreen):
+    """A flight opened from the table; `turn_to` says which, any number of times."""
+
+    NAME = "flights"
+    TITLE = "Flight"
+    ABOUT = Help(
+        "Everything known of one flight. On the left what was read off and weighed; beside it what those say "
+        "of drag and thrust, drawn as densities: where the hill is high, there the true value is likely to be. Above, "
+        "what was forecast for it, as an interval that should hold nine flights of ten, and where the flight ended up.",
+        (
+            ("Cd", "Drag of the rocket in this flight. A wide hill means that these readouts cannot tell it well."),
+            ("alpha", "Thrust of this motor over the certified one. 1 is as certified."),
+            ("├──●──┤", "The forecast: 5 %, median and 95 %. The cross ✗ is the apogee that was flown."),
+            ("± 1 m", "How sure a figure is that was measured in a log: two times of three the truth is that near."),
+            ("Log", "Altitude, speed and acceleration against time, an upright line at each event."),
+            ("Also on record", "What the file of the flight said besides, in its own words."),
+            *((column.title, column.help) for column in (*READOUTS, *SETUP, *CONDITIONS)),
+        ),
+        (
+            "fieldkit show FLIGHT",
+            "fieldkit infer FLIGHT",
+            "fieldkit edit FLIGHT apogee=281m",
+            "fieldkit remove FLIGHT",
+            "fieldkit report FLIGHT --out card.html",
+        ),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "back", "Back", priority=True),
+        Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
+        Binding("e", "edit", "Edit", tooltip="Change a column: apogee=281m"),
+        Binding("w", "report", "Report", tooltip="Write the card of this flight for the log book", show=False),
+        REMOVE,
+        Binding("down,up,pagedown,pageup,home,end", "scroll_page", "Scroll", show=False),
+    ]
+    DEFAULT_CSS = """
+    FlightScreen #heading { height: 1; padding: 0 1; text-style: bold; color: $primary; }
+    FlightScreen #all { height: 1fr; padding: 0 1; }
+    FlightScreen #columns { height: auto; }
+    FlightScreen #figures { width: 38; height: auto; }
+    FlightScreen #pictures { width: 1fr; height: auto; }
+    FlightScreen #all Static { height: auto; margin-bottom: 1; }
+    FlightScreen #all #doubts.-none { display: none; }
+    FlightScreen Plot { height: 7; margin-bottom: 1; }
+    FlightScreen.-tall Plot { height: 11; }
+    FlightScreen #hills { height: auto; }
+    FlightScreen #log { height: auto; }
+    FlightScreen #log Plot { height: 9; border-top: solid $border-blurred; margin: 0;
+        border-title-color: $foreground; }
+    FlightScreen.-tall #log Plot { height: 11; }
+    FlightScreen #hills Vertical { height: auto; width: 1fr; }
+    FlightScreen #all #hills Static { margin-bottom: 0; }
+    FlightScreen.-narrow #columns, FlightScreen.-narrow #hills, FlightScreen.-normal #hills { layout: vertical; }
+    FlightScreen.-narrow #figures, FlightScreen.-narrow #pictures { width: 1fr; }
+    FlightScreen.-wide #figures { width: 52; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._flight_id = ""
+        self._flight: Flight | None = None
+        self._text: list[str] = []
+
+    def turn_to(self, id: str) -> None:
+        """Show another flight: what was shown before goes, what is known of this one comes as it is read."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        self._flight_id, self._flight, self._text = id, None, []
+        for question in ("ask", "said", "forecast", "log"):
+            self.workers.cancel_group(self, question)
+        self.begin_anew()
+        for place in self.query(Static):
+            if place.id in PLACES:
+                place.update(PLACES[place.id])
+        for plot in self.query(Plot):
+            plot.show(None)
+        for scrolled in self.query("#all").results(VerticalScroll):
+            scrolled.scroll_home(animate=False, immediate=True)
+
+    def body(self) -> Iterable[Widget]:
+        """One page that scrolls: figures on the left, pictures on the right."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        yield Static(id="heading")
+        with VerticalScroll(id="all"), Horizontal(id="columns"):
+            yield Static(PLACES["figures"], id="figures")
+            with Vertical(id="pictures"):
+                yield Static(id="forecast")
+                with Horizontal(id="hills"):
+                    for name in ("drag", "thrust"):
+                        with Vertical():
+                            yield Static(id=f"{name}-title")
+                            yield Plot(id=name)
+                yield Static(id="doubts", classes="-none")
+                with Vertical(id="log"):
+                    yield Static(id="log-title")
+                    for name in TRACES:
+                        yield Plot(id=f"log-{name}")
+
+    def action_report(self) -> None:
+        """Write the card of this flight."""
+        ask_report(self, self._flight_id)
+
+    def action_remove(self) -> None:
+        """Take this flight out, and show those that are left."""
+        remove(self, self._flight_id, self.dismiss)
+
+    def on_mount(self) -> None:
+        """Keys scroll."""
+        self.set_focus(self.query_one("#all", VerticalScroll))
+
+    def reload(self) -> None:
+        """Read the flight; what follows from it comes when it is worked out."""
+        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
+
+    def _have(self, flight: Flight) -> None:
+        self._flight = flight
+        system = self.desk.settings.units
+        self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
+        blocks = [
+            cards.lines("Readouts", cards.readouts(flight, system), 20),
+            cards.lines("Set-up and conditions", cards.circumstances(flight, system), 20),
+            cards.lines("Tags", cards.tags(flight)) if flight.tags else hanging(["no tags: it teaches the model"]),
+        ]
+        if flight.extra:
+            blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))
+        self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
+        self.query_one("#figures", Static).update(stacked(blocks))
+        self.ask(or_why(partial(hills, flight, self.desk)), self._have_said, "said")
+        self.ask(or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast")
+        self.ask(or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
+
+    def _have_log(self, log: Drawn | str) -> None:
+        from fieldkit.tui.widgets.plots import Plot
+
+        title = self.query_one("#log-title", Static)
+        for name in TRACES:
+            trace = log.traces.get(name) if isinstance(log, Drawn) else None
+            plot = self.query_one(f"#log-{name}", Plot)
+            plot.display = trace is not None
+            if trace is not None and isinstance(log, Drawn) and len(trace.time) > 1:
+                plot.border_title = Content(trace.title)
+                plot.show(partial(draw_trace, trace, log.events, log.span))
+        if isinstance(log, str):
+            title.update(Content(printable(log)))
+            return
+        events = sorted(log.events.items(), key=lambda one: one[1])
+        marks = ", ".join(f"{name} {time:.2f} s" for name, time in events)
+        title.update(Content.assemble(("Log", "b $primary"), f"  {printable(log.device)}\n{printable(marks)}"))
+        self._text.append(f"Log  {marks}")
+
+    def _have_said(self, said: "Hills | str") -> None:
+        from fieldkit.tui.widgets.plots import Plot
+
+        for plot in self.query("#hills Plot"):
+            plot.display = not isinstance(said, str)
+        if isinstance(said, str):
+            self.query_one("#drag-title", Static).update(Content(printable(said)))
+            return
+        for name, title, draw in said.drawn:
+            self.query_one(f"#{name}-title", Static).update(Content(title).stylize("bold"))
+            self.query_one(f"#{name}", Plot).show(draw)
+            self._text.append(title)
+        doubts = self.query_one("#doubts", Static)
+        doubts.set_class(not said.warnings, "-none")
+        doubts.update(hanging(f"! {line}" for line in said.warnings))
+
+    def _have_forecast(self, said: Foretold | str) -> None:
+        place = self.query_one("#forecast", Static)
+        if isinstance(said, str) or self._flight is None:
+            place.update(Content(f"no forecast: {printable(str(said))}"))
+            return
+        system, flown = self.desk.settings.units, self._flight.apogee
+        low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
+        parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
+        parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
+        parts.append((f"{measure(cards.APOGEE, said.middle, system)}, 90 % in {low} to {high}", "b"))
+        if flown is not None:
+            inside = "inside" if said.low <= flown <= said.high else "outside"
+            off = measure(cards.APOGEE, abs(flown - said.middle), system)
+            way = "higher" if flown >= said.middle else "lower"
+            parts.append(f"\nflown {measure(cards.APOGEE, flown, system)}: {off} {way}, {inside} the interval")
+        row = Interval("", said.low, said.middle, said.high, flown)
+        parts.append(("\n" + bar(row, *row.ends, 36), "$accent"))
+        content = Content.assemble(*parts)
+        self._text.append(content.plain)
+        place.update(content)
+
+    def action_tag(self) -> None:
+        """Choose tags."""
+        from fieldkit.tui.flights.tag_screen import TagScreen
+
+        if self._flight is not None:
+            self.app.push_screen(TagScreen(self._flight_id, self._flight))
+
+    def action_edit(self) -> None:
+        """Type changes as `fieldkit edit` takes them."""
+        from fieldkit.tui.widgets.dialogs import AskText
+
+        names = ", ".join(list(BY_NAME)[:3])
+        about = f"COLUMN=VALUE, several apart by ;  such as apogee=281m; wind=2 m/s ({names}, ...). Empty clears."
+        self.app.push_screen(AskText(f"Change flight {self._flight_id}", "", about), self._edited)
+
+    def _edited(self, text: str | None) -> None:
+        if not text or self._flight is None:
+            return
+        flight = self._flight
+
+        def change() -> Flight:
+            from fieldkit.errors import BadValue
+            from fieldkit.importing.manual_entry import read_changes
+
+            pairs = [part.partition("=") for part in text.split(";") if part.strip()]
+            if not all(sign for _, sign, _ in pairs):
+                raise BadValue(f"found {text!r}, expected COLUMN=VALUE such as apogee=281m")
+            changes = read_changes(flight, {name.strip(): value.strip() for name, _, value in pairs})
+            motor = str(changes.get("motor", ""))
+            if motor and (complaint := self.desk.motors.complaint(motor)):
+                raise BadValue(f"motor: {complaint}")
+            return self.desk.ledger.edit(self._flight_id, **changes)
+
+        self.change(change, self._changed)
+
+    def _changed(self, flight: Flight) -> None:
+        self.tell(
+            f"{self._flight_id} changed; u takes it back"
+            if flight != self._flight
+            else f"{self._flight_id} is so already"
+        )
+        self.field_app.changed()
+
+    def copied(self) -> str:
+        """The flight as a card of text."""
+        return "\n\n".join(self._text)
+
+
+@dataclass(frozen=True, slots=True)
+class Hills:
+    """Drag and thrust as they are drawn: their places, what stands above them, the densities; and doubts about them."""
+
+    drawn: tuple[tuple[str, str, Callable[[Any, Any], None]], ...]
+    warnings: tuple[str, ...]
+
+
+def hills(flight: Flight, desk: "Desk") -> Hills:
+    """The posterior of a flight as it is drawn. Raises FieldkitError where it can have none."""
+    from fieldkit.tui.widgets.plots import draw_density
+
+    said = said_by(flight, desk.motors)
+    drawn = tuple(
+        (
+            place,
+            f"{title}  {values.mean():.3f} ± {values.std():.3f}",
+            draw_density(values, [(float(values.mean()), "")], lambda value: f"{value:.2f}"),
+        )
+        for place, title, values in (("drag", said.drag_name, said.drag), ("thrust", "alpha", said.thrust))
+    )
+    return Hills(drawn, said.warnings)

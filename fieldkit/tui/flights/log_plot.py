@@ -1,0 +1,92 @@
+"""The log of a flight as it is drawn: its channels against time, with a line at each event."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.flight import BY_NAME
+from fieldkit.tui.widgets.plots import spaced
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+
+
+@dataclass(frozen=True, slots=True)
+class Trace:
+    """One channel of a log, thinned to what a screen can show, in the units it is drawn in."""
+
+    title: str
+    time: list[float]
+    values: list[float]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawn:
+    """A log as it is drawn: its channels, and its events by name and time from the start of the clock. [s]"""
+
+    device: str
+    traces: dict[str, Trace]
+    events: dict[str, float]
+
+    @property
+    def span(self) -> tuple[float, float]:
+        """From the first sample to the last, whatever the channel: one axis for all. [s]"""
+        ends = [(trace.time[0], trace.time[-1]) for trace in self.traces.values() if trace.time]
+        return min((first for first, _ in ends), default=0.0), max((last for _, last in ends), default=0.0)
+
+
+TRACES = ("altitude", "speed", "acceleration")
+"""What is drawn of a log, from top to bottom."""
+POINTS = 400
+"""Samples that are drawn of a channel: more than the widest screen has dots."""
+
+
+def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
+    """The log of a flight as traces, or in words why there is none to draw."""
+    import numpy as np
+
+    from fieldkit import units
+    from fieldkit.quantities import spelled, unit_of
+    from fieldkit.services.replay import recording_of
+
+    found = recording_of(ledger, id)
+    if found is None or found.reading is None:
+        return "no log with samples is kept with this flight"
+    columns = {"altitude": BY_NAME["apogee"], "speed": BY_NAME["top_speed"], "acceleration": BY_NAME["peak_accel"]}
+    climb = found.recorded.climb
+    traces: dict[str, Trace] = {}
+    for name, column in columns.items():
+        clock = next((one for one in found.reading.clocks if getattr(one, name) is not None), None)
+        if clock is not None:
+            time, values = clock.time, getattr(clock, name)
+        elif climb is not None:
+            time, values = climb.time, getattr(climb, "height" if name == "altitude" else name)
+        else:
+            continue
+        good = np.isfinite(values)
+        every = max(1, int(good.sum()) // POINTS)
+        unit = unit_of(column, system)
+        scale = units.unit(column.quantity, unit)
+        measured = "" if clock is not None else ", from the heights"
+        traces[name] = Trace(
+            f"{name} [{spelled(unit)}]{measured}",
+            time[good][::every].tolist(),
+            [scale.from_si(value) for value in values[good][::every].tolist()],
+        )
+    return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
+
+
+def draw_trace(trace: Trace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
+    """A channel against the time of the whole log, with a line at each event; its name stands below."""
+    plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
+    first, last = span
+    inside = {name: time for name, time in events.items() if first <= time <= last}
+    low, high = min(trace.values), max(trace.values)
+    for time in inside.values():
+        plt.plot([time, time], [low, high], marker="│", color=ink.mark)
+    ends = {f"{last:.0f} s": last}
+    named = sorted((time, name) for name, time in {**inside, **ends}.items())
+    labels = spaced(named, first, last, ink.width)
+    plt.xticks(list(labels), list(labels.values()))
+    plt.xlim(first, last)
+    at = (low, (low + high) / 2, high)
+    plt.yticks(at, [f"{value:7.1f}" for value in at])  # as wide as each other, so that times stand below each other

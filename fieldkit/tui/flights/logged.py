@@ -1,0 +1,63 @@
+"""What a log brought beside the readouts, in the words of a flyer: how sure a readout is, what the device stated."""
+
+from collections.abc import Mapping
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.flight import READOUTS, Column, Flight
+from fieldkit.importing.incoming import OTHER_LOGS
+from fieldkit.quantities import measure, number, spelled, unit_of
+
+TIME_TO_APOGEE = ("time_to_apogee_s", "time_to_apogee_sd_s")
+SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g": "g"}
+"""Units that the name of an extra column may end in, as they are printed."""
+
+
+def readout(flight: Flight, column: Column, system: str) -> str:
+    """A readout, with its standard deviation where it was measured in a log: `162.8 ± 1 m`; empty without one."""
+    value = flight.number(column.name)
+    sd = _figure(flight.extra.get(column.sd_header, ""))
+    if value is None or sd is None:
+        return measure(column, value, system)
+    own, unit = units.unit(column.quantity, column.unit), unit_of(column, system)
+    shown = units.unit(column.quantity, unit)
+    spread = shown.from_si(own.to_si(sd)) - shown.from_si(own.to_si(0.0))
+    return f"{number(column, value, system)} ± {spread:.2g} {spelled(unit)}"
+
+
+def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
+    """The extra columns of a flight, name and value; standard deviations stand behind what they are of."""
+    left = {name: text for name, text in extra.items() if name not in {c.sd_header for c in READOUTS}}
+    lines = [
+        (f"{c.title}, stated", _stated(c, left.pop(c.stated_header), system))
+        for c in READOUTS
+        if c.stated_header in left
+    ]
+    time, spread = (left.pop(name, "") for name in TIME_TO_APOGEE)
+    if time:
+        lines.append(("Time to apogee", f"{time}{f' ± {spread}' if spread else ''} s"))
+    if others := left.pop(OTHER_LOGS, ""):
+        lines.append(("Other logs of it", str(len(others.split()))))
+    return lines + [_worded(name, text) for name, text in left.items()]
+
+
+def _stated(column: Column, text: str, system: str) -> str:
+    """What a device stated, in the flyer's units."""
+    try:
+        return measure(column, column.parse(text), system)
+    except BadValue:
+        return text
+
+
+def _worded(name: str, text: str) -> tuple[str, str]:
+    """A column's name as words; a unit it ends in goes behind the figure."""
+    suffix = next((one for one in SUFFIXES if name.endswith(one) and _figure(text) is not None), "")
+    words = name.removesuffix(suffix).replace("_", " ").strip()
+    return words[:1].upper() + words[1:], f"{text} {SUFFIXES[suffix]}" if suffix else text
+
+
+def _figure(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None

@@ -1,0 +1,108 @@
+"""Beside the tags of a flight: what the one under the cursor means and does, and what the tags do to the forecast."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import KNOWN_TAGS, TAGS
+from fieldkit.quantities import measure
+from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
+
+OWN = "another ..."
+"""The row for a tag of one's own."""
+NAMED = 12
+"""Flights that bear a tag which are named one by one."""
+
+
+@dataclass(frozen=True, slots=True)
+class Shift:
+    """What is known of the rocket with the tags as they are: Cd, and the next flight on the same motor."""
+
+    forecast: "Prediction"
+
+    def lines(self, system: str) -> list[tuple[str, str]]:
+        """Cd, apogee and what they rest on."""
+        one = self.forecast
+        low, middle, high = (measure(cards.APOGEE, float(x), system) for x in one.apogee_quantiles())
+        return [
+            ("Cd", f"{one.cd.mean():.3f} ± {one.cd.std():.3f}"),
+            ("next apogee", f"{middle}, 90 % between {low} and {high}"),
+            ("rests on", f"{one.rests_on} clean flights"),
+        ]
+
+    def apogee(self, name: str) -> Interval:
+        """The next apogee as a line. [m]"""
+        return Interval(name, *(float(x) for x in self.forecast.apogee_quantiles()))
+
+    def drag(self, name: str) -> Interval:
+        """Cd as a line."""
+        import numpy as np
+
+        return Interval(name, *(float(x) for x in np.quantile(self.forecast.cd, (0.05, 0.5, 0.95))))
+
+
+class TagCard(VerticalScroll):
+    """The tag in hand above, what all tags of the flight do below."""
+
+    DEFAULT_CSS = """
+    TagCard { padding: 0 1; }
+    TagCard Static { height: auto; margin-bottom: 1; }
+    TagCard Plot { height: 12; border-top: solid $border-blurred; border-title-color: $foreground; }
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """Words and lines; a plot comes to stand below."""
+        for name in ("tag", "drag", "apogee"):
+            yield Static(id=f"card-{name}")
+
+    def show_tag(self, tag: str, there: bool, bearers: Sequence[str]) -> None:
+        """What a tag means, whether the flight bears it, and which flights of the rocket do."""
+        more = f" and {len(bearers) - NAMED} more" if len(bearers) > NAMED else ""
+        pairs = [
+            ("means", meaning(tag)),
+            (
+                "does",
+                "a flight with it teaches the model no more" if tag in TAGS else "the flight still teaches the model",
+            ),
+            ("here", "" if tag == OWN else "this flight bears it" if there else "this flight does not bear it"),
+            ("borne by", ", ".join(bearers[:NAMED]) + more if bearers else ""),
+        ]
+        self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
+
+    def show_shift(self, before: Shift, now: Shift, system: str) -> None:
+        """Cd and the next apogee before this list was opened, and now."""
+        from fieldkit.tui.widgets.plots import Plot, draw_density
+
+        same = before.forecast is now.forecast
+        for name, title, spelled in (
+            ("drag", "Cd of the rocket, 90 % and ● the middle", lambda value: f"{value:.2f}"),
+            ("apogee", "Apogee of its next flight on this motor", lambda value: measure(cards.APOGEE, value, system)),
+        ):
+            rows = (
+                [getattr(now, name)("with these")]
+                if same
+                else [getattr(before, name)("before"), getattr(now, name)("now")]
+            )
+            self.query_one(f"#card-{name}", Static).update(Intervals(tuple(rows), spelled, {}, title))
+        plot = next(iter(self.query(Plot)), None)
+        if plot is None:
+            plot = Plot()
+            self.mount(plot)
+        marks = [(float(place), "") for place in now.forecast.apogee_quantiles()]
+        plot.border_title = Content("its next apogee as the tags are now")
+        plot.show(draw_density(now.forecast.apogee, marks, lambda value: measure(cards.APOGEE, value, system)))
+
+
+def meaning(tag: str) -> str:
+    """What a tag means, in words."""
+    own = "type a tag of your own, such as windy" if tag == OWN else "your own: it is kept"
+    return KNOWN_TAGS.get(tag, own)

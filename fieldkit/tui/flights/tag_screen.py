@@ -1,0 +1,165 @@
+"""Tags of a flight: a list that explains each, and what they do to Cd and the next forecast as soon as one changes."""
+
+from collections.abc import Iterable
+from functools import partial
+from typing import ClassVar
+
+from textual import events, on
+from textual.binding import Binding, BindingType
+from textual.containers import Horizontal, Vertical
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import KNOWN_TAGS, Flight
+from fieldkit.safe_text import printable
+from fieldkit.tui.flights.tag_card import OWN, Shift, TagCard, meaning
+from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.table import Head, Table
+
+
+class TagScreen(PageScreen):
+    """A row a tag; Enter or the space bar puts it on or takes it off, at once and undoable."""
+
+    NAME = "flights"
+    TITLE = "Tags"
+    ABOUT = Help(
+        "A tag says that something was odd. A flight that bears one of these stays in the ledger and does not teach "
+        "the model any more. Below the list you see what that does to the rocket's drag and to the forecast of its "
+        "next flight on the same motor, before you opened this list and now. u takes back, any number of times.",
+        tuple(KNOWN_TAGS.items()),
+        ("fieldkit tag FLIGHT TAG", "fieldkit untag FLIGHT TAG", "fieldkit undo"),
+    )
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("space", "toggle_tag", "On/off", show=False),
+        Binding("escape", "back", "Done", priority=True),
+    ]
+    DEFAULT_CSS = """
+    TagScreen #which { height: auto; padding: 0 1; text-style: bold; }
+    TagScreen #left { width: 1fr; }
+    TagScreen TagCard { width: 40%; min-width: 62; display: none; border-left: solid $border-blurred; }
+    TagScreen.-wide TagCard { display: block; }
+    TagScreen.-wide #means { display: none; }
+    TagScreen Table { height: 1fr; min-height: 5; }
+    TagScreen.-tall Table { height: 14; margin-bottom: 1; }
+    TagScreen #means { height: auto; padding: 0 1; }
+    TagScreen #effect { height: auto; max-height: 9; padding: 0 1; border-top: solid $border-blurred; }
+    """
+
+    def __init__(self, id: str, flight: Flight) -> None:
+        super().__init__()
+        self._flight_id, self._flight = id, flight
+        self._before: Shift | None = None
+        self._now: Shift | None = None
+        self._bearers: dict[str, list[str]] = {}
+
+    def body(self) -> Iterable[Widget]:
+        """The flight, the tags, the effect; beside them, where there is room, the tag in hand."""
+        yield Static(id="which")
+        with Horizontal():
+            with Vertical(id="left"):
+                yield Table(id="tags", enter="On/off")
+                yield Static(id="means")
+                yield Static("working out what the tags do ...", id="effect")
+            yield TagCard()
+
+    def on_mount(self) -> None:
+        """The list is there before the first key can be; keys go to it."""
+        self._list(self._flight)
+        self.set_focus(self.query_one(Table))
+
+    def reload(self) -> None:
+        """Read the flight and what the model makes of the tags."""
+        self.ask(self._read, self._have)
+
+    def _read(self) -> tuple[Flight, dict[str, list[str]]]:
+        """The flight, and the flights of its rocket by the tags that they bear."""
+        flight = self.desk.ledger.flight(self._flight_id)
+        bearers: dict[str, list[str]] = {}
+        for one in self.desk.ledger.flights(flight.rocket):
+            for tag in one.tags:
+                bearers.setdefault(tag, []).append(one.flight_id)
+        return flight, bearers
+
+    def _have(self, read: tuple[Flight, dict[str, list[str]]]) -> None:
+        flight, self._bearers = read
+        self._list(flight)
+        self.ask(partial(self._shift, flight), self._have_shift, "effect")
+
+    def _list(self, flight: Flight) -> None:
+        """The tags, with a mark at those that the flight bears."""
+        self._flight = flight
+        self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
+        own = [tag for tag in flight.tags if tag not in KNOWN_TAGS]
+        rows = {
+            tag: ("" if tag == OWN else "[x]" if tag in flight.tags else "[ ]", tag, meaning(tag))
+            for tag in (*KNOWN_TAGS, *own, OWN)
+        }
+        self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
+        self._moved()
+
+    def _shift(self, flight: Flight) -> Shift:
+        from fieldkit.services.forecasts import predict_plans
+
+        plan = Flight(rocket=flight.rocket, config=flight.config, motor=flight.motor, dry_mass=flight.dry_mass)
+        (forecast,) = predict_plans(self.desk.ledger, self.desk.motors, [plan], keep=False)
+        return Shift(forecast)
+
+    def _have_shift(self, shift: Shift) -> None:
+        self._before, self._now = self._before or shift, shift
+        system = self.desk.settings.units
+        before, now = self._before.lines(system), shift.lines(system)
+        rows = [
+            (name, old if old == new else f"{old}\n{'':13}now {new}")
+            for (name, old), (_, new) in zip(before, now, strict=True)
+        ]
+        parts: list[str | tuple[str, str]] = [("With these tags", "b $primary")]
+        for name, text in rows:
+            parts += ["\n", (f"{name:13}", "$text-muted"), (text, "b")]
+        self.query_one("#effect", Static).update(Content.assemble(*parts))
+        self._beside()
+
+    def _beside(self) -> None:
+        """The same drawn, where there is room."""
+        if self.has_class("-wide") and self._before is not None and self._now is not None:
+            self.query_one(TagCard).show_shift(self._before, self._now, self.desk.settings.units)
+
+    def on_resize(self, _event: events.Resize) -> None:
+        """There may be room now."""
+        self.call_later(self._beside)  # once the screen knows how wide it is called
+
+    @on(Table.Moved)
+    def _moved(self) -> None:
+        """What the tag under the cursor means."""
+        tag = self.query_one(Table).current
+        self.query_one("#means", Static).update(Content(printable(f"{tag}: {meaning(tag)}")))
+        self.query_one(TagCard).show_tag(tag, tag in self._flight.tags, self._bearers.get(tag, []))
+
+    @on(Table.Chosen)
+    def action_toggle_tag(self) -> None:
+        """Put the tag under the cursor on the flight, or take it off."""
+        tag = self.query_one(Table).current
+        if tag == OWN:
+            self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
+        else:
+            self._change(tag)
+
+    def _own(self, text: str | None) -> None:
+        if text and text.strip():
+            self._change(text.strip())
+
+    def _change(self, tag: str) -> None:
+        """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
+
+        def work() -> None:
+            ledger = self.desk.ledger
+            there = tag in ledger.flight(self._flight_id).tags
+            (ledger.untag if there else ledger.tag)(self._flight_id, tag)
+
+        self.change(work, lambda _: self.field_app.changed())
+
+    def copied(self) -> str:
+        """The tag under the cursor and what it means."""
+        return self.query_one(Table).current_text()

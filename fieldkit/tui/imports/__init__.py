@@ -1,0 +1,1 @@
+"""What an import shows before and after it."""

@@ -1,0 +1,219 @@
+"""Files on the page Import: a folder's files, what one would bring, and storing it."""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from textual.content import Content
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
+from fieldkit.safe_text import printable
+from fieldkit.tui.flights import logged
+from fieldkit.tui.setup.design_look import SUFFIX, design_at
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.bars import shortened
+from fieldkit.tui.widgets.hanging import Hanging
+
+if TYPE_CHECKING:
+    from fieldkit.importing.reading import Choice
+    from fieldkit.ledger import Start
+    from fieldkit.services.imports import Receipt
+    from fieldkit.tui.next.desk import Desk
+
+Parts = list[str | tuple[str, str]]
+MOST, NOTES = 200, 6
+"""Flights or rejected rows, and notes, that are listed."""
+WIDE = 44
+"""Cells for the names of flights, before their apogees."""
+UP = Path("..")
+"""The row that leads to the folder above."""
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """What a file would bring: the format it was recognised as, and the receipt of a dry run; or why it would not.
+
+    Of a design it is what a rocket would `start` with, in `words`.
+    """
+
+    path: Path
+    format: str
+    receipt: "Receipt | None"
+    trouble: str = ""
+    start: "Start | None" = None
+    words: tuple[str, ...] = ()
+    flights: tuple[Flight, ...] = ()
+    """Those that it holds and that can be taken, the ones there already among them."""
+
+
+@dataclass(frozen=True, slots=True)
+class Reading:
+    """How files are read: the parser by name, None for the one that recognises it; what they leave open; what the
+    columns of a table are, as typed (`altitude=Alt (ft)`)."""
+
+    format: str | None = None
+    given: Mapping[str, str] = field(default_factory=dict)
+    columns: tuple[str, ...] = ()
+    marked: tuple[Path, ...] = ()
+    """Files that are read together: several logs of one flight."""
+
+    def together(self, path: Path) -> tuple[Path, ...]:
+        """The files that are read with one of them in hand."""
+        return self.marked if path in self.marked else (path,)
+
+    def defaults(self) -> dict[str, object]:
+        """What files leave open, as fields of a flight. Raises BadValue."""
+        from fieldkit.importing.manual_entry import read_changes
+
+        return read_changes(Flight(), self.given)
+
+    def named(self) -> "list[Choice]":
+        """The columns as they are named here. Raises BadValue."""
+        from fieldkit.importing.tables.mapping import read_choice
+
+        return [read_choice(self.columns)] if self.columns else []
+
+
+def told(folder: Path) -> str:
+    """A folder as it is named above its files."""
+    return str(folder)
+
+
+def listed(folder: Path) -> list[Path]:
+    """Folders and then files, without hidden ones. Raises FieldkitError where they cannot be read."""
+    try:
+        found = [path for path in folder.iterdir() if not path.name.startswith(".")]
+        return [UP, *sorted(found, key=lambda path: (not path.is_dir(), path.name.lower()))]
+    except OSError as error:
+        raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
+
+
+def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
+    """What a file would bring; nothing is stored."""
+    from fieldkit.importing.recognize import parsers, recognise
+    from fieldkit.services.imports import read_file
+
+    try:
+        if path.suffix.lower() == SUFFIX:
+            start, words = design_at(path, reading.given, desk.settings.units)
+            return Look(path, "OpenRocket design", None, start=start, words=words)
+        receipt, flights = _bring_in(desk, path, reading, dry_run=True)
+    except FieldkitError as error:
+        return Look(path, "", None, by_keys(str(error)))
+    if (count := len(reading.together(path))) > 1:
+        return Look(path, f"{count} files together", receipt, flights=flights)
+    try:
+        parser = recognise(read_file(path), reading.format, path.name)
+    except FieldkitError:
+        return Look(path, "a table of samples, by its columns", receipt, flights=flights)
+    name = next(name for name, one in parsers().items() if one is parser)
+    return Look(path, f"{parser.title} ({name})", receipt, flights=flights)
+
+
+def by_keys(trouble: str) -> str:
+    """What is wrong with a file, with the key m in place of the option of the command that does the same."""
+    return re.sub(r"(?:write )?--map '([^']*)'(?: --map '([^']*)')?", _by_key, trouble).replace("--map: ", "columns: ")
+
+
+def _by_key(options: re.Match[str]) -> str:
+    return "m, then " + "; ".join(part for part in options.groups() if part)
+
+
+def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
+    """Put what a file brings into the ledger, and remember how its columns were named."""
+    from fieldkit.importing.tables.mapping import remember
+
+    receipt, _ = _bring_in(desk, path, reading, dry_run=False)
+    for mapped in receipt.mapped:
+        if mapped.chosen:
+            remember(mapped.choice)
+    return receipt
+
+
+def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
+    """What became of a file, and the flights in it."""
+    from fieldkit.importing.tables.mapping import remembered
+    from fieldkit.services.imports import gather, take_in
+
+    choices = [*reading.named(), *remembered()]
+    paths, defaults = reading.together(path), reading.defaults()
+    found = gather(paths, desk.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
+    receipt = take_in(desk.ledger, found, choices=choices, dry_run=dry_run)
+    return receipt, tuple(arrival.flight for arrival in found.arrivals)
+
+
+def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
+    """What a file was recognised as, how many flights it would bring, and notes; or why it cannot be read."""
+    parts: Parts = [(printable(look.path.name), "b $primary")]
+    receipt = look.receipt
+    if look.start is not None:
+        parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
+        parts += [f"\n{printable(shortened(line))}" for line in look.words]
+        return Content.assemble(*parts, ("\nEnter keeps it until the rocket has flown", "b"))
+    if receipt is None:
+        parts += [
+            ("\n✗ ", "b $error"),
+            printable(shortened(look.trouble)),
+            "\n\nf names the parser to read it with, m says what the columns of a table are",
+        ]
+        return Content.assemble(*parts)
+    parts += ["\n", ("recognised as  ", "$text-muted"), (look.format, "b")]
+    parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
+    parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
+    parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
+    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:NOTES]]
+    if len(receipt.notes) > NOTES:
+        parts.append(f"\n  and {len(receipt.notes) - NOTES} more notes")
+    if receipt.ids:
+        parts.append(("\nEnter stores it", "b"))
+    return Content.assemble(*parts)
+
+
+def what_it_holds(look: Look, system: str) -> Hanging:
+    """The flights of a file: all that is known of one, a line for each of several."""
+    if len(look.flights) == 1:
+        flight = look.flights[0]
+        figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]
+        figures += logged.beside(flight.extra, system)
+        return cards.lines(cards.heading(flight, flight.flight_id) or "One flight", figures, 20)
+    named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MOST]]
+    width = min(max((len(name) for name, _ in named), default=0), WIDE)
+    more = [("", f"and {len(look.flights) - MOST} more")] if len(look.flights) > MOST else []
+    return cards.lines("Flights, and the apogee of each" if named else "", [*named, *more], width)
+
+
+def left_out(look: Look) -> Hanging:
+    """Each row that would be left out: where it is, and why."""
+    rejected = look.receipt.rejected if look.receipt else ()
+    lines = [Content.assemble(("Left out, and why", "b $primary"))] if rejected else []
+    for one in rejected[:MOST]:
+        place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
+        lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))
+    if len(rejected) > MOST:
+        lines.append(Content(f"and {len(rejected) - MOST} more; fieldkit import --dry-run lists all"))
+    return Hanging(tuple((2, line) for line in lines))
+
+
+def in_a_line(given: Mapping[str, str]) -> str:
+    """What is set, as it is typed: `rocket=Astra; config=A`."""
+    return "; ".join(f"{name}={value}" for name, value in given.items())
+
+
+def _counted(count: int) -> str:
+    return f"{count} flight" + ("" if count == 1 else "s")
+
+
+def name_and_size(path: Path) -> tuple[str, str]:
+    """A file's name and size; folders end in a slash."""
+    if path == UP:
+        return "../", ""
+    if path.is_dir():
+        return f"{path.name}/", ""
+    try:
+        size = path.stat().st_size
+    except OSError:
+        return path.name, "?"
+    return path.name, f"{size} B" if size < 1000 else f"{size / 1e3:.0f} kB" if size < 1e6 else f"{size / 1e6:.1f} MB"

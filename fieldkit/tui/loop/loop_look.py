@@ -1,0 +1,60 @@
+"""What the page Loop asks: the models of a rocket, and what its flights say is missing from them."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import Flight
+from fieldkit.progress import Tell
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Version
+    from fieldkit.services.findings import Findings
+    from fieldkit.tui.next.desk import Desk
+
+
+PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
+"""What the page shows, one at a time or all at once."""
+PLAIN = 0
+"""The number of the model without anything added."""
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """A rocket's models, the flights that a verdict on them would rest on, and the other rockets."""
+
+    rocket: str
+    rockets: tuple[str, ...]
+    versions: "tuple[Version, ...]"
+    flights: tuple[Flight, ...]
+
+    @property
+    def plain(self) -> bool:
+        """Whether the rocket is predicted with the plain model."""
+        return self.used == PLAIN
+
+    @property
+    def used(self) -> int:
+        """The number of the model that predicts."""
+        return next((version.number for version in self.versions if version.active), PLAIN)
+
+
+def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
+    """How a rocket stands, that flown last where it is not said or gone; None where nothing has flown."""
+    from fieldkit.services.forecasts import which_rocket
+
+    ledger = desk.ledger
+    rockets = tuple(ledger.names("rocket"))
+    if not rockets:
+        return None
+    name = which_rocket(ledger, rocket if rocket in rockets else None)
+    return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
+
+
+def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
+    """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
+
+    Raises NoFlights for too few flights.
+    """
+    from fieldkit.services import close_loop
+
+    return close_loop.look(desk.ledger, desk.motors, rocket, tell)

@@ -1,0 +1,143 @@
+"""The five panels of the page Loop: one at a time where room is short, all at once where it is not."""
+
+from collections.abc import Iterable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from textual import on
+from textual.containers import Container, Vertical, VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.safe_text import printable
+from fieldkit.tui.loop.loop_look import PANELS, Standing
+from fieldkit.tui.loop.loop_words import (
+    draw_points,
+    effect_at_length,
+    fingerprint,
+    ranking_rows,
+    residual_points,
+    verdict,
+    version_rows,
+)
+from fieldkit.tui.widgets.table import Head, Table
+
+if TYPE_CHECKING:
+    from fieldkit.services.findings import Findings
+
+BEFORE = {
+    "verdict": "l looks for what the model lacks: each flight is forecast from the others, and what is left over is "
+    "compared with what known effects would do. It takes some seconds and changes nothing.",
+    "against": "Once l has looked: each flight less its forecast, against whatever c chooses.",
+    "marks": "Once l has looked: what an effect would leave in each readout, beside what was there.",
+}
+"""What stands in a panel before anything was looked for."""
+
+
+class Panels(Container):
+    """What was found of a rocket's model, and the versions of it that are kept."""
+
+    DEFAULT_CSS = """
+    Panels .panel { display: none; height: 1fr; padding: 0 1; }
+    Panels .panel.-front { display: block; }
+    Panels .panel Static { height: auto; }
+    Panels #p-Residuals Static { text-style: bold; }
+    Panels #p-Ranking Table { height: 1fr; min-height: 4; }
+    Panels #p-Ranking Static { margin-top: 1; }
+    """
+
+    def __init__(self) -> None:
+        super().__init__(id="panels")
+        self.found: Findings | None = None
+
+    def compose(self) -> Iterable[Widget]:
+        """A frame each."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        with VerticalScroll(id="p-Verdict", classes="panel"):
+            yield Static(id="verdict")
+        with Container(id="p-Residuals", classes="panel"):
+            yield Static(id="against")
+            yield Plot(id="residuals")
+        with VerticalScroll(id="p-Fingerprint", classes="panel"):
+            yield Static(id="marks")
+        with Vertical(id="p-Ranking", classes="panel"):
+            yield Table(id="ranking", empty="l looks for what may be missing", enter="Fingerprint")
+            yield Static(id="at-length")
+        with Container(id="p-Versions", classes="panel"):
+            yield Table(id="versions", enter="Use it")
+
+    def on_mount(self) -> None:
+        """The titles, where all are in sight."""
+        for name in PANELS:
+            self.query_one(f"#p-{name}").border_title = name
+        self.forget()
+
+    def forget(self, why: str = BEFORE["verdict"]) -> None:
+        """Nothing has been looked for, or it holds no longer."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        self.found = None
+        for name, text in (BEFORE | {"verdict": why, "at-length": ""}).items():
+            self.query_one(f"#{name}", Static).update(text)
+        self.query_one(Plot).show(None)
+        self.query_one("#ranking", Table).show((), (), lambda _: ())
+
+    def share(self, text: str, share: float) -> None:
+        """What is being tried, and the share done."""
+        if self.found is None or share < 1:
+            bar = "█" * round(share * 24)
+            self.query_one("#verdict", Static).update(Content(f"looking: {printable(text)}\n[{bar:24}]"))
+
+    def show(self, found: "Findings", system: str) -> None:
+        """What was found."""
+        self.found = found
+        self.show_verdict(system)
+        self.show_residuals(0)
+        self.show_marks(0)
+        rows = ranking_rows(found.diagnosis)
+        heads = [Head("could be missing", 0), Head("evidence", 8, True), Head("strength", 16)]
+        self.query_one("#ranking", Table).show(heads, list(rows), rows.__getitem__)
+
+    def show_verdict(self, system: str) -> None:
+        """The verdict, in these units."""
+        if self.found is not None:
+            self.query_one("#verdict", Static).update(verdict(self.found, system))
+
+    def show_residuals(self, turn: int) -> None:
+        """Residuals against a column, flight by flight."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        if self.found is not None:
+            said, points, ticks = residual_points(self.found, turn)
+            self.query_one("#against", Static).update(Content(said))
+            self.query_one("#residuals", Plot).show(partial(draw_points, points, ticks))
+
+    def show_marks(self, turn: int) -> None:
+        """The fingerprint of the residual beside that of an effect."""
+        if self.found is not None:
+            narrow = self.screen.has_class("-narrow")
+            self.query_one("#marks", Static).update(fingerprint(self.found, turn, narrow=narrow))
+
+    @on(Table.Moved, "#ranking")
+    def _at_length(self, message: Table.Moved) -> None:
+        """The effect under the cursor, in full."""
+        known = self.found is not None and message.key is not None
+        said = effect_at_length(self.found.diagnosis, message.key) if self.found is not None and known else ""
+        self.query_one("#at-length", Static).update(said)
+
+    def show_versions(self, standing: Standing, system: str) -> None:
+        """The models of the rocket, and which is in use."""
+        rows = version_rows(standing.versions, system)
+        heads = [Head("no.", 3, True), Head("made", 10), Head("adds", 0), Head("unseen flights", 18, True), Head("", 8)]
+        self.query_one("#versions", Table).show(heads, list(rows), rows.__getitem__)
+
+    def front(self, panel: int) -> Widget | None:
+        """Bring a panel to the front; where its keys go."""
+        for number, name in enumerate(PANELS):
+            self.query_one(f"#p-{name}").set_class(number == panel, "-front")
+        name = PANELS[panel]
+        if name == "Residuals":
+            return None
+        return self.query_one({"Ranking": "#ranking", "Versions": "#versions"}.get(name, f"#p-{name}"))

@@ -1,0 +1,203 @@
+"""What the loop found, in words and figures: the verdict, residuals against a column, fingerprints side by side."""
+
+import math
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING, Any
+
+from textual.content import Content
+
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure
+from fieldkit.safe_text import printable
+from fieldkit.tui.loop.loop_look import PLAIN
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Version
+    from fieldkit.selection.candidates import Place
+    from fieldkit.selection.diagnose import Diagnosis
+    from fieldkit.services.findings import Compared, Findings
+
+EVEN = 0.5
+"""A log Bayes factor below which nobody would bet. [1]"""
+Parts = list[str | tuple[str, str]]
+
+
+def verdict(found: "Findings", system: str) -> Content:
+    """What is missing, how sure that is, and the error on flights not seen, before and after."""
+    from fieldkit.selection.force.text import climbs_in_words
+
+    diagnosis = found.diagnosis
+    parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
+    if found.unexplained is not None:
+        parts.append(
+            printable(f"{found.unexplained.in_words}; intervals {found.unexplained.widened:.2f} times as wide\n")
+        )
+    parts.append(_chance(found))
+    if diagnosis.also:
+        parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
+        parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
+    parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
+    parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
+    for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
+        parts += [f"{line}\n" for line in _errors(title, compared, system)]
+    if diagnosis.accepted or found.unexplained is not None:
+        parts.append(("\na accepts it, d leaves the model as it is", "b"))
+    return Content.assemble(*parts)
+
+
+def _chance(found: "Findings") -> str:
+    """How sure the verdict is."""
+    effect, confidence = found.diagnosis.effect, found.diagnosis.confidence
+    if effect == "none":
+        return f"chance that something is missing: {1 - confidence:.0%}, before the test on unseen flights\n"
+    return f"chance that {'something is missing' if effect == 'unexplained' else 'it is this'}: {confidence:.0%}\n"
+
+
+def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
+    """Mean error before and after, with its interval, and how many flights the intervals held."""
+    if not compared.before.flights:
+        return
+    yield f"{title}, {compared.before.flights} flights"
+    for when, judged in (("before", compared.before), ("after", compared.after)):
+        mean = measure(cards.APOGEE, judged.score.mae, system)
+        low, high = (measure(cards.APOGEE, one, system) for one in judged.mae)
+        yield f"  {when:7}{mean:>9}  ({low} to {high})  {judged.score.coverage90:.0%} in 90 %"
+
+
+def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float, float]], list[str]]:
+    """Residuals against a column, the `turn`-th by how much they hang together: what is said of it, the points, and
+    the names along the axis where the column holds no numbers."""
+    import numpy as np
+
+    from fieldkit.selection.residual import columns_of, kinds_of, residuals
+
+    diagnosis = found.diagnosis
+    off = residuals(diagnosis)
+    numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
+    usable = [n for n, v in numbers.items() if (np.isfinite(v) & np.isfinite(off)).sum() > 1]
+    usable += [name for name, group in kinds.items() if len(set(group)) > 1]
+    order = {row.against: place for place, row in enumerate(found.patterns)}
+    usable.sort(key=lambda name: order.get(name, len(order)))
+    name = usable[turn % len(usable)]
+    pattern = next((row for row in found.patterns if row.against == name), None)
+    tested = "too few values to test"
+    if pattern is not None:
+        seen = "they go together" if pattern.p < TELLING else "no pattern"
+        tested = f"{seen}, p {pattern.p:.2f}"
+    ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
+    places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
+    points = [(float(x), float(y)) for x, y in zip(places, off, strict=True) if np.isfinite(x + y)]
+    return f"residual / expected scatter, against {name.replace('_', ' ')}: {tested}", points, ticks
+
+
+def fingerprint(found: "Findings", turn: int, *, narrow: bool = False) -> Content:
+    """The fingerprint of the residual beside that of an effect; bars are shorter where it is `narrow`."""
+    if not found.fingerprints:
+        return Content("no effect to compare with")
+    trial, marks = found.fingerprints[turn % len(found.fingerprints)]
+    largest = max((abs(x) for mark in marks for x in (mark.expected, mark.found) if x == x), default=1.0)
+    name, cells = (20, 3) if narrow else (22, 5)
+    wide = 9 + 2 * cells
+    parts: Parts = [(printable(in_place(trial.candidate.place)), "b $primary")]
+    parts.append(f"\n{'in expected scatter':{name}}{'it would leave':^{wide}}{'there was':^{wide}}")
+    for mark in marks:
+        title = BY_NAME[mark.readout].title
+        if mark.found != mark.found:
+            parts.append(f"\n{title:{name}}{'not recorded':^{2 * wide}}")
+            continue
+        alike = "alike" if abs(mark.expected - mark.found) < 2 * mark.sd else "differs"
+        leans = (_lean(figure, largest, cells) for figure in (mark.expected, mark.found))
+        parts.append(f"\n{title:{name}}{''.join(leans)} {alike}")
+    return Content.assemble(*parts)
+
+
+def in_place(place: "Place") -> str:
+    """What could be missing, and where it would act, in words: `a weak or strong motor of F24`."""
+    from fieldkit.physics.effect import effects
+
+    effect = effects().get(place.effect)
+    return str(place).replace(place.effect, effect.title, 1) if effect is not None else str(place)
+
+
+def ranking_rows(diagnosis: "Diagnosis") -> dict[str, tuple[str, ...]]:
+    """Effects by where they would act, best first: in words, the evidence, the strength."""
+    rows: dict[str, tuple[str, ...]] = {}
+    for item in diagnosis.ranking:
+        if item.effect:
+            mean, sd = item.best.strength()
+            place = item.best.candidate.place
+            rows[str(place)] = (in_place(place), f"{item.log_bayes:+.1f}", f"{mean:.3g} ± {sd:.2g}")
+    return rows
+
+
+def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
+    """What stands behind a row of the ranking: what the effect is, how strong, how sure, and what would tell."""
+    from fieldkit.physics.effect import effects
+
+    item = next(one for one in diagnosis.ranking if one.effect and str(one.best.candidate.place) == row)
+    place, (mean, sd) = item.best.candidate.place, item.best.strength()
+    effect = effects().get(place.effect)
+    words = in_place(place)
+    parts: Parts = [(printable(words), "b $primary"), "" if words == row else f"  ({printable(row)})"]
+    parts.append(f"\n{effect.explains[:1].upper()}{effect.explains[1:]}." if effect is not None else "")
+    parts.append(f"\nstrength  {mean:.3g} ± {sd:.2g} {item.best.unit}")
+    parts.append(f"\nevidence  {item.log_bayes:+.1f}: {_odds(item.log_bayes)}")
+    parts.append(f"\nto tell   {effect.tell_apart}" if effect is not None else "")
+    return Content.assemble(*parts)
+
+
+def _odds(log_bayes: float) -> str:
+    """A log Bayes factor as a flyer would bet: `20 to 1 for it`."""
+    if abs(log_bayes) < EVEN:
+        return "these flights say nothing either way"
+    odds = math.exp(min(abs(log_bayes), 20.0))
+    said = "more than 1000" if odds > 1000 else f"{odds:.2g}" if odds < 10 else f"{odds:.0f}"
+    return f"{said} to 1 {'for' if log_bayes > 0 else 'against'} it"
+
+
+def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[str, ...]]:
+    """Models by their number, the plain one first: when it was made, what it added, and which is in use."""
+    used = any(version.active for version in versions)
+    rows: dict[int, tuple[str, ...]] = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
+    return rows | {version.number: _version(version, system) for version in versions}
+
+
+def _version(version: "Version", system: str) -> tuple[str, ...]:
+    """A row: what a model added, and the error before and after."""
+    from fieldkit.services.forecasts import version_adds
+
+    payload = version.payload
+    errors = [measure(cards.APOGEE, payload[when]["mae_m"], system) for when in ("before", "after")]
+    made, mark = f"{version.at:%Y-%m-%d}", "in use ✓" if version.active else ""
+    return (str(version.number), made, version_adds(payload), " → ".join(errors), mark)
+
+
+def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt: Any, ink: Any) -> None:
+    """Points about a line of no error."""
+    across, up = zip(*points, strict=True)
+    plt.scatter(across, up, marker="●", color=ink.mark)
+    plt.hline(0.0, color=ink.line)
+    low, high = min(math.floor(min(up)), -1), max(math.ceil(max(up)), 1)
+    plt.yticks(list(range(low, high + 1)))
+    plt.ylim(low - 0.4, high + 0.4)  # a label in the last row would run into those below it
+    if ticks:
+        plt.xticks(list(range(len(ticks))), [printable(tick) for tick in ticks])
+        plt.xlim(-0.5, len(ticks) - 0.5)
+    elif all(float(x).is_integer() for x in across):
+        first, last = int(min(across)), int(max(across))
+        plt.xticks(list(range(first, last + 1, max(1, math.ceil((last - first) / TICKS)))))
+
+
+TELLING = 0.05
+"""A corrected p below which a pattern is spoken of. [1]"""
+TICKS = 6
+"""Labels below an axis of whole numbers, at most but one. [1]"""
+
+
+def _lean(value: float, largest: float, most: int) -> str:
+    """A figure with a bar of at most so many cells to the left or the right of zero."""
+    cells = round(abs(value) / (largest or 1.0) * most)
+    left = ("█" * cells).rjust(most) if value < 0 else " " * most
+    right = ("█" * cells).ljust(most) if value >= 0 else " " * most
+    return f"{value:+6.2f} {left}│{right} "

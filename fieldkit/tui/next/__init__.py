@@ -1,0 +1,1 @@
+"""The next flight on screens: motors, plans, forecasts, decisions."""

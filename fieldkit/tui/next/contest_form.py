@@ -1,0 +1,51 @@
+"""The form of a contest's day on the screen Decide: what was announced and declared, and how large the site is."""
+
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.importing.manual_entry import Question
+from fieldkit.quantities import measure, unit_of
+from fieldkit.tui.setup import site_form
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.ledger.sites import Site
+    from fieldkit.planning.contest_day import Day
+
+DAY = (
+    Question("target", "Announced target", "The apogee announced that day, such as 785ft. Empty: the season's own."),
+    Question("window", "Announced window", "Seconds announced that day, such as 37-40. Empty: the season's own."),
+    Question("cut", "Cut", "Points that qualify, such as 60: the contest view tells the chance. Empty: none."),
+    Question("declared", "Declared flights", "The flights whose best are summed, by their ids: 4,5,6."),
+    Question("length", "Rocket length", "From nose to fins, in mm or with its unit: for the season's limit."),
+)
+
+
+def questions(site: "Site") -> tuple[Question, ...]:
+    """What is asked of the day; of the site only where it has a name to be kept by."""
+    return DAY + (site_form.ROOM if site.name else ())
+
+
+def texts(day: "Day", site: "Site", system: str) -> dict[str, str]:
+    """What is known already, as one would type it."""
+    return site_form.room(site, system) | {
+        "target": measure(cards.APOGEE, day.target, system),
+        "window": "-".join(f"{end:g}" for end in day.window or ()),
+        "cut": "" if day.cut is None else f"{day.cut:g}",
+        "declared": ",".join(day.declared),
+        "length": "" if day.length is None else f"{day.length * 1e3:g} mm",
+    }
+
+
+def units(system: str) -> dict[str, str]:
+    """The units of numbers typed without one."""
+    return site_form.units(system) | {"target": unit_of(cards.APOGEE, system), "length": "mm"}
+
+
+def answered(values: dict[str, Any], site: "Site") -> "tuple[Day, Site]":
+    """The day and the site that the answers of the form describe."""
+    from dataclasses import replace
+
+    from fieldkit.planning.contest_day import Day
+
+    day = Day(**{question.name: values[question.name] for question in DAY})
+    return day, replace(site, **{question.name: values[question.name] for question in questions(site)[len(DAY) :]})

@@ -1,0 +1,80 @@
+"""The pictures of the screen Decide: delays about apogee, hills of apogees and points, forecasts and what was flown."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from fieldkit.quantities import measure
+from fieldkit.tui.next.intervals import Interval, Intervals
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.evaluation.forward_in_time import Forecast
+    from fieldkit.planning.delay import Delays
+    from fieldkit.services.saved_forecasts import Kept
+    from fieldkit.shapes import Array, Float
+    from fieldkit.tui.next.decisions import Answer
+
+MOST = 24
+"""Forecasts that are drawn, the newest."""
+
+
+def of_delays(answer: "Answer", judged: "Delays") -> "Answer":
+    """When each delay fires, about apogee."""
+    rows = tuple(
+        Interval(f"{one.delay:g} s{'' if one.on_sale else '*'}", *one.after_apogee)
+        for one in sorted(judged.delays, key=lambda one: one.delay)
+    )
+    if not rows:
+        return answer
+    title = "When each delay fires, 90 % of flights, ● the middle; ◎ is apogee"
+    return replace(answer, title=title, intervals=Intervals(rows, lambda value: f"{value:+.1f} s", {"apogee": 0.0}))
+
+
+def of_apogee(answer: "Answer", apogee: "Float[Array, 'draw']", target: float, system: str) -> "Answer":
+    """The hill of the apogee with that mass, and the target on it."""
+    from fieldkit.planning.quantiles import three
+    from fieldkit.tui.widgets.plots import draw_density
+
+    marks = [(target, "◎"), *((value, "") for value in three(apogee))]
+    title = "The apogee that the altimeter will show with that mass; ◎ is the target, lines are 5 %, middle and 95 %"
+    return replace(answer, title=title, draw=draw_density(apogee, marks, lambda height: _height(height, system)))
+
+
+def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
+    """The hill of the points of a flight."""
+    from fieldkit.planning.quantiles import three
+    from fieldkit.tui.widgets.plots import draw_density
+
+    low, middle, high = three(points)
+    draw = draw_density(points, [(middle, ""), (low, ""), (high, "")], lambda value: f"{value:.0f}")
+    return replace(answer, title="Points of a flight, fewer are better; lines are 5 %, middle and 95 %", draw=draw)
+
+
+def of_kept(answer: "Answer", found: "Sequence[Kept]", system: str) -> "Answer":
+    """The forecasts that were kept, the newest first, and what was flown."""
+    from fieldkit.services.saved_forecasts import STANDING
+
+    rows = tuple(
+        Interval(f"{one.made.at.astimezone():%m-%d} {one.made.payload.get('motor', '')}", *one.interval, one.flown)
+        for one in reversed([one for one in found if one.state in STANDING][-MOST:])
+    )
+    return _against_flown(answer, rows, system)
+
+
+def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "Answer":
+    """Each flight beside its forecast from those before it, the newest first."""
+    last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MOST:])]
+    drawn = tuple(Interval(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last)
+    return _against_flown(answer, drawn, system)
+
+
+def _against_flown(answer: "Answer", rows: tuple[Interval, ...], system: str) -> "Answer":
+    if not rows:
+        return answer
+    title = "Forecast and flown: 90 % of flights should end in the line, ● its middle, ✗ where it ended"
+    return replace(answer, title=title, intervals=Intervals(rows, lambda height: _height(height, system), {}))
+
+
+def _height(height: float, system: str) -> str:
+    return measure(cards.APOGEE, height, system)

@@ -1,0 +1,189 @@
+"""What is decided for a plan on one motor, in words: delay, ballast, points, and forecasts kept and how they fared."""
+
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Literal
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.quantities import measure
+from fieldkit.tui.next import decision_plots
+from fieldkit.tui.next.intervals import Intervals
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.evaluation.rivals import Report
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.ledger import Ledger
+    from fieldkit.ledger.sites import Site
+    from fieldkit.motors import Catalogue, Motor
+    from fieldkit.planning.contest import Season
+    from fieldkit.planning.contest_day import Day
+    from fieldkit.planning.limits import Limit
+    from fieldkit.planning.safety import Line
+    from fieldkit.services.planning import Rocket
+
+Aim = Literal["chance", "error", "points"]
+AIMS: tuple[Aim, ...] = ("chance", "error", "points")
+"""What ballast is solved for, as the command has it: the band, the mean miss, the points of a season."""
+WITHIN = 10 * 0.3048
+"""The band about a target, as the command has it without being told. [m]"""
+SCORED = 6
+"""Flights whose points are told, the newest."""
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line.
+
+    `title` is of its picture: intervals on one scale, or what `draw` draws.
+    """
+
+    words: tuple[str, ...]
+    beside: tuple[str, ...] = ()
+    title: str = ""
+    intervals: Intervals | None = None
+    draw: Any = None
+
+    @property
+    def text(self) -> str:
+        """All of it, to be copied."""
+        return "\n".join([*self.words, *([""] if self.beside else []), *self.beside])
+
+
+@dataclass(frozen=True, slots=True)
+class Decision:
+    """A plan on a motor, and what its answers are worked out from; pictures are in the units of a `system`."""
+
+    plan: Flight
+    rocket: "Rocket"
+    site: "Site"
+    limits: "dict[str, Limit]"
+    motor: "Motor"
+    system: str = "SI"
+
+    def delay(self) -> Answer:
+        """The delays on sale and those that the maker's tool drills."""
+        from fieldkit.motors import Found
+        from fieldkit.paths import data_folder
+        from fieldkit.planning.delay import delays, drill_of
+        from fieldkit.presentation.planning_text import delays_in_words
+
+        fast = self.limits["eject_speed"].value
+        tool = drill_of(self.motor, data_folder() / "drills.toml")
+        takes_off = tool.takes_off if tool else ()
+        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off)
+        words = tuple(delays_in_words(judged, fast, tool))
+        return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
+
+    def ballast(self, target: float | None, aim: Aim, year: int, day: "Day") -> Answer:
+        """The dry mass that best meets a target [m], or brings the fewest points of a season on its day."""
+        from fieldkit.motors import Found
+        from fieldkit.planning.ballast import Goal, ballast
+        from fieldkit.planning.contest import allowed
+        from fieldkit.presentation.planning_text import ballast_in_words
+
+        rule = day.rule(rule_of(year).announced(target, None)) if aim == "points" else None
+        wanted = rule.target if rule else target
+        if wanted is None:
+            return Answer(("No target yet: g on the page Next sets one.",))
+        goal = Goal(wanted, WITHIN, aim, rule)
+        best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
+        said = best.forecast
+        more = allowed(rule, said.plan, said.found, day.length) if rule else ()
+        answer = Answer(tuple(ballast_in_words(best, goal)), self._beside(said, more))
+        return decision_plots.of_apogee(answer, said.apogee, goal.target, self.system)
+
+    def contest(self, ledger: "Ledger", year: int, area: float, day: "Day") -> Answer:
+        """The points to expect of a plan by a season's rule on a share of the parachute's area [1], the chance to
+        qualify, and the points of the flights flown."""
+        from fieldkit.motors import Found
+        from fieldkit.planning.contest import allowed, outlook
+        from fieldkit.presentation.planning_text import outlook_in_words
+
+        rule = day.rule(rule_of(year))
+        ahead = outlook(rule, self.rocket, self.plan, Found(self.motor, None), area)
+        said = ahead.forecast
+        words = (*outlook_in_words(ahead, rule, area, day.cut), *self._scored(ledger, rule, day))
+        answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
+        return decision_plots.of_points(answer, ahead.points.ravel())
+
+    def kept(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
+        """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
+        from fieldkit.services.saved_forecasts import STANDING, in_words, kept, standing
+
+        found = kept(ledger, motors, self.plan.rocket)
+        if not found:
+            return Answer(("No forecast of this rocket is kept yet: Enter on the page Next keeps one.",))
+        words = [standing(found)]
+        for one in reversed([one for one in found if one.state in STANDING]):
+            said = one.made.payload
+            words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
+            words += [f"  {line}" for line in in_words(one)]
+        return decision_plots.of_kept(Answer(tuple(words)), found, self.system)
+
+    def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
+        """How good forecasts of this rocket are: of each flight from those before it."""
+        from fieldkit.forecast.evaluation.forward_in_time import corrected_by_earlier, forward
+        from fieldkit.forecast.evaluation.rivals import judged_report
+        from fieldkit.presentation.score_text import against_the_bar, histogram
+        from fieldkit.services.forecasts import flown
+
+        rocket = self.plan.rocket
+        rows = corrected_by_earlier(forward(rocket, flown(ledger, motors, rocket)))
+        if not rows:
+            return Answer(("Two clean flights with an apogee are needed: each is forecast from those before it.",))
+        found = judged_report(rows)
+        words = (f"{len(rows)} flights of {rocket}, each forecast from the ones before it", "")
+        said = (*_missed(found, self.system), "", *against_the_bar(found))
+        answer = Answer((*words, *said), tuple(histogram(found.calibration)))
+        return decision_plots.of_forecasts(answer, rows, self.system)
+
+    def _scored(self, ledger: "Ledger", rule: "Season", day: "Day") -> Iterator[str]:
+        from fieldkit.planning.contest import declared_score, score
+
+        scored = score(rule, ledger.flights(self.plan.rocket))
+        if not scored:
+            return
+        last = scored[-SCORED:]
+        alone = [one.flight_id for one, _ in last if one.duration is None]
+        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in last)}"
+        if alone:
+            yield f"            for the height alone, no duration: {', '.join(alone)}"
+        if not day.declared:
+            return
+        try:
+            total = declared_score(rule, scored, day.declared)
+            yield f"  declared  {total:.0f} points, the best {rule.best} of {', '.join(day.declared)}"
+        except BadValue as error:
+            yield f"  declared  {error}"
+
+    def _beside(self, said: "Prediction", more: "Iterable[Line]" = ()) -> tuple[str, ...]:
+        """The conditions of a forecast and all its safety lines."""
+        from fieldkit.planning.descent import fall_of
+        from fieldkit.planning.safety import safety_lines, told
+        from fieldkit.presentation.planning_text import conditions_in_words
+
+        lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+        return (*conditions_in_words(said.plan, self.rocket.starts), "", *told([*lines, *more]))
+
+
+def _missed(found: "Report", system: str) -> Iterator[str]:
+    """What each way of forecasting missed by, and the share of flights in the intervals, as a table."""
+    from fieldkit.forecast.evaluation.forward_in_time import tally
+
+    ways, inside = tally(found.rows)
+    yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
+    for way in ways:
+        mean = measure(cards.APOGEE, way.mae, system)
+        alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
+        yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
+    yield f"{inside:.0%} in the 90 % interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
+
+
+def rule_of(year: int) -> "Season":
+    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.contest import season
+
+    return season(year, data_folder() / "seasons")

@@ -1,0 +1,96 @@
+"""What the pages work on: the ledger, the motors, the settings. Opened when first asked for, by whichever worker."""
+
+from functools import cached_property
+from importlib import import_module
+from pathlib import Path
+from threading import RLock
+from typing import TYPE_CHECKING
+
+from fieldkit.errors import FieldkitError
+from fieldkit.settings import Settings, keep_settings, read_settings
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
+
+
+ENGINE = (
+    "fieldkit.ledger",
+    "fieldkit.motors",
+    "fieldkit.services.imports",
+    "fieldkit.services.saved_forecasts",
+    "fieldkit.services.forecasts",
+    "fieldkit.inference.network.field_ensemble",
+    "fieldkit.planning.motor_guide",
+    "fieldkit.tui.widgets.plots",
+)
+"""What pages work and draw with, imported by the first worker."""
+
+
+class Desk:
+    """One flyer's things. `settings` is replaced as a whole by `choose`."""
+
+    def __init__(self, where: str | Path | None = None, settings_file: Path | None = None) -> None:
+        self._where = where
+        self._file = settings_file
+        self._lock = RLock()
+        self.settings: Settings = read_settings(settings_file)
+        self.complaints: list[FieldkitError] = []
+
+    def wake(self) -> None:
+        """Import the engine, one worker at a time.
+
+        A worker that imports a part of a package, while another is in the midst of the package itself, is let through
+        by Python and finds it half there.
+        """
+        with self._lock:
+            for name in ENGINE:
+                import_module(name)
+
+    @property
+    def name(self) -> str:
+        """The ledger's name, as far as it is known without opening it."""
+        return self._ledger.name if "_ledger" in self.__dict__ else str(self._where or "not opened yet")
+
+    @property
+    def ledger(self) -> "Ledger":
+        """The ledger, opened once. Raises LedgerError."""
+        with self._lock:
+            return self._ledger
+
+    @cached_property
+    def _ledger(self) -> "Ledger":
+        from fieldkit.ledger import Ledger
+
+        return Ledger.open(self._where)
+
+    @property
+    def motors(self) -> "Catalogue":
+        """The motors known here; `complaints` holds what was wrong with the flyer's own files."""
+        with self._lock:
+            return self._motors
+
+    @cached_property
+    def _motors(self) -> "Catalogue":
+        from fieldkit.motors.own import known_motors
+        from fieldkit.paths import motor_folder
+
+        motors, errors = known_motors(motor_folder())
+        self.complaints += errors
+        return motors
+
+    def forget_motors(self) -> None:
+        """Read the motors anew when they are next asked for."""
+        with self._lock:
+            self.__dict__.pop("_motors", None)
+
+    def choose(self, settings: Settings) -> None:
+        """Hold these settings and keep them. Raises FieldkitError where they cannot be kept."""
+        self.settings = settings
+        keep_settings(settings, self._file)
+
+    def close(self) -> None:
+        """Let go of the ledger, if it was opened."""
+        with self._lock:
+            if "_ledger" in self.__dict__:
+                self._ledger.close()

@@ -1,0 +1,75 @@
+"""The forecast of one motor: the apogee in large digits, its safety lines, its hill, and every figure below."""
+
+from typing import TYPE_CHECKING
+
+from textual.app import ComposeResult
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.widgets import Digits, Static
+
+from fieldkit.quantities import number
+from fieldkit.safe_text import printable
+from fieldkit.settings import Settings
+from fieldkit.tui.next import motor_rows, next_words
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.hanging import hanging, stacked
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.tui.next.next_plan import Plan
+
+
+class ForecastCard(VerticalScroll):
+    """Beside the motors; `text` is what it says, to be copied."""
+
+    DEFAULT_CSS = """
+    ForecastCard Static { height: auto; }
+    ForecastCard #big { height: 3; width: auto; color: $accent; }
+    ForecastCard #hill { height: 6; }
+    """
+    text = ""
+
+    def compose(self) -> ComposeResult:
+        """From the largest to the smallest."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        yield Static("", id="title")
+        yield Digits("", id="big")
+        yield Static("", id="range")
+        yield Static("", id="safety")
+        yield Plot(id="hill")
+        yield Static("", id="more")
+
+    def show(self, plan: "Plan", one: "Choice", settings: Settings) -> None:
+        """The forecast of a plan on a motor."""
+        system = settings.units
+        title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)
+        middle = number(cards.APOGEE, one.apogee, system)
+        more, checks = next_words.figures(plan, one, system), next_words.checks(one)
+        self.query_one("#title", Static).update(Content(printable(title)).stylize("bold"))
+        self.query_one("#big", Digits).update(middle)
+        self.query_one("#range", Static).update(Content(text).stylize("bold"))
+        self.query_one("#safety", Static).update(hanging(next_words.safety_in_brief(one.lines)))
+        self.query_one("#more", Static).update(stacked([cards.lines("", more, 9), cards.lines("", checks, 1)]))
+        self._show_hill(one.prediction, settings)
+        self.text = cards.as_text(f"{title}: {middle} {text}", [*more, *checks])
+
+    def clear(self) -> None:
+        """No motor, or none with a forecast yet."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        for name in ("title", "range", "safety", "more"):
+            self.query_one(f"#{name}", Static).update("")
+        self.query_one("#big", Digits).update("")
+        self.query_one(Plot).show(None)
+        self.text = ""
+
+    def _show_hill(self, said: "Prediction", settings: Settings) -> None:
+        """The distribution of the apogee, with its interval and the target."""
+        from fieldkit.tui.widgets.plots import Plot, draw_density
+
+        marks = [(settings.target, "◎")] if settings.target else []
+        marks += [(float(place), "") for place in said.apogee_quantiles()]
+        spell = motor_rows.whole
+        self.query_one(Plot).show(draw_density(said.apogee, marks, lambda height: spell(height, settings.units)))

@@ -1,0 +1,63 @@
+"""The motors of the page Next: which are listed, in what order, and what has been forecast of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from math import inf
+from typing import TYPE_CHECKING
+
+from fieldkit.quantities import spelled, unit_of
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Catalogue, Motor
+    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.tui.next.next_plan import Plan
+
+AT_ONCE = 40
+"""Motors forecast together: the first are in sight before the others are worked out."""
+MOST = 200
+"""Motors that a search forecasts; a longer word narrows it."""
+
+
+@dataclass(slots=True)
+class MotorList:
+    """What a search found for a `plan`, and the forecasts that are `known` by now; `fitting` leaves out the rest of the
+    catalogue until something is searched."""
+
+    plan: "Plan | None" = None
+    found: "Sequence[Motor]" = ()
+    known: "dict[Motor, Choice]" = field(default_factory=dict)
+    fitting: bool = True
+
+    def find(self, motors: "Catalogue", text: str) -> "list[Motor]":
+        """All that a text finds, what fits first; without a text, and until all is asked for, only what fits."""
+        found, plan = motors.search(text), self.plan
+        if plan is None:
+            return found
+        if self.fitting and not text.strip():
+            return [motor for motor in found if plan.wanted.fits(motor)]
+        return sorted(found, key=lambda motor: not plan.wanted.fits(motor))
+
+    def waiting(self) -> "list[Motor]":
+        """The next few motors without a forecast, in the order found."""
+        return [motor for motor in self.found[:MOST] if motor not in self.known][:AT_ONCE]
+
+    def fits(self, motor: "Motor") -> bool:
+        """Whether the rocket can fly on it."""
+        return self.plan is None or self.plan.wanted.fits(motor)
+
+    def ordered(self, target: float | None) -> "list[Motor]":
+        """What fits first; the nearest to the target [m] before others, without one those flown last."""
+        if target is not None:
+            places = {motor: abs(one.apogee - target) for motor, one in self.known.items()}
+        else:
+            places = {motor: place for place, motor in enumerate(self.plan.flown if self.plan else ())}
+        return sorted(self.found, key=lambda motor: (not self.fits(motor), places.get(motor, inf)))
+
+    def counted(self, system: str) -> str:
+        """How many motors there are, how many fit, and how many forecasts are still to come: `12 of 57 fit · m`."""
+        fit = sum(map(self.fits, self.found))
+        left = min(len(self.found), MOST) - sum(motor in self.known for motor in self.found)
+        every = "" if fit == len(self.found) else f" of {len(self.found)}"
+        unit = spelled(unit_of(cards.APOGEE, system))
+        return f"{fit}{every} fit" + (f", {left} to do" if left > 0 else "") + f" · {unit}"

@@ -1,0 +1,143 @@
+"""The table of the page Next: a motor a row, and as many figures of its forecast as there is room for."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import number, spelled, unit_of
+from fieldkit.settings import Settings
+from fieldkit.tui.next.intervals import Interval, bar
+from fieldkit.tui.next.motor_list import MotorList
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.table import Cells, Head
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+    from fieldkit.planning.motor_guide import Choice
+
+NAME = 22
+"""Cells for a motor's name where all the others are told."""
+LEAST_BAR = 20
+"""Cells below which an interval is not drawn."""
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """A figure of a motor's forecast: heading, width, and its text."""
+
+    title: str
+    width: int
+    text: "Callable[[Choice], str]"
+
+
+def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
+    """Headings and cells in a width: beside a card a `brief` choice, else all that there is room for."""
+    columns = _brief(settings) if brief else _narrow(settings) if width < 76 else _every(settings, width >= 100)
+    used = 1 + NAME + 1 + sum(column.width + 1 for column in columns)
+    room = width - used
+    drawn = not brief and room >= LEAST_BAR
+    if drawn:
+        columns.append(_bar(motors, settings, room - 1))
+    heads = [Head("motor", NAME if drawn else 0)]
+    heads += [Head(column.title, column.width, right=not (drawn and column is columns[-1])) for column in columns]
+
+    def cells(motor: "Motor") -> Sequence[str]:
+        one = motors.known.get(motor)
+        name = f"{'' if motors.fits(motor) else '✗ '}{motor.maker} {motor.designation}"
+        if one is None:
+            return [name, "…", *[""] * (len(columns) - 1)]
+        return [name, *(column.text(one) for column in columns)]
+
+    return heads, cells
+
+
+def _brief(settings: Settings) -> list[Column]:
+    return [_apogee(settings), _off(settings), _eject("eject")]
+
+
+def _narrow(settings: Settings) -> list[Column]:
+    return [_apogee(settings), _range(settings), _off(settings), _eject("eject"), _rail(settings, wide=False)]
+
+
+def _every(settings: Settings, wide: bool) -> list[Column]:
+    """All figures; where there is room, headings name their units and a few more stand beside them."""
+    return [
+        Column("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
+        Column("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
+        _apogee(settings),
+        _range(settings),
+        _off(settings),
+        Column("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
+        _eject("eject s" if wide else "eject"),
+        _rail(settings, wide=wide),
+        Column("T:W", 4, lambda one: f"{one.average_thrust:.1f}"),
+    ]
+
+
+def _apogee(settings: Settings) -> Column:
+    return Column("apogee", 6, lambda one: number(cards.APOGEE, one.apogee, settings.units))
+
+
+def _range(settings: Settings) -> Column:
+    def text(one: "Choice") -> str:
+        low, _, high = (whole(float(x), settings.units) for x in one.prediction.apogee_quantiles())
+        return f"{low}-{high}"
+
+    return Column("90 %", 9, text)
+
+
+def _off(settings: Settings) -> Column:
+    return Column("off", 5, partial(off, settings=settings))
+
+
+def _eject(title: str) -> Column:
+    return Column(title, len(title), lambda one: signed(one.prediction.median_eject))
+
+
+def _rail(settings: Settings, *, wide: bool) -> Column:
+    column = BY_NAME["top_speed"]
+    title = f"rail {spelled(unit_of(column, settings.units))}" if wide else "rail"
+
+    def text(one: "Choice") -> str:
+        from fieldkit.forecast.prediction import median
+
+        speed = median(one.prediction.rail_speed)
+        return "" if speed is None else number(column, speed, settings.units)
+
+    return Column(title, max(5, len(title)), text)
+
+
+def _bar(motors: MotorList, settings: Settings, width: int) -> Column:
+    """Nine flights of ten as a line, for all motors on one scale, and the target on it."""
+    system, target = settings.units, settings.target
+    top = max((one.apogee for motor, one in motors.known.items() if motors.fits(motor)), default=1.0) * 1.2
+    end = f"{whole(top, system)} {spelled(unit_of(cards.APOGEE, system))}"
+    mark = " ◎ target" if target else ""
+
+    def text(one: "Choice") -> str:
+        low, middle, high = (float(x) for x in one.prediction.apogee_quantiles())
+        return bar(Interval("", low, middle, high), 0.0, top, width, (target,) if target else ())
+
+    return Column(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
+
+
+def off(choice: "Choice", settings: Settings) -> str:
+    """Forecast less target; from 100 on there is no room for a decimal."""
+    target = settings.target
+    if not target:
+        return ""
+    text = number(cards.APOGEE, abs(choice.apogee - target), settings.units)
+    text = f"{float(text):.0f}" if len(text) > 4 else text
+    return text if float(text) == 0 else f"{'+' if choice.apogee > target else '-'}{text}"
+
+
+def whole(height: float, system: str) -> str:
+    """A height [m] in whole units."""
+    return number(cards.APOGEE, height, system).split(".")[0]
+
+
+def signed(seconds: float | None) -> str:
+    """Seconds after apogee, with their sign; empty where none are known."""
+    return "" if seconds is None else f"{seconds:+.1f}"

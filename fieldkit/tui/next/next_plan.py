@@ -1,0 +1,167 @@
+"""The plan of the next flight: what it asks, how the ledger keeps it, and all that its forecasts are made from."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import BY_NAME, CONDITIONS, MOTOR_TEMPERATURE, SETUP, Flight
+from fieldkit.importing.manual_entry import Question, answer_text, read_answer
+from fieldkit.quantities import measure
+from fieldkit.safe_text import printable
+from fieldkit.settings import Settings
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Ledger
+    from fieldkit.ledger.sites import Site
+    from fieldkit.motors import Motor
+    from fieldkit.planning.limits import Limit
+    from fieldkit.planning.motor_guide import Wanted
+    from fieldkit.services.planning import Rocket
+    from fieldkit.tui.next.desk import Desk
+
+DRAFT = "plan"
+"""Name under which the ledger keeps the plan."""
+NAMED = 8
+"""Flights that a forecast rests on which are named one by one."""
+PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
+"""Numbers of a plan that can be changed; the delay is chosen with the motor."""
+QUESTIONS = (
+    Question("rocket", "Rocket", "Its name, as in the ledger. Its clean flights are what the forecast rests on."),
+    Question(
+        "config", "Configuration", "Which build of it, such as A. Mass and diameter are those of its last flight."
+    ),
+    *(Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: as last flown, or standard.") for name in PLAN),
+    Question("site", "Site", "Its elevation, size and ceiling are as saved with `fieldkit sites`. Empty: as last."),
+    Question(MOTOR_TEMPERATURE, "Motor temperature", "In °C, or with its unit: 60F. For its safety line alone."),
+)
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """What is to be flown, as changed and in full, and what is known of its rocket and of the site; the builds at
+    hand, what motors fit, and what the forecast rests on."""
+
+    flight: Flight
+    full: Flight
+    rocket: "Rocket"
+    site: "Site"
+    limits: "dict[str, Limit]"
+    builds: tuple[Flight, ...]
+    wanted: "Wanted"
+    rests_on: str
+
+    @property
+    def flown(self) -> list["Motor"]:
+        """The motors that the rocket has flown on, the last first, each once."""
+        return list(dict.fromkeys(found.motor for found in reversed(self.rocket.motors)))
+
+    def misfit(self, motor: "Motor") -> str:
+        """Why the rocket cannot fly on a motor, empty where it can."""
+        from fieldkit.planning.motor_guide import lifts
+
+        if self.wanted.fits(motor):
+            return ""
+        if not motor.available:
+            return "no longer made"
+        if self.full.dry_mass is not None and not lifts(motor, self.full.dry_mass):
+            return "too weak to lift the rocket"
+        return f"{motor.diameter * 1e3:g} mm, and the widest flown is {(self.wanted.mount or 0.0) * 1e3:g} mm"
+
+    def next_build(self) -> Flight | None:
+        """The same plan for the next rocket and configuration that have flown, None before any has."""
+        names = [(build.rocket, build.config) for build in self.builds]
+        if not names:
+            return None
+        now = (self.flight.rocket, self.flight.config)
+        rocket, config = names[(names.index(now) + 1) % len(names)] if now in names else names[0]
+        return self.flight.with_changes(rocket=rocket, config=config, dry_mass=None, diameter=None)
+
+    def line(self, settings: Settings) -> str:
+        """The plan in a line: `Astra B · 448 g without motor · wind 2.1 m/s · target 244 m`."""
+        system, target = settings.units, settings.target
+        numbers = [(c.title, measure(c, self.full.number(c.name), system)) for c in CONDITIONS]
+        parts = [
+            f"{self.flight.rocket} {self.flight.config}".strip(),
+            f"{measure(BY_NAME['dry_mass'], self.full.dry_mass, system)} without motor",
+            *([f"{name.lower()} {value}" for name, value in numbers if value] or ["standard air, no wind"]),
+            f"target {measure(cards.APOGEE, target, system)}" if target else "no target",
+        ]
+        return printable(" · ".join(parts))
+
+
+def read_plan(desk: "Desk") -> Plan | None:
+    """The plan as it was left, else for the rocket of known mass that flew last; None where nothing has flown.
+
+    Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
+    """
+    from fieldkit.errors import ImpossibleFlight
+    from fieldkit.ledger.sites import site_of
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.limits import limits
+    from fieldkit.planning.motor_guide import Wanted, mount_of
+    from fieldkit.services.planning import begun, rocket_of
+
+    ledger = desk.ledger
+    flights, draft = ledger.flights(), ledger.draft(DRAFT) or {}
+    if not flights and not draft:
+        return None
+    last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
+    plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
+    plan = plan.with_changes(**plan_changes(draft))
+    rocket = rocket_of(ledger, desk.motors, plan.rocket)
+    full = begun(ledger, plan, desk.settings)
+    if full.dry_mass is None:
+        raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
+    builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}
+    return Plan(
+        plan,
+        full,
+        rocket,
+        site_of(ledger, full.site),
+        limits(data_folder() / "limits.toml"),
+        tuple(builds.values()),
+        Wanted(mount_of(rocket, plan.config), adapter=True, dry_mass=full.dry_mass),
+        rests_on(ledger, plan.rocket, rocket.flights),
+    )
+
+
+def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
+    """The flights and the model that a forecast rests on, in words."""
+    clean = [flight.flight_id for flight in flights if flight.clean and flight.apogee is not None]
+    if not clean:
+        return "no flight of it: priors alone, so it is wide"
+    version = ledger.active_version(rocket)
+    model = f"version {version.number}" if version else "the plain model"
+    more = f" and {len(clean) - NAMED} more" if len(clean) > NAMED else ""
+    return f"{len(clean)} clean flights ({', '.join(clean[:NAMED])}{more}), {model}"
+
+
+def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:
+    """The fields of a plan from what was typed, as the ledger keeps it; the motor's temperature beside them."""
+    values = {name: read_answer(name, text) for name, text in texts.items() if name != MOTOR_TEMPERATURE}
+    warm = texts.get(MOTOR_TEMPERATURE, "")
+    return values | ({"extra": {MOTOR_TEMPERATURE: warm}} if warm else {})
+
+
+def planned(values: Mapping[str, object]) -> Flight:
+    """The plan of a form that was filled in. Raises BadValue for a motor temperature that is none."""
+    from fieldkit.planning.safety import motor_temperature
+
+    warm = str(values.get(MOTOR_TEMPERATURE) or "")
+    rest = {name: value for name, value in values.items() if name != MOTOR_TEMPERATURE}
+    plan = Flight(extra={MOTOR_TEMPERATURE: warm} if warm else {}).with_changes(**rest)
+    motor_temperature(plan)
+    return plan
+
+
+def plan_texts(plan: Flight, system: str | None = None) -> dict[str, str]:
+    """The answers of a plan by question: as the ledger keeps them, or numbers as a form shows them in a system."""
+    texts = {q.name: plan.extra.get(q.name, "") or _answer(plan, q.name) for q in QUESTIONS}
+    if system is None:
+        return {name: text for name, text in texts.items() if text}
+    return texts | {name: measure(BY_NAME[name], plan.number(name), system) for name in PLAN}
+
+
+def _answer(plan: Flight, name: str) -> str:
+    return "" if name == MOTOR_TEMPERATURE else answer_text(plan, name)

@@ -1,0 +1,93 @@
+"""The forecast of a motor in words and figures, as the card beside the motors shows it."""
+
+from collections.abc import Iterable, Sequence
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.tui.next import motor_rows
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.prediction import Prediction
+    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.safety import Line, Verdict
+    from fieldkit.tui.next.next_plan import Plan
+
+Pairs = list[tuple[str, str]]
+
+
+def rail_speed(said: "Prediction", system: str) -> str:
+    """The speed at the end of the rail, in the middle of its distribution."""
+    from fieldkit.forecast.prediction import median
+
+    return measure(BY_NAME["top_speed"], median(said.rail_speed), system)
+
+
+def title(plan: "Plan", one: "Choice") -> str:
+    """What would fly on what: `Astra A on AeroTech F24W-4`."""
+    delay = "" if one.delay is None else f"-{one.delay:g}"
+    build = f"{plan.flight.rocket} {plan.flight.config}".strip()
+    return f"{build} on {one.motor.maker} {one.motor.designation}{delay}"
+
+
+def interval(said: "Prediction", system: str) -> str:
+    """What follows the large figure: `m on the altimeter, 90 % 179-317`."""
+    low, _, high = (motor_rows.whole(float(x), system) for x in said.apogee_quantiles())
+    return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90 % {low}-{high}"
+
+
+def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
+    """What stands below the hill, name and value."""
+    from fieldkit.forecast.prediction import median
+    from fieldkit.planning.air import air_of
+    from fieldkit.presentation.forecast_text import narrows
+
+    said = one.prediction
+    fires = [f"{delay:g} s {seconds:+.1f}" for delay, seconds in one.ejections]
+    misfit = plan.misfit(one.motor)
+    return [
+        ("✗ fit", misfit),
+        ("ejection", _ejection(said.median_eject)),
+        ("by delay", "  ".join(fires)),
+        ("off rail", rail_speed(said, system)),
+        ("T:W", f"{one.first_thrust:.1f} at first, {one.average_thrust:.1f} average"),
+        ("top speed", measure(BY_NAME["top_speed"], median(said.top_speed), system)),
+        ("Cd", f"{said.cd.mean():.2f} ± {said.cd.std():.2f}"),
+        ("alpha", f"{said.alpha.mean():.3f} ± {said.alpha.std():.3f}"),
+        ("true", f"{measure(cards.APOGEE, median(said.true_apogee), system)} above the pad"),
+        ("air", air_of(said.plan).words()),
+        ("rests on", plan.rests_on),
+        ("narrows", narrows(said)),
+        ("note", "; ".join([*said.found.notes, *said.left_out])),
+    ]
+
+
+def checks(one: "Choice") -> Pairs:
+    """The safety lines, each with its figures and its limit."""
+    from fieldkit.planning.safety import DECIDES, MARKS
+
+    lines = [(f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines]
+    return [*lines, ("", DECIDES)]
+
+
+def kept_in_words(said: "Prediction", system: str) -> str:
+    """That a forecast was kept, and what it says."""
+    low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
+    unit = spelled(unit_of(cards.APOGEE, system))
+    return f"kept: {said.plan.motor} to {middle} {unit} ({low} to {high}); the flight is measured against it"
+
+
+def safety_in_brief(lines: "Sequence[Line]") -> Iterable[str]:
+    """The names of all checks, those that fail first: `✗ rail exit speed`, `? ground wind, ceiling`."""
+    from fieldkit.planning.safety import MARKS
+
+    worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")
+    groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in worst_first)
+    return (f"{MARKS[verdict]} {', '.join(names)}" for verdict, names in groups if names)
+
+
+def _ejection(eject: float | None) -> str:
+    if eject is None:
+        return "no delay known for this motor"
+    return f"{abs(eject):.1f} s {'after' if eject >= 0 else 'BEFORE'} apogee"

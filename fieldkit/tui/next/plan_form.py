@@ -1,0 +1,26 @@
+"""The form of a plan: which rocket, what it weighs, and the conditions it will fly in."""
+
+from collections.abc import Callable
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.quantities import unit_of
+from fieldkit.tui.add.fields import Form
+from fieldkit.tui.next.next_plan import PLAN, QUESTIONS, plan_texts, planned
+from fieldkit.tui.page import PageScreen
+
+
+def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> None:
+    """Ask for changes of a plan; what comes of them is kept."""
+    system = page.desk.settings.units
+    units = {name: unit_of(BY_NAME[name], system) for name in PLAN}
+
+    def answered(values: dict[str, object] | None) -> None:
+        if values is None:
+            return
+        try:
+            keep(planned(values))
+        except BadValue as error:
+            page.complain(str(error))
+
+    page.app.push_screen(Form("The plan", QUESTIONS, plan_texts(plan, system), units), answered)

@@ -1,0 +1,1 @@
+"""What a flyer keeps: sites, motors, rockets, settings."""

@@ -1,0 +1,43 @@
+"""An OpenRocket design on the page Import: what a rocket would start with, and keeping it."""
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure
+
+if TYPE_CHECKING:
+    from fieldkit.ledger import Start
+    from fieldkit.openrocket import Design
+
+SUFFIX = ".ork"
+
+
+def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start, tuple[str, ...]]":
+    """What a design says its rocket starts with, in the words of a flyer too.
+
+    Rocket and configuration are those `given`, the rocket else by its name in the file. Raises FieldkitError.
+    """
+    from fieldkit.ledger import Start
+    from fieldkit.openrocket import read_design
+    from fieldkit.services.imports import read_file
+
+    design = read_design(read_file(path), path.name)
+    name = given.get("rocket") or design.name
+    if not name:
+        raise BadValue(f"{path.name}: found no name in it, expected one: s, then rocket=NAME")
+    config = given.get("config", "")
+    start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, path.name)
+    return start, (*_facts(start, design, system), *design.notes)
+
+
+def _facts(start: "Start", design: "Design", system: str) -> list[str]:
+    facts = [f"starts {start.rocket} {start.config}".rstrip()]
+    if start.dry_mass is not None:
+        facts.append(f"{measure(BY_NAME['dry_mass'], start.dry_mass, system)} without motor, by {design.mass_by}")
+    if start.diameter is not None:
+        facts.append(f"{measure(BY_NAME['diameter'], start.diameter, system)} across")
+    facts.append(f"Cd {start.cd:.2f}, by {design.cd_by}" if start.cd else "no Cd in the file")
+    return facts

@@ -1,0 +1,159 @@
+"""What is known of the row under the cursor of the page Setup, and a picture of it."""
+
+from collections import defaultdict
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+from textual.containers import VerticalScroll
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Static
+
+from fieldkit.flight import Flight
+from fieldkit.quantities import measure, number, spelled, unit_of
+from fieldkit.safe_text import printable
+from fieldkit.tui.next import motor_facts
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.groups import Group, Place
+from fieldkit.tui.widgets.hanging import Hanging, stacked
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+
+MOST = 120
+"""Flights that are drawn, the newest: more than the card has columns."""
+
+
+@dataclass(frozen=True, slots=True)
+class Facts:
+    """What a card says, and what it draws under which title; None for no picture."""
+
+    blocks: tuple[Hanging, ...]
+    title: str = ""
+    draw: Any = None
+
+
+class ShelfCard(VerticalScroll):
+    """Facts, and below them a plot, put in once there is something to draw."""
+
+    DEFAULT_CSS = """
+    ShelfCard { padding: 0 1; }
+    ShelfCard Static { height: auto; }
+    ShelfCard Plot { height: 14; margin-top: 1; border-top: solid $border-blurred; border-title-color: $foreground; }
+    """
+
+    def compose(self) -> Iterable[Widget]:
+        """The facts; a plot comes to stand below."""
+        yield Static(id="facts")
+
+    def show(self, facts: Facts) -> None:
+        """All of it; the picture where there is room for one."""
+        from fieldkit.tui.widgets.plots import Plot
+
+        self.query_one("#facts", Static).update(stacked(facts.blocks))
+        plot = next(iter(self.query(Plot)), None)
+        if plot is None and facts.draw is not None:
+            plot = Plot()
+            self.mount(plot)
+        if plot is not None:
+            plot.display = facts.draw is not None
+            plot.border_title = Content(printable(facts.title))
+            plot.show(facts.draw)
+
+
+def of_motor(motor: "Motor") -> Facts:
+    """A motor and its thrust curve."""
+    said = cards.lines(f"{motor.maker} {motor.designation}", motor_facts.facts(motor))
+    return Facts((said,), "thrust [N] against time [s], ╌ its average", partial(motor_facts.draw_thrust, motor))
+
+
+def of_build(group: Group, system: str) -> Facts:
+    """A build of a rocket: what it weighs, what it flew on, and how high."""
+    flights = group.flights
+    pairs = [
+        ("flights", f"{len(flights)}, {sum(one.clean for one in flights)} of them teach the model"),
+        *_dates(flights),
+        ("dry mass", measure(cards.DRY_MASS, group.last.dry_mass, system) or "not known: Enter sets it"),
+        ("diameter", measure(cards.DIAMETER, group.last.diameter, system) or "not known: Enter sets it"),
+    ]
+    motors: dict[str, list[Flight]] = defaultdict(list)
+    for one in flights:
+        motors[one.motor or "no motor named"].append(one)
+    flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in motors.items()])
+    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
+    known = [one for one in flights if one.apogee is not None][-MOST:]
+    draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
+    return Facts((cards.lines(" ".join(group.names), pairs), flown), title, draw)
+
+
+def of_site(place: Place, system: str) -> Facts:
+    """A site: its air, what was flown there, and the limits that its safety lines ask for."""
+    from fieldkit.planning.air import air_of
+
+    site, flights = place.site, place.flights
+    rockets = sorted({one.rocket for one in flights if one.rocket})
+    pairs = [
+        ("flights", f"{len(flights)}" + (f", of {', '.join(rockets)}" if rockets else "")),
+        *_dates(flights),
+        ("highest", _highest(flights, system)),
+        ("elevation", measure(cards.ELEVATION, site.elevation, system) or "not known: as at sea level; Enter sets it"),
+        ("air", f"{air_of(Flight(site_elevation=site.elevation)).density:.3f} kg/m³ on a standard day"),
+        ("field size", measure(cards.APOGEE, site.size, system) or "not known: its safety line cannot be checked"),
+        ("ceiling", measure(cards.APOGEE, site.ceiling, system) or "not known: its safety line cannot be checked"),
+    ]
+    known = [one for one in flights if one.apogee is not None][-MOST:]
+    draw = partial(_draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
+    title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
+    return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)
+
+
+def of_setting(name: str, means: str) -> Facts:
+    """A setting and what it means."""
+    return Facts((cards.lines(name, ()), Hanging(((0, Content(means)),))))
+
+
+def _dates(flights: Sequence[Flight]) -> Iterable[tuple[str, str]]:
+    """The first day and the last, or the only one."""
+    days = [f"{one.date_time:%Y-%m-%d}" for one in flights if one.date_time is not None]
+    if days:
+        yield "flown", days[0] if days[0] == days[-1] else f"{days[0]} to {days[-1]}"
+
+
+def _heights(flights: Sequence[Flight], system: str) -> str:
+    """How often, and how high: `3 times, 242 m (200.1 to 281.3)`."""
+    times = "once" if len(flights) == 1 else f"{len(flights)} times"
+    heights = [one.apogee for one in flights if one.apogee is not None]
+    if not heights:
+        return times
+    low, high = (number(cards.APOGEE, end, system) for end in (min(heights), max(heights)))
+    unit = spelled(unit_of(cards.APOGEE, system))
+    return f"{times}, to {high} {unit}" if low == high else f"{times}, to between {low} and {high} {unit}"
+
+
+def _highest(flights: Sequence[Flight], system: str) -> str:
+    """The highest apogee, and whose it was."""
+    best = max(flights, key=lambda one: one.apogee or 0.0, default=None)
+    if best is None or best.apogee is None:
+        return ""
+    return " ".join(part for part in (measure(cards.APOGEE, best.apogee, system), best.rocket, best.motor) if part)
+
+
+def _draw_apogees(flights: Sequence[Flight], ceiling: float | None, system: str, plt: Any, ink: Any) -> None:
+    """One apogee after the other, and the ceiling; below them the first and the last."""
+    from fieldkit.tui.widgets.plots import spaced
+
+    heights = [float(number(cards.APOGEE, one.apogee or 0.0, system)) for one in flights]
+    for clean, marker, colour in ((True, "●", ink.line), (False, "✗", ink.mark)):
+        places = [place for place, one in enumerate(flights) if one.clean is clean]
+        if places:
+            plt.scatter(places, [heights[place] for place in places], marker=marker, color=colour)
+    if ceiling is not None:
+        plt.hline(float(number(cards.APOGEE, ceiling, system)), color=ink.mark)
+    last = len(flights) - 1
+    ends = [(float(place), printable(flights[place].flight_id)) for place in (last, 0)]
+    labels = spaced(ends, 0.0, float(last), ink.width)
+    plt.xticks(list(labels), list(labels.values()))
+    plt.xlim(-0.5, last + 0.5)
+    plt.yfrequency(4)

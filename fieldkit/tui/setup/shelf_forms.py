@@ -1,0 +1,130 @@
+"""The forms of the page Setup: what is changed of a build or a site is changed in every flight that names it."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import BY_NAME
+from fieldkit.importing.manual_entry import Question
+from fieldkit.quantities import measure, unit_of
+from fieldkit.tui.add.fields import Form
+from fieldkit.tui.page import PageScreen
+from fieldkit.tui.setup import site_form
+from fieldkit.tui.setup.shelf_lists import RAIL, answer_of, same
+from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.groups import Group, Place
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+
+BUILD = (
+    Question("rocket", "Rocket", "Its name; a new name renames it in every flight of this build."),
+    Question("config", "Configuration", "The name of this build."),
+    Question("dry_mass", "Dry mass", f"{BY_NAME['dry_mass'].help} Changes every flight of this build."),
+    Question("diameter", "Diameter", f"{BY_NAME['diameter'].help} Changes every flight of this build."),
+)
+
+
+def change_build(page: PageScreen, group: Group) -> None:
+    """A form over a build of a rocket."""
+    _edit(page, group, BUILD, " ".join(name for name in group.names if name))
+
+
+def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: str) -> None:
+    """A form over a group; what is changed there is changed in every flight of it."""
+    system = page.desk.settings.units
+    texts = {question.name: answer_of(group.last, question, system) for question in questions}
+    units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
+    title = f"{what}: {len(group.ids)} flights"
+    page.app.push_screen(Form(title, questions, texts, units), partial(_edited, page, group, what, texts))
+
+
+def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], values: dict[str, object] | None) -> None:
+    if values is None:
+        return
+    changes = {
+        name: value
+        for name, value in values.items()
+        if not same(group.last, name, value, texts[name], page.desk.settings.units)
+    }
+    if changes:
+        work = partial(page.desk.ledger.edit_all, group.ids, what, **changes)
+        page.change(work, partial(_changed, page, what))
+
+
+def change_site(page: PageScreen, place: Place) -> None:
+    """A form over a site: name and elevation are those of its flights, the rest is kept beside them."""
+    system, site = page.desk.settings.units, place.site
+    elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
+    texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
+    form = Form(
+        f"{site.name}: {len(place.ids)} flights",
+        site_form.QUESTIONS,
+        texts,
+        site_form.units(system),
+        site_form.read,
+    )
+    page.app.push_screen(form, partial(_site_edited, page, place, texts))
+
+
+def _site_edited(page: PageScreen, place: Place, texts: dict[str, str], values: dict[str, object] | None) -> None:
+    if values is None:
+        return
+    system, was = page.desk.settings.units, place.site
+    flown = {"site": values["site"], "site_elevation": values["site_elevation"]}
+    changes = {name: new for name, new in flown.items() if not same(place.last, name, new, texts[name], system)}
+    site = site_form.answered(was, values, texts, system)
+
+    def work() -> int:
+        from fieldkit.ledger.sites import SITES, with_site
+
+        ledger = page.desk.ledger
+        beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}
+        return ledger.edit_all(place.ids, was.name, beside, **changes)
+
+    if changes or site != was:
+        page.change(work, partial(_changed, page, was.name))
+
+
+def _changed(page: PageScreen, what: str, count: int) -> None:
+    page.tell(f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back")
+    page.field_app.changed()
+
+
+def ask_rail(page: PageScreen) -> None:
+    """Length and tilt of the rail that is used where a plan names none."""
+    settings = page.desk.settings
+    questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
+    texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}
+    units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
+
+    def railed(values: dict[str, object] | None) -> None:
+        if values is not None:
+            page.field_app.choose("the usual rail is kept", **values)
+
+    page.app.push_screen(Form("Your usual rail", questions, texts, units), railed)
+
+
+def ask_motors(page: PageScreen) -> None:
+    """Add the motors of a file."""
+    page.app.push_screen(AskText("Add motors", "", "The path of a .eng or .rse file."), partial(_import, page))
+
+
+def _import(page: PageScreen, text: str | None) -> None:
+    if not text or not text.strip():
+        return
+
+    def work() -> "list[Motor]":
+        from fieldkit.motors.own import import_file
+        from fieldkit.paths import motor_folder
+
+        return import_file(Path(text.strip()).expanduser(), motor_folder())
+
+    page.ask(work, partial(_imported, page), "import")
+
+
+def _imported(page: PageScreen, motors: "list[Motor]") -> None:
+    page.desk.forget_motors()
+    page.tell(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
+    page.field_app.changed()

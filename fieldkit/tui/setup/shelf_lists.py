@@ -1,0 +1,123 @@
+"""The lists of the page Setup as headings, rows and cells, and the answers of their forms."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from fieldkit.flight import BY_NAME, Flight
+from fieldkit.importing.manual_entry import Question, answer_text
+from fieldkit.quantities import measure
+from fieldkit.settings import Settings
+from fieldkit.tui.widgets import cards
+from fieldkit.tui.widgets.groups import Group, Kept, Place
+from fieldkit.tui.widgets.table import Cells, Head
+
+if TYPE_CHECKING:
+    from fieldkit.motors import Motor
+
+RAIL = ("rail_length", "rail_angle")
+"""Settings of the usual rail."""
+NORMAL, WIDE = 70, 96
+"""Cells from which a table has room for more columns."""
+
+
+class Listed(NamedTuple):
+    """A list as a table shows it: its columns, what its rows stand for, and their cells."""
+
+    heads: list[Head]
+    keys: Sequence[Any]
+    cells: Cells
+
+
+def motors_listed(found: "Sequence[Motor]", width: int) -> Listed:
+    """The motors that a search found."""
+    from fieldkit.motors.motor import delays_text
+
+    wide = width >= WIDE
+    heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 7, True), Head("avg N", 6, True)]
+    heads += [Head("burn s", 6, True), Head("grams", 7, True)] if wide else []
+    heads += [Head("delays s", 22 if wide else 12), Head("", 14 if wide else 5)]
+
+    def cells(motor: "Motor") -> list[str]:
+        gone = "" if motor.available else "no longer made" if wide else "gone"
+        figures = [f"{motor.burn_time:.2f}", f"{motor.loaded_mass * 1e3:.1f}"] if wide else []
+        first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:.0f}", f"{motor.total_impulse:.1f}"]
+        return [*first, f"{motor.average_thrust:.1f}", *figures, delays_text(motor.delays), gone]
+
+    return Listed(heads, found, cells)
+
+
+def builds_listed(kept: Kept, system: str, width: int) -> Listed:
+    """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
+    narrow = width < NORMAL
+
+    def cells(group: Group) -> list[str]:
+        numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
+        return [*group.names, *numbers, str(len(group.ids)), group.last.motor][: 5 if narrow else 6]
+
+    heads = [Head("rocket", 0), Head("config", 8), Head("dry mass", 9, True), Head("diameter", 9, True)]
+    heads += [Head("flights", 7, True), Head("last motor", 14)][: 1 if narrow else 2]
+    return Listed(heads, kept.builds, cells)
+
+
+def sites_listed(kept: Kept, system: str, width: int) -> Listed:
+    """The sites that flights name or that were saved, with what safety lines ask of them."""
+    narrow = width < NORMAL
+
+    def cells(place: Place) -> list[str]:
+        site = place.site
+        numbers = [measure(cards.APOGEE, height, system) for height in (site.elevation, site.size, site.ceiling)]
+        return [site.name, *numbers, str(len(place.ids)), answer_text(place.last, "date_time")[:10]][
+            : 5 if narrow else 6
+        ]
+
+    heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
+    heads += [Head("flights", 7, True), Head("last", 10)][: 1 if narrow else 2]
+    return Listed(heads, kept.sites, cells)
+
+
+def settings_listed(settings: Settings, ledger: str) -> Listed:
+    """What was chosen, and where things are kept."""
+    from fieldkit.paths import motor_folder, settings_file
+
+    target = measure(BY_NAME["apogee"], settings.target, settings.units) or "none"
+    ends = [measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL]
+    rows = {
+        "units": settings.units,
+        "theme": settings.theme,
+        "target": target,
+        "rail": ", ".join(end for end in ends if end) or "none",
+        "ledger": ledger,
+        "own motors": str(motor_folder()),
+        "settings": str(settings_file()),
+    }
+    return Listed([Head("setting", 10), Head("is", 0)], list(rows), lambda name: (name, rows[name]))
+
+
+MEANS = {
+    "units": "SI: metres and grams. US: feet and ounces. mixed: feet and grams. Enter takes the next; so does N on any "
+    "page.",
+    "theme": "field for any room, sun black on white, night red on black, terminal your terminal's own colours. Enter "
+    "takes the next; so does T on any page.",
+    "target": "The apogee that motors are compared against on the page Next, where g sets it as well.",
+    "rail": "Length and tilt of the rail or rod you usually have, for plans that name none.",
+    "ledger": "The file in which your flights are kept. It is not changed here: fieldkit --ledger FILE opens another, "
+    "or FIELDKIT_LEDGER names it.",
+    "own motors": "The folder of your own .eng and .rse files; i on the list Motors puts one there.",
+    "settings": "The file in which these choices are kept.",
+}
+"""Of each setting, what it is and how it is changed."""
+
+
+def answer_of(flight: Flight, question: Question, system: str) -> str:
+    """A flight's answer to a question as a form shows it."""
+    if question.column is None:
+        return answer_text(flight, question.name)
+    return measure(question.column, flight.number(question.name), system)
+
+
+def same(flight: Flight, name: str, value: object, text: str, system: str) -> bool:
+    """Whether a form's value is what it was: a number that reads the same was not changed."""
+    column = BY_NAME.get(name)
+    if column is None:
+        return bool(getattr(flight, name) == value)
+    return measure(column, value if isinstance(value, float) else None, system) == text

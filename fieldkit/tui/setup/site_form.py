@@ -1,0 +1,55 @@
+"""A launch site as the page Setup lists and edits it: its elevation, and what its safety lines ask for."""
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.flight import BY_NAME
+from fieldkit.importing.manual_entry import Question, read_answer
+from fieldkit.quantities import measure, unit_of
+from fieldkit.tui.widgets import cards
+
+if TYPE_CHECKING:
+    from fieldkit.ledger.sites import Site
+
+ROOM = (
+    Question("size", "Field size", "The shorter side of the field, for its safety line: 400m. Empty: not known."),
+    Question("ceiling", "Ceiling", "Above the pad, by waiver or by who owns the field: 3000ft. Empty: not known."),
+)
+"""What is asked of a site that flights do not tell."""
+QUESTIONS = (
+    Question("site", "Site", "Its name; a new name renames it in every flight there."),
+    Question("site_elevation", "Site elevation", f"{BY_NAME['site_elevation'].help} Changes every flight there."),
+    *ROOM,
+)
+
+
+def room(site: "Site", system: str) -> dict[str, str]:
+    """Size and ceiling as one would type them."""
+    return {question.name: measure(cards.APOGEE, getattr(site, question.name), system) for question in ROOM}
+
+
+def units(system: str) -> dict[str, str]:
+    """The units of numbers typed without one."""
+    length = unit_of(cards.APOGEE, system)
+    return {"site_elevation": unit_of(BY_NAME["site_elevation"], system), "size": length, "ceiling": length}
+
+
+def read(name: str, text: str, unit: str) -> object:
+    """An answer as typed. Raises BadValue."""
+    from fieldkit.planning.contest_day import read_part
+
+    return read_part(name, text, unit) if name in room_names() else read_answer(name, text, unit)
+
+
+def room_names() -> set[str]:
+    """The answers that are kept beside the flights."""
+    return {question.name for question in ROOM}
+
+
+def answered(site: "Site", values: dict[str, Any], texts: dict[str, str], system: str) -> "Site":
+    """The site that the answers describe; a length that reads the same was not changed."""
+    known = {"elevation": values["site_elevation"]} if site.elevation is not None else {}
+    for name in sorted(room_names()):
+        if measure(cards.APOGEE, values[name], system) != texts[name]:
+            known[name] = values[name]
+    return replace(site, name=values["site"], **known)

@@ -1,0 +1,129 @@
+"""Small screens over a page: help, a question with a typed answer."""
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from textual.app import ComposeResult
+from textual.binding import Binding, BindingType
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widgets import Input, Static
+
+from fieldkit.safe_text import printable
+from fieldkit.tui.add.fields import Line
+from fieldkit.tui.page import Help
+from fieldkit.tui.widgets.bars import KeyBar
+from fieldkit.tui.widgets.hanging import Hanging
+
+
+class HelpScreen(ModalScreen[None]):
+    """What a screen is for, its fields, its keys, and the commands that do the same."""
+
+    DEFAULT_CSS = """
+    HelpScreen { align: center middle; background: $backdrop; }
+    HelpScreen > Vertical { width: 90%; max-width: 96; height: 90%; background: $surface; border: solid $border; }
+    HelpScreen VerticalScroll { padding: 0 1; }
+    HelpScreen VerticalScroll Static { margin-bottom: 1; width: 1fr; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("escape", "dismiss", "Close"),
+        Binding("question_mark,f1,q", "dismiss", "Close", show=False),
+        Binding("up", "scroll_by(-1)", "Up", show=False),
+        Binding("down", "scroll_by(1)", "Down", show=False),
+        Binding("y", "copy", "Copy", show=False),
+    ]
+
+    def __init__(self, title: str, help: Help, keys: Sequence[tuple[str, str]], listed: str = "") -> None:
+        super().__init__()
+        self._title, self._help, self._key_list = title, help, keys
+        self._listed = listed or "What it shows and asks"
+
+    def compose(self) -> ComposeResult:
+        """One column of short paragraphs."""
+        with Vertical() as frame:
+            frame.border_title = Content(printable(self._title))
+            with VerticalScroll():
+                yield Static(Content(self._help.about))
+                if self._help.fields:
+                    yield Static(_paragraphs(self._listed, self._help.fields))
+                if self._key_list:
+                    yield Static(_paragraphs("Keys", self._key_list))
+                if self._help.twin:
+                    twins = "\n".join(f"  {line}" for line in self._help.twin)
+                    yield Static(Content.assemble(("The same on the command line", "b"), "\n", twins))
+            yield KeyBar()
+
+    def action_copy(self) -> None:
+        """Copy all of it as text, commands too."""
+        parts = self.query_one(VerticalScroll).query(Static)
+        self.app.copy_to_clipboard("\n\n".join(str(part.content) for part in parts))
+
+    def action_scroll_by(self, lines: int) -> None:
+        """Scroll the text."""
+        self.query_one(VerticalScroll).scroll_relative(y=lines, animate=False)
+
+
+def _paragraphs(heading: str, pairs: Sequence[tuple[str, str]]) -> Hanging:
+    """A heading, and below it each name with what is said of it."""
+    lines = [(0, Content.assemble((heading, "b")))]
+    lines += [(4, Content.assemble("  ", (name, "b $accent"), f"  {text}")) for name, text in pairs]
+    return Hanging(tuple(lines))
+
+
+class AskText(ModalScreen[str | None]):
+    """One line to be typed; the result is the text, or None."""
+
+    DEFAULT_CSS = """
+    AskText { align: center middle; background: $backdrop; }
+    AskText > Vertical { width: 80%; max-width: 72; height: auto; background: $surface; border: solid $border;
+        padding: 0 1; }
+    AskText Static { height: auto; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("enter", "take", "Take it", key_display="Enter", priority=True),
+        Binding("escape", "dismiss(None)", "Leave it"),
+    ]
+
+    def __init__(self, title: str, text: str, about: str = "") -> None:
+        super().__init__()
+        self._title, self._text, self._about = title, text, about
+
+    def compose(self) -> ComposeResult:
+        """What is asked, and the line."""
+        with Vertical() as frame:
+            frame.border_title = Content(printable(self._title))
+            if self._about:
+                yield Static(Content(printable(self._about)))
+            yield Line(printable(self._text))
+            yield KeyBar()
+
+    def action_take(self) -> None:
+        """Hand the line over."""
+        self.dismiss(self.query_one(Input).value)
+
+
+class AskYes(ModalScreen[bool]):
+    """A question that `y` or Enter agrees to, and `n` or Esc does not."""
+
+    DEFAULT_CSS = """
+    AskYes { align: center middle; background: $backdrop; }
+    AskYes > Vertical { width: 80%; max-width: 72; height: auto; background: $surface; border: solid $border;
+        padding: 0 1; }
+    """
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("y", "dismiss(True)", "Yes"),
+        Binding("enter", "dismiss(True)", "Yes", show=False),
+        Binding("n", "dismiss(False)", "No"),
+        Binding("escape", "dismiss(False)", "No", show=False),
+    ]
+
+    def __init__(self, question: str) -> None:
+        super().__init__()
+        self._question = question
+
+    def compose(self) -> ComposeResult:
+        """The question and its keys."""
+        with Vertical():
+            yield Static(Content("\n".join(printable(line) for line in self._question.splitlines())))
+            yield KeyBar()
