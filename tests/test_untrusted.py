@@ -26,7 +26,7 @@ from fieldkit.motors import own
 from fieldkit.presentation.export import csv_table
 from fieldkit.safe_text import as_cell, from_cell
 from fieldkit.services.imports import read_file
-from tests.test_openrocket import design
+from tests.openrocket.test_design import design
 
 ROOT = Path(__file__).parents[1]
 HOSTILE = {

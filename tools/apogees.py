@@ -6,7 +6,7 @@ of the parabola through those medians, where the samples show it, and how far th
 
 import sys
 
-from tests.test_real_logs import FLIGHTS, LOGS, flown, robust_apogee
+from tests.analysis.test_real_logs import FLIGHTS, LOGS, flown, robust_apogee
 
 
 def main() -> int:

@@ -2,7 +2,8 @@
 
 A file a run in `docs/benchmarks/`, named by date and commit: of every benchmark its group, the shortest and the median
 of its rounds in seconds, and what it notes beside them (ratios, rates). With names only those: `start` for
-`tests/bench_start.py`. `--page` runs nothing: it writes `docs/speed.md` from the latest run of each that is kept.
+`tests/benchmarks/bench_start.py`. `--page` runs nothing: it writes `docs/speed.md` from the latest run of each that is
+kept.
 """
 
 import json
@@ -19,7 +20,7 @@ from typing import Any
 ROOT = Path(__file__).parents[1]
 KEPT = ROOT / "docs" / "benchmarks"
 PAGE = ROOT / "docs" / "speed.md"
-NAMES = tuple(sorted(path.stem.removeprefix("bench_") for path in (ROOT / "tests").glob("bench_*.py")))
+NAMES = tuple(sorted(path.stem.removeprefix("bench_") for path in (ROOT / "tests" / "benchmarks").glob("bench_*.py")))
 
 
 def run(name: str) -> tuple[list[dict[str, Any]], int]:
@@ -27,7 +28,7 @@ def run(name: str) -> tuple[list[dict[str, Any]], int]:
     with tempfile.TemporaryDirectory() as scratch:
         out = Path(scratch) / "benchmarks.json"
         options = ["-o", "addopts=", "--benchmark-only", "-p", "no:cacheprovider", f"--benchmark-json={out}"]
-        command = [sys.executable, "-m", "pytest", *options, f"tests/bench_{name}.py"]
+        command = [sys.executable, "-m", "pytest", *options, f"tests/benchmarks/bench_{name}.py"]
         ran = subprocess.run(command, cwd=ROOT, env=os.environ | {"OMP_NUM_THREADS": "1"})
         if not out.exists() or not out.stat().st_size:
             raise SystemExit(ran.returncode)

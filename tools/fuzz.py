@@ -2,8 +2,8 @@
 
 Begins with the sample logs, keeps what is new in build/fuzz/corpus, and stops at the first fault with the input that
 brings it, in build/fuzz. `python tools/fuzz.py --again FILE` runs that input alone. What must hold is what
-tests/test_bad_input.py asks of bad logs. atheris is no dependency: pip install atheris into the environment that has
-the rest; where there is none, this says so and the test with hypothesis stands.
+tests/importing/test_bad_input.py asks of bad logs. atheris is no dependency: pip install atheris into the
+environment that has the rest; where there is none, this says so and the test with hypothesis stands.
 """
 
 import argparse
@@ -28,13 +28,13 @@ def main() -> int:
     try:
         import atheris
     except ImportError:
-        print("atheris is not installed (pip install atheris); tests/test_bad_input.py tries bad logs without it")
+        print("atheris is not installed (pip install it); tests/importing/test_bad_input.py tries bad logs without it")
         return 0
     with atheris.instrument_imports(include=["fieldkit.parsers", "fieldkit.importing.tables"]):
         from fieldkit.importing.recognize import parsers
 
         names = [options.format] if options.format else list(parsers())
-    from tests.badinput import must_hold, patience
+    from tests.importing.bad_input import must_hold, patience
     from tests.samples import SAMPLES, owner
 
     warnings.simplefilter("error")

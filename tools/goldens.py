@@ -1,4 +1,4 @@
-"""Write what the sample logs read as, for `tests/test_every_parser.py`; the change is there to be looked at.
+"""Write what the sample logs read as, for `tests/parsers/test_every_parser.py`; the change is there to be looked at.
 
 python -m tools.goldens [PART OF A NAME]
 
@@ -8,8 +8,8 @@ import json
 import sys
 
 from fieldkit.importing.read import read
+from tests.parsers.test_every_parser import GOLDEN, summary
 from tests.samples import SAMPLES, any_motor
-from tests.test_every_parser import GOLDEN, summary
 
 
 def main(part: str) -> None:

@@ -19,7 +19,7 @@ FLIGHTS = ROOT / "fieldkit" / "data" / "reference_flights.csv"
 TABLE = ROOT / "sample_logs" / "flight_table__a_breezy_afternoon.csv"
 LOG = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
 STREAM = ROOT / "sample_logs" / "micropeak__a_small_flight.mpd"
-OLD = ROOT / "tests" / "old_ledgers"
+OLD = ROOT / "tests" / "ledger" / "old_ledgers"
 
 
 @dataclass(slots=True)

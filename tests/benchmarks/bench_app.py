@@ -1,0 +1,214 @@
+"""How fast the app is there and answers a key: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_app.py`.
+
+The first group holds the app and an empty Textual app, each as a whole process up to its first paint; the second all
+that a key brings about in a ledger of 5,000 flights, beside an empty app that hears a key. Times are of the processor,
+all threads together: what workers do is counted with it. A key is answered when the screen is first painted after it,
+or nothing is left to paint, by the clock on the wall; it is done with when no worker has anything left to do and all
+of it is on the screen.
+"""
+
+import asyncio
+import resource
+import subprocess
+import sys
+from collections.abc import AsyncIterator, Callable, Sequence
+from contextlib import AbstractAsyncContextManager, asynccontextmanager
+from datetime import datetime, timedelta
+from functools import partial
+from itertools import cycle
+from pathlib import Path
+from time import perf_counter
+from typing import Any
+from unittest.mock import patch
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+from textual import events
+from textual.app import App
+from textual.constants import MAX_FPS
+from textual.pilot import Pilot
+from textual.screen import Screen
+
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from tests.benchmarks.timing import FLYER, beside, of_children
+from tests.pressing import opened, season
+
+MANY = 5000
+PAINT = 2.5
+"""Times an empty app, at most. [1]"""
+SHARES = (0.5, 0.95, 0.99, 1)
+"""Shares of the keys that are told of. [1]"""
+AHEAD = "ready"
+"""The work that no key asked for: pages that are made ready out of sight."""
+
+
+def processor() -> float:
+    """Processor time of this process, all of its threads, and of the processes that it has waited for. [s]"""
+    spent = (resource.getrusage(who) for who in (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(one.ru_utime + one.ru_stime for one in spent)
+
+
+PAINTED = """
+import asyncio, os
+async def painted():
+    async with app.run_test(size=(80, 24)):
+        os._exit(0)
+asyncio.run(painted())
+"""
+EMPTY = "from textual.app import App\napp = App()\n" + PAINTED
+OURS = (
+    "from pathlib import Path, PosixPath\nfrom fieldkit.tui.app import FieldkitApp\napp = FieldkitApp({!r}, {!r})\n"
+    + PAINTED
+)
+
+
+TOOK: dict[str, list[float]] = {}
+"""Seconds of every round, by the benchmark that it is of."""
+
+
+def measure(benchmark: BenchmarkFixture, code: str) -> None:
+    def start() -> None:
+        subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.DEVNULL)
+
+    benchmark.pedantic(start, rounds=9, warmup_rounds=1)
+    TOOK[benchmark.name] = benchmark.stats.stats.data
+
+
+@pytest.mark.benchmark(group="first paint", timer=of_children)
+def test_an_empty_app_is_painted(benchmark: BenchmarkFixture) -> None:
+    measure(benchmark, EMPTY)
+
+
+@pytest.mark.benchmark(group="first paint", timer=of_children)
+def test_the_app_is_painted(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
+    season(tmp_path / "ledger.db")
+    measure(benchmark, OURS.format(str(tmp_path / "ledger.db"), tmp_path / "settings.json"))
+    empty, ours = (float(np.median(TOOK[name])) for name in ("test_an_empty_app_is_painted", benchmark.name))
+    assert beside(benchmark, ours, empty, "an empty app") < PAINT
+
+
+@pytest.fixture(scope="module")
+def crowded(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A ledger of 5,000 flights."""
+    file = tmp_path_factory.mktemp("many") / "ledger.db"
+    first = datetime(2020, 1, 1, 10)
+    flights = [
+        Flight(
+            flight_id=str(n),
+            rocket=f"Rocket {n % 17}",
+            config="AB"[n % 2],
+            motor=("C6-5", "F24-4W", "E35-5W")[n % 3],
+            date_time=first + timedelta(hours=n),
+            dry_mass=0.3,
+            diameter=0.066,
+            apogee=100.0 + n % 200,
+        )
+        for n in range(MANY)
+    ]
+    with Ledger.open(file) as ledger:
+        ledger.add(flights)
+    return file
+
+
+KEYS = [
+    *("down", "up", "pagedown", "pageup", "end", "home"),
+    *("slash", "2", "f", "4", "backspace", "backspace", "backspace", "escape"),
+    *("s", "r", "s", "s", "s", "s", "s", "s", "s", "s", "s", "r"),
+    *("2", "down", "9", "2", "3", "enter", "1", "4", "0", "up", "ctrl+u", "escape"),
+    *("6", "down", "right", "left", "7", "3", "1", "home", "enter", "t", "down", "escape", "escape"),
+    *("4", "down", "down", "up", "slash", "f", "escape", "5", "right", "left", "1"),
+]
+"""Moving, filtering as one types, sorting by each column, typing a flight in, turning pages, opening a flight and its
+tags, choosing a motor, turning panels: each a key of its own.
+Pages are made ready out of sight before; the first time that a key is pressed counts with the others."""
+
+
+class Session:
+    """An app that stays open while keys are sent to it, one at a time; how soon each was answered. [s]"""
+
+    def __init__(self, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
+        self.loop = asyncio.new_event_loop()
+        self.keys: asyncio.Queue[str] = asyncio.Queue()
+        self.done: asyncio.Queue[None] = asyncio.Queue()
+        self.task = self.loop.create_task(self._run(open))
+        self.answers: list[float] = []
+        self.painted: float | None = None
+
+    async def _run(self, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> None:
+        async with open() as pilot:
+            with patch.object(pilot.app, "_display", partial(self._paint, pilot.app)):
+                while key := await self.keys.get():
+                    self.painted, pressed = None, perf_counter()
+                    pilot.app.post_message(events.Key(key, key if len(key) == 1 else None))
+                    await self._done(pilot.app)
+                    self.answers.append((self.painted or perf_counter()) - pressed)
+                    self.done.put_nowait(None)
+        self.done.put_nowait(None)
+
+    def _paint(self, app: App[None], screen: Screen[None], what: Any) -> None:
+        """Put together what a terminal would be sent, and note when it first is."""
+        if what is not None and not app._batch_count:
+            what.render_segments(app.console)
+            self.painted = self.painted or perf_counter()
+
+    async def _done(self, app: App[None]) -> None:
+        """Until nothing that a key brought about is left to do and the screen shows it, painted when Textual paints."""
+        while True:
+            while self.loop._ready:  # type: ignore[attr-defined]  # messages that widgets were woken for
+                await asyncio.sleep(0)
+            screen, busy = app.screen, [one for one in app.workers if not one.is_finished and one.group != AHEAD]
+            due = screen._dirty_widgets or screen._layout_required or screen._repaint_required or screen._callbacks
+            if not (busy or due):
+                return
+            await asyncio.sleep(1 / MAX_FPS)
+
+    def press(self, key: str) -> None:
+        """Send a key and wait for what comes of it; the empty one closes the app."""
+        self.keys.put_nowait(key)
+        self.loop.run_until_complete(self.done.get())
+
+
+@asynccontextmanager
+async def listening() -> AsyncIterator[Pilot[None]]:
+    """An empty app that is told of keys and does nothing."""
+    async with App[None]().run_test(size=(80, 24)) as pilot:
+        yield pilot
+
+
+def answer(benchmark: BenchmarkFixture, open: Callable[[], AbstractAsyncContextManager[Pilot[None]]]) -> list[float]:
+    """How soon each key was answered. [s]"""
+    session, keys = Session(open), cycle(KEYS)
+    session.press("down")  # the app is opened
+    session.answers.clear()
+    benchmark.pedantic(lambda: session.press(next(keys)), rounds=5 * len(KEYS))
+    answers = session.answers[:]
+    session.press("")
+    session.loop.close()
+    TOOK[benchmark.name] = benchmark.stats.stats.data
+    return answers
+
+
+def shares(name: str, took: Sequence[float]) -> dict[str, Any]:
+    """Within what time so many of the keys were, and those that took longest."""
+    slowest = sorted(zip(took, cycle(KEYS), strict=False), reverse=True)[:5]
+    within = {f"within_{share:.0%}_{name}_ms": round(float(np.quantile(took, share)) * 1e3, 1) for share in SHARES}
+    return within | {f"slowest_{name}_ms": [f"{key} {one * 1e3:.0f}" for one, key in slowest]}
+
+
+@pytest.mark.benchmark(group="a key", timer=processor)
+def test_an_empty_app_hears_a_key(benchmark: BenchmarkFixture) -> None:
+    answer(benchmark, listening)
+
+
+@pytest.mark.benchmark(group="a key", timer=processor)
+def test_a_key_is_answered_with_five_thousand_flights(
+    benchmark: BenchmarkFixture, crowded: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(crowded.parent)  # a folder with few files for the page Import
+    answers = answer(benchmark, lambda: opened(crowded, stays=True))
+    empty, ours = TOOK["test_an_empty_app_hears_a_key"], TOOK[benchmark.name]
+    benchmark.extra_info |= shares("answered", answers) | shares("done", ours)
+    beside(benchmark, float(np.median(ours)), float(np.median(empty)), "an empty app")
+    sys.stdout.write(f"{benchmark.extra_info}\n")

@@ -1,0 +1,42 @@
+"""What a forecast from twenty flights takes:
+`pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_forecast.py`.
+
+From flights that were read to draws of the next apogee, on one core, in processor time; beside it the import of numpy.
+"""
+
+import time
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from fieldkit.forecast.predict import predict
+from fieldkit.model.readout_data import OBSERVED
+from tests.benchmarks.timing import beside, measured, of_children, whole_process
+from tests.seasons import season
+
+pytestmark = pytest.mark.benchmark(timer=time.process_time, group="forecast")
+FLIGHTS = 20
+
+
+@pytest.fixture(scope="module")
+def numpy_import() -> float:
+    """What waking numpy takes, which is as quick as the machine is. [s]"""
+    spent = []
+    for _ in range(5):
+        began = of_children()
+        whole_process("import numpy")
+        spent.append(of_children() - began)
+    return min(spent)
+
+
+@pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
+@pytest.mark.parametrize("kept", [("apogee",), OBSERVED], ids=["apogees", "all readouts"])
+def test_from_flights_to_a_forecast(
+    benchmark: BenchmarkFixture, kept: tuple[str, ...], wind: float | None, numpy_import: float
+) -> None:
+    flown = season(np.random.default_rng(7), kept, FLIGHTS, wind)
+    plan, found = flown[0]
+    planned = [(plan.with_changes(flight_id="next", **dict.fromkeys(kept)), found)]
+    took = measured(benchmark, lambda: predict(flown, planned))
+    beside(benchmark, took, numpy_import, "the import of numpy")

@@ -1,0 +1,107 @@
+"""What plans cost beside one `predict`: `pytest -s -o addopts= --benchmark-only tests/benchmarks/bench_plan.py`.
+
+The catalogue is what fits a 29 mm mount and narrower, adapters and all, with every safety line. Times are of the
+processor; the ratio to one forecast holds where seconds do not: on another machine, or a busy one.
+"""
+
+import time
+from collections.abc import Callable, Iterator
+from typing import Any
+
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import Site
+from fieldkit.motors import Catalogue, Motor, catalogue
+from fieldkit.planning.ballast import Goal, ballast
+from fieldkit.planning.contest import outlook, season
+from fieldkit.planning.delay import delays
+from fieldkit.planning.limits import limits
+from fieldkit.planning.motor_guide import Wanted, fitting, guide
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.planning import begun, rocket_of
+from fieldkit.settings import Settings
+from fieldkit.studies.paper.reference import TABLE
+from tests.benchmarks.timing import beside, measured
+
+pytestmark = pytest.mark.benchmark(timer=time.process_time)
+CATALOGUE = 1.0
+"""Seconds of a processor that the whole catalogue for one rocket may take, at most."""
+
+
+@pytest.fixture(scope="module")
+def ledger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
+    path = str(tmp_path_factory.mktemp("plans") / "ledger.db")
+    assert main(["--ledger", path, "import", str(TABLE)]) == 0
+    with Ledger.open(path) as ledger:
+        yield ledger
+
+
+@pytest.fixture(scope="module")
+def motors() -> Catalogue:
+    return catalogue()
+
+
+@pytest.fixture(scope="module")
+def every(motors: Catalogue) -> list[Motor]:
+    return fitting(motors, Wanted(mount=0.029, adapter=True))
+
+
+@pytest.fixture(scope="module")
+def one(ledger: Ledger, motors: Catalogue) -> float:
+    """One forecast as `predict` makes it, the least of some rounds. [s]"""
+    rounds = []
+    for _ in range(4):
+        begun = time.process_time()
+        predict_plans(ledger, motors, [PLAN], keep=False)
+        rounds.append(time.process_time() - begun)
+    return min(rounds)
+
+
+def timed(benchmark: BenchmarkFixture, one: float, work: Callable[[], Any]) -> float:
+    """The least time that some work takes, beside one forecast. [s]"""
+    took = measured(benchmark, work, rounds=3)
+    beside(benchmark, took, one, "one predict")
+    return took
+
+
+PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")
+
+
+@pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
+def test_the_whole_catalogue_for_one_rocket(
+    benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue, every: list[Motor], wind: float | None
+) -> None:
+    day = PLAN.with_changes(wind=wind)
+
+    def work() -> None:
+        guide(rocket_of(ledger, motors, "Astra"), begun(ledger, day, Settings()), every, limits(), Site())
+
+    benchmark.extra_info["motors"] = len(every)
+    assert timed(benchmark, one, work) < CATALOGUE
+
+
+@pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
+def test_one_predict(
+    benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue, wind: float | None
+) -> None:
+    day = PLAN.with_changes(wind=wind)
+    timed(benchmark, one, lambda: predict_plans(ledger, motors, [day], keep=False))
+
+
+def test_a_delay(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
+    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
+    timed(benchmark, one, lambda: delays(rocket, plan, motors.resolve("F67W"), 15.0))
+
+
+def test_ballast(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
+    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
+    timed(benchmark, one, lambda: ballast(rocket, plan, motors.resolve("F24-4W"), Goal(240.0, 3.0)))
+
+
+def test_a_contest(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
+    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
+    timed(benchmark, one, lambda: outlook(season(2027), rocket, plan, motors.resolve("F24-4W")))

@@ -1,0 +1,105 @@
+"""How much of a command's start is ours: `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_start.py`.
+
+Each command is a whole process, and beside it stands a bare Python that imports the very modules of other people's that
+the command woke up, and does nothing with them; beside `--help` an empty typer program, beside `predict` also the four
+libraries that the program stands on. Times are of the processor.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from fieldkit.ledger import Ledger
+from fieldkit.model.readout_data import OBSERVED
+from tests.benchmarks.timing import ROOT, beside, measured, of_children, whole_process
+from tests.seasons import season
+
+pytestmark = pytest.mark.benchmark(timer=of_children, group="start")
+HELP, PREDICT = 1.5, 1.5
+"""Times an empty typer program and bare imports, at most; 1.3 is aimed at, which a busy machine takes it beyond. [1]"""
+
+EMPTY = """
+import typer
+app = typer.Typer()
+@app.command()
+def nothing() -> None:
+    "Nothing."
+app(["--help"])
+"""
+FIELDKIT = "import sys; sys.argv[1:] = {!r}; from fieldkit.cli.main import run; run()"
+WOKEN = """
+import contextlib, io, sys
+from fieldkit.cli.main import main
+with contextlib.redirect_stdout(io.StringIO()):
+    assert main({!r}) == 0
+own = {{*sys.stdlib_module_names, "fieldkit", "__main__"}}
+print(*[name for name in sys.modules if name.split(".")[0] not in own])
+"""
+BARE = """
+import importlib, contextlib
+for name in {!r}:
+    with contextlib.suppress(Exception):  # some are there only once others are
+        importlib.import_module(name)
+"""
+LIBRARIES = ["numpy", "onnxruntime", "sqlalchemy", "typer"]
+"""What the program stands on."""
+COMMANDS = {
+    "flights": [],
+    "show": ["1"],
+    "history": [],
+    "motors": ["F24"],
+    "infer": ["1"],
+    "predict": ["--motor", "F24-4W"],
+    "simulate": ["--motor", "F24-4W", "--dry-mass", "322g", "--diameter", "66mm", "--cd", "0.6"],
+    "export": [],
+}
+
+
+@pytest.fixture(scope="module")
+def ledger(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A season of twelve flights."""
+    path = str(tmp_path_factory.mktemp("start") / "ledger.db")
+    whole_process(FIELDKIT.format(["--ledger", path, "import", str(ROOT / "fieldkit/data/reference_flights.csv")]))
+    return path
+
+
+@pytest.fixture(scope="module")
+def whole(tmp_path_factory: pytest.TempPathFactory) -> str:
+    """A season of twenty flights with all readouts."""
+    path = tmp_path_factory.mktemp("start") / "whole.db"
+    with Ledger.open(path) as opened:
+        opened.add([flight for flight, _ in season(np.random.default_rng(3), OBSERVED, 20)])
+    return str(path)
+
+
+def least(code: str, rounds: int = 5) -> float:
+    """Of whole processes, the one that took least. [s]"""
+    spent = []
+    for _ in range(rounds):
+        began = of_children()
+        whole_process(code)
+        spent.append(of_children() - began)
+    return min(spent)
+
+
+def test_help(benchmark: BenchmarkFixture) -> None:
+    took = measured(benchmark, whole_process, FIELDKIT.format(["--help"]))
+    assert beside(benchmark, took, least(EMPTY), "an empty typer program") <= HELP
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_a_command(benchmark: BenchmarkFixture, command: str, ledger: str, tmp_path: Path) -> None:
+    arguments = ["--ledger", ledger, command, *COMMANDS[command]]
+    woken = whole_process(WOKEN.format(arguments)).split()
+    took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
+    beside(benchmark, took, least(BARE.format(woken)), "bare imports")
+
+
+@pytest.mark.parametrize("what", ["12 apogees", "20 flights with all readouts"])
+def test_a_prediction(benchmark: BenchmarkFixture, what: str, ledger: str, whole: str) -> None:
+    """Beside the libraries it stands on; of whole flights the ensemble looks at every readout first."""
+    arguments = ["--ledger", ledger if what == "12 apogees" else whole, "predict", *COMMANDS["predict"]]
+    took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
+    assert beside(benchmark, took, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT

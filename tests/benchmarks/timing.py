@@ -1,0 +1,41 @@
+"""Processor time for benchmarks, and their rows: what others do on a machine blurs the clock on its wall."""
+
+import os
+import subprocess
+import sys
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+from pytest_benchmark.fixture import BenchmarkFixture
+
+ROOT = Path(__file__).parents[2]
+UNLIKE_A_FLYERS = ("FIELDKIT_CHECK_SHAPES", "PYTHONDONTWRITEBYTECODE")
+"""Settings for tests. An installed program is compiled once, and not at every start."""
+FLYER = {k: v for k, v in os.environ.items() if k not in UNLIKE_A_FLYERS}
+FLYER |= {"PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1"}
+
+
+def of_children() -> float:
+    """Processor time of the processes that this one has waited for. [s]"""
+    spent = os.times()
+    return spent.children_user + spent.children_system
+
+
+def whole_process(code: str) -> str:
+    """What a Python process of its own prints."""
+    return subprocess.run([sys.executable, "-c", code], env=FLYER, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def measured(benchmark: BenchmarkFixture, work: Callable[..., Any], *given: Any, rounds: int = 5) -> float:
+    """The shortest of some rounds, after one to warm up. [s]"""
+    benchmark.pedantic(work, given, rounds=rounds, warmup_rounds=1)
+    return float(benchmark.stats.stats.min)
+
+
+def beside(benchmark: BenchmarkFixture, seconds: float, least: float, what: str) -> float:
+    """Note and print the ratio to the least that it could be. [1]"""
+    ratio = seconds / least
+    benchmark.extra_info |= {"ratio": round(ratio, 3), "beside": what}
+    sys.stdout.write(f"\n{benchmark.name}: {seconds:.4g} s, {ratio:.2f} times {what} ({least:.4g} s)\n")
+    return ratio

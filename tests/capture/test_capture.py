@@ -1,0 +1,450 @@
+"""What was captured is kept, whatever happens to the cable, the program, the disc or the parser; and gets imported."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import replace
+from importlib import import_module
+from io import StringIO
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from fieldkit.capture import (
+    Back,
+    Ended,
+    Event,
+    Opened,
+    Port,
+    Progress,
+    Sample,
+    Told,
+    Wishes,
+    capture,
+    captures,
+    logs_in,
+    read_capture,
+    resume,
+    unfinished,
+)
+from fieldkit.capture.port import again
+from fieldkit.capture.tape import JOURNAL, begin, go_on
+from fieldkit.cli.live import View
+from fieldkit.cli.main import main
+from fieldkit.errors import CaptureTrouble, PortLost, PortTrouble
+from fieldkit.importing.tables.checksums import crc_buypass, crc_x25, sum_256
+from tests.capture import devices
+from tests.capture.devices import Device, Unplugged, Wire, played
+
+ROOT = Path(__file__).parents[2]
+terminals = pytest.mark.skipif(not hasattr(os, "openpty"), reason="needs pseudo-terminals")
+
+
+@pytest.fixture(autouse=True)
+def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """Where the flyer's captures are."""
+    return tmp_path / "home" / "captures"
+
+
+def test_checksums_are_those_of_the_makers() -> None:
+    assert crc_x25(b"123456789") == 0x906E
+    assert crc_buypass(b"123456789") == 0xFEE8
+    assert sum_256(b"testTrame,Bear altimeters are the best!!!!,") == 240
+    assert sum_256(b"data,0,50,12,21,100873,") == 48
+    assert sum_256(b"nbrOfFlight,3,") == 224
+
+
+def followed(events: Iterable[Event], wire: Wire) -> Ended:
+    """How a capture ended; a unit that talks by itself begins when its port is open."""
+    for event in events:
+        if isinstance(event, Opened):
+            wire.opened.set()
+    assert isinstance(event, Ended)
+    return event
+
+
+# --- The tape
+
+
+@given(chunks=st.lists(st.binary(max_size=50)), cut=st.floats(0, 1), torn=st.floats(0, 1))
+@settings(max_examples=15, deadline=None)
+def test_a_capture_that_was_torn_anywhere_is_read_as_far_as_it_goes_and_goes_on(
+    tmp_path_factory: pytest.TempPathFactory, chunks: list[bytes], cut: float, torn: float
+) -> None:
+    with begin(tmp_path_factory.mktemp("c"), {"device": "eggtimer"}) as tape:
+        for chunk in chunks:
+            tape.note(sent="h;")
+            tape.heard(chunk)
+    content = b"".join(chunks)
+    whole = read_capture(tape.file)
+    assert whole.raw == content
+    assert b"".join(answer.content for answer in whole.answers()) == content
+    assert [answer.content for answer in whole.answers()[1:]] == chunks
+    times = whole.arrivals(range(len(content)))
+    assert times == sorted(times)
+    journal = tape.file.with_suffix(JOURNAL)
+    head = len(journal.read_bytes().splitlines()[0]) + 1
+    os.truncate(tape.file, round(cut * len(content)))
+    os.truncate(journal, head + round(torn * (journal.stat().st_size - head)))
+    kept = read_capture(tape.file)
+    assert content.startswith(kept.raw)
+    assert b"".join(answer.content for answer in kept.answers()) == kept.raw
+    assert kept.began is not None
+    with go_on(tape.file, kept.began) as more:
+        more.note(sent="n;")
+        more.heard(b"more")
+    after = read_capture(tape.file)
+    assert after.raw == kept.raw + b"more"
+    assert after.answers()[-1].content == b"more"
+
+
+def test_a_capture_without_the_head_of_its_journal_still_gives_its_flights(tmp_path: Path) -> None:
+    record = devices.micropeak_stream(devices.micropeak_payload(100_000, 99_000, range(99_000, 99_100)))
+    with begin(tmp_path, {"device": "micropeak"}) as tape:
+        tape.heard(b"junk" + record)
+    tape.file.with_suffix(JOURNAL).write_bytes(b'{"at": 0, "t": 0')
+    assert [log.content.strip() for log in logs_in(tape.file)] == [record.strip()]
+    with pytest.raises(CaptureTrouble, match="its journal is damaged"):
+        next(resume(tape.file, Port("port")))
+
+
+def test_two_captures_of_one_second_do_not_meet(tmp_path: Path) -> None:
+    with begin(tmp_path, {}) as one, begin(tmp_path, {}) as two:
+        one.heard(b"one")
+        two.heard(b"two")
+    assert {read_capture(file).raw for file in captures(tmp_path)} == {b"one", b"two"}
+
+
+def test_a_full_disc_is_told_of_in_one_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    class Full:
+        closed = True
+
+        def write(self, content: bytes) -> int:
+            raise OSError(28, "No space left on device")
+
+    with begin(tmp_path, {}) as tape:
+        tape.heard(b"before")
+        with monkeypatch.context() as patch:
+            patch.setattr(tape, "_raw", Full())
+            with pytest.raises(CaptureTrouble, match=r"\.raw: cannot be written \(No space left on device\)"):
+                tape.heard(b"after")
+    assert read_capture(tape.file).raw == b"before"
+
+
+def test_bytes_are_synchronised_a_few_times_a_second_also_when_no_more_come(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    synced: list[int] = []
+    monkeypatch.setattr(os, "fsync", synced.append)
+    with begin(tmp_path, {}) as tape:
+        tape.heard(b"one")
+        before = len(synced)
+        time.sleep(0.3)
+        tape.tick()
+        assert len(synced) >= before + 2
+        quiet = len(synced)
+        time.sleep(0.3)
+        tape.tick()
+        assert len(synced) == quiet
+
+
+# --- Ports
+
+
+def test_a_unit_is_found_again_by_its_numbers_and_not_confused_with_another(tmp_path: Path) -> None:
+    unit = Port("COM3", 0x0403, 0x6015, "A1")
+    other = Port("COM4", 0x0403, 0x6015, "B2")
+    assert again(unit, [other]) is None
+    assert again(unit, [other, replace(unit, name="COM7")]) == "COM7"
+    assert again(unit, [other, replace(unit, name="COM7"), unit]) == "COM3"
+    plain = Port(str(tmp_path / "ttyS1"))
+    assert again(plain, [Port("/dev/ttyS0")]) is None
+    assert again(plain, [Port("/dev/ttyS0"), plain]) == plain.name
+    (tmp_path / "ttyS1").touch()  # a terminal that the system does not list
+    assert again(plain, []) == plain.name
+    assert again(replace(unit, name=plain.name), []) is None
+
+
+def test_a_system_without_the_terminals_of_unix_has_ports_too(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr("serial.Serial", _absent)
+    monkeypatch.setitem(sys.modules, "termios", None)
+    with pytest.raises(PortTrouble, match=r"COM3: cannot be opened \(no such port\)"):
+        list(capture(Port("COM3"), "eggtimer", folder=tmp_path))
+    assert not captures(tmp_path)
+
+
+def _absent(*_: object, **__: object) -> None:
+    raise OSError(2, "no such port")
+
+
+def test_ports_and_devices_are_listed_for_people_and_scripts(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = [Port("/dev/ttyACM0", 0xFFFE, 0x000B, "2094", "TeleMetrum"), Port("/dev/ttyUSB0", 0x0403, 0x6015)]
+    monkeypatch.setattr("fieldkit.capture.ports", lambda: here)
+    assert main(["capture", "--list", "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert [port["device"] for port in document["ports"]] == ["altos", None]
+    assert "MicroPeak" in document["ports"][1]["about"]
+    assert set(document["devices"]) >= {"altimulti", "micropeak", "mawd"}
+    assert "not public" in document["not_public"]["rrc3"]
+    assert main(["capture", "--list"]) == 0
+    out, err = capsys.readouterr()
+    assert "fffe:000b" in out
+    assert "TeleMetrum" in out
+    assert ".pf2" in err
+
+
+@pytest.mark.parametrize(
+    ("arguments", "complaint"),
+    [
+        (["/dev/no-such-port", "--device", "mawd"], "/dev/no-such-port: cannot be opened"),
+        (["--device", "rrc3", "/dev/null"], "mDACS"),
+        (["--resume"], "no capture that is unfinished"),
+    ],
+)
+def test_what_cannot_be_captured_is_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], complaint: str, folder: Path
+) -> None:
+    assert main(["capture", *arguments]) == 1
+    out, err = capsys.readouterr()
+    assert not out
+    assert complaint in err
+    assert len(err.splitlines()) == 1
+    assert not captures(folder)
+
+
+# --- From the port to the ledger
+
+
+HEIGHTS = [0, 0, *(round(900 * (1 - (n / 100 - 1) ** 2)) for n in range(200)), 0]
+
+
+@terminals
+def test_a_mawd_is_captured_and_imported_and_importing_it_again_changes_nothing(
+    capsys: pytest.CaptureFixture[str], folder: Path
+) -> None:
+    with played(devices.mawd(HEIGHTS)) as wire:
+        assert main(["capture", wire.name, "--device", "mawd", "--json", "--set", "rocket=Astra"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert (document["imported"], document["samples"], document["whole"]) == (1, len(HEIGHTS), True)
+    assert Path(document["file"]).parent == folder
+    assert main(["flights", "--json"]) == 0
+    (flight,) = json.loads(capsys.readouterr().out)["flights"]
+    assert flight["apogee_m"] == pytest.approx(900 * 0.3048, rel=0.001)
+    assert flight["rocket"] == "Astra"
+    assert main(["import", "--set", "rocket=Astra", "--json", document["file"]]) == 0
+    again = json.loads(capsys.readouterr().out)
+    assert (again["imported"], again["duplicates"]) == (0, 1)
+
+
+@terminals
+def test_a_fault_in_a_parser_loses_nothing(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    def faulty(*_: object, **__: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr(import_module("fieldkit.services.imports.gather"), "read_together", faulty)
+    with played(devices.mawd(HEIGHTS)) as wire, pytest.raises(ZeroDivisionError):
+        main(["capture", wire.name, "--device", "mawd"])
+    monkeypatch.undo()
+    (file,) = folder.glob("*.raw")
+    assert str(file) in capsys.readouterr().err
+    assert main(["--ledger", str(folder / "ledger.db"), "import", str(file)]) == 0
+    assert "1 imported" in capsys.readouterr().out
+
+
+@terminals
+def test_a_fault_in_a_protocol_loses_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def faulty(*_: object) -> None:
+        raise ZeroDivisionError
+
+    monkeypatch.setattr("fieldkit.capture.protocols.micropeak.Stream.feed", faulty)
+    with played(devices.talking(b"precious")) as wire, pytest.raises(ZeroDivisionError):
+        followed(capture(Port(wire.name), "micropeak", folder=tmp_path, wishes=Wishes(silence=0.5)), wire)
+    (file,) = captures(tmp_path)
+    assert read_capture(file).raw == b"precious"
+
+
+# --- Kill, stop, pull
+
+
+def counting(wire: Wire) -> None:
+    """A unit that counts for as long as one listens."""
+    wire.wait_until_opened()
+    for number in range(10**9):
+        wire.say(b"%d,%d,0,0\r\n" % (number, number % 977))
+        if number % 20 == 0:
+            time.sleep(0.002)
+
+
+@contextmanager
+def running(*arguments: str) -> Iterator["subprocess.Popen[bytes]"]:
+    """`fieldkit` in a process of its own."""
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    command = [sys.executable, "-m", "fieldkit.cli.main", *arguments]
+    process = subprocess.Popen(
+        command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+    )
+    try:
+        yield process
+    finally:
+        process.kill()
+        process.communicate()
+
+
+def until(done: object, patience: float = 60.0) -> None:
+    """Wait for something to be so. [s]"""
+    ends = time.monotonic() + patience
+    while not done():  # type: ignore[operator]
+        assert time.monotonic() < ends
+        time.sleep(0.02)
+
+
+def size(folder: Path) -> int:
+    return sum(file.stat().st_size for file in folder.glob("*.raw"))
+
+
+@terminals
+def test_a_killed_capture_has_all_that_had_come_and_goes_on_on_another_port(folder: Path) -> None:
+    text = b"".join(b"%d,%d,0,0\r\n" % (number, number % 977) for number in range(200_000))
+    with played(counting) as wire, running("capture", wire.name, "--device", "eggtimer") as process:
+        assert process.stderr is not None
+        assert process.stderr.readline().startswith(b"eggtimer on ")
+        wire.opened.set()
+        until(lambda: size(folder) > 5_000)
+        seen = size(folder)
+        os.kill(process.pid, signal.SIGKILL)
+        process.wait(20)
+    (file,) = captures(folder)
+    first = read_capture(file).raw
+    assert len(first) >= seen
+    assert text.startswith(first)
+    assert unfinished(folder) == file
+    with played(devices.talking(text[:2000])) as wire:
+        end = followed(resume(file, Port(wire.name), stop=devices.arrived(folder, first + text[:2000])), wire)
+    assert end.whole
+    assert read_capture(file).raw == first + text[:2000]
+    assert unfinished(folder) is None
+
+
+def packets(wire: Wire) -> None:
+    devices.teledongle([devices.telem(devices.telem_sensor(n, n, 1)) for n in range(100)])(wire)
+
+
+@terminals
+def test_ctrl_c_ends_a_stream_in_good_order(folder: Path) -> None:
+    with played(packets) as wire, running("capture", wire.name, "--device", "teledongle", "--no-import") as process:
+        until(lambda: folder.is_dir() and size(folder) > 5_000)
+        process.send_signal(signal.SIGINT)
+        _, said = process.communicate(timeout=30)
+        until(lambda: bytes(wire.received).endswith(b"m 0\n"))
+    assert process.returncode == 0
+    assert re.search(rb"stopped: \d+ samples", said)  # as many as had come by then
+
+
+@terminals
+def test_a_pulled_cable_is_said_and_resume_takes_the_newest(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
+    def torn(wire: Wire) -> None:
+        try:
+            devices.mawd(HEIGHTS)(Halved(wire))
+        except Unplugged:
+            wire.unplug()
+            raise
+
+    class Halved:
+        """A wire that breaks after so many bytes."""
+
+        def __init__(self, wire: Wire) -> None:
+            self.wire, self.left = wire, 600
+
+        def say(self, content: bytes, dribble: object = None) -> None:
+            self.wire.say(content[: self.left])
+            self.left -= len(content)
+            if self.left <= 0:
+                time.sleep(0.3)
+                raise Unplugged
+
+        def command(self, ends: bytes) -> bytes:
+            return self.wire.command(ends)
+
+    with played(torn) as wire:
+        assert main(["capture", wire.name, "--device", "mawd", "--reconnect", "0"]) == 1
+    err = capsys.readouterr().err
+    (file,) = captures(folder)
+    assert f"fieldkit capture --resume {file.name}" in err
+    assert "the port is gone" in err
+    with played(devices.mawd(HEIGHTS)) as wire:
+        assert main(["capture", "--resume", wire.name]) == 0
+    assert "1 imported" in capsys.readouterr().out
+    with pytest.raises(CaptureTrouble, match="is not found; ports now"):
+        list(resume(file, look=lambda: [Port("/dev/other")]))
+
+
+@terminals
+def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    def gone(self: object) -> bytes:
+        raise PortLost("port: the port is gone (loose contact)")
+
+    monkeypatch.setattr("fieldkit.capture.line.Line.hear", gone)
+    monkeypatch.setattr("fieldkit.capture.session.PAUSE", 0.0)
+    with played(devices.deaf) as wire:
+        port = Port(wire.name)
+        events = list(capture(port, "eggtimer", folder=tmp_path, look=lambda: [port]))
+    assert isinstance(events[-1], Ended)
+    assert events[-1].why == "port: the port is gone (loose contact)"
+    assert 2 <= sum(isinstance(event, Back) for event in events) < 20
+
+
+@terminals
+def test_a_port_in_use_is_said(tmp_path: Path) -> None:
+    def quiet(wire: Wire) -> None:
+        devices.deaf(wire)
+
+    device: Device = quiet
+    with played(device) as wire:
+        first = capture(Port(wire.name), "eggtimer", folder=tmp_path, wishes=Wishes(wait=5))
+        assert isinstance(next(first), Opened)
+        with pytest.raises(PortTrouble, match="another program"):
+            next(capture(Port(wire.name), "eggtimer", folder=tmp_path))
+        first.close()  # type: ignore[attr-defined]
+
+
+def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    class Screen(StringIO):
+        def isatty(self) -> bool:
+            return True
+
+    screen = Screen()
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setenv("TERM", "xterm")
+    with View() as view:
+        view.show(Opened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
+        for height, speed in ((100.0, 80.0), (250.0, 20.0), (240.0, -9.0)):
+            view.show(Progress(1000, 10, 2, 0.5, Sample(height, 1.0, speed, "coast")))
+        view.heard -= 60
+        view.show(Progress(1234, 10, 2, 0.5, view.last))
+        view.show(Told("\x1b[31mred [bold]"))
+    shown = screen.getvalue()
+    assert "every byte goes to" in shown
+    assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown
+    assert "altitude 240 m (787.4 ft)   highest 250 m (820.2 ft)" in shown
+    assert "-9.0 m/s   coast   heard 60 s ago" in shown
+    assert "▁█" in shown
+    assert "\x1b[31m" not in shown

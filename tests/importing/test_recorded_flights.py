@@ -1,0 +1,187 @@
+"""Logs on their way: from bytes through a parser into the ledger, and back out of it; commands on them."""
+
+import json
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Series
+from fieldkit.importing import Parser, Reading, recognize
+from fieldkit.importing.recognize import parsers
+from fieldkit.ledger import Ledger
+from fieldkit.services.replay import recording_of
+from tests.analysis.recordings import LARGE, SMALL, Logger, Rocket, fly, log
+
+Run = Callable[..., tuple[int, str, str]]
+
+flown = cache(fly)
+
+
+def written(*rockets: Rocket, kind: str = "flight", stated: float | None = None, **changes: float) -> bytes:
+    """A log in a format of these tests: JSON with time and height of each flight."""
+    flights = []
+    for number, rocket in enumerate(rockets):
+        (series,) = log(flown(rocket), Logger(**changes), np.random.default_rng(number))
+        flights.append([series.time.round(3).tolist(), series.altitude.round(2).tolist()])
+    return json.dumps({"lark": flights, "kind": kind, "stated": stated}).encode()
+
+
+def _read(content: bytes) -> list[Reading]:
+    told = json.loads(content)
+    stated = {"apogee": told["stated"]} if told["stated"] else {}
+    return [
+        Reading(
+            stated,
+            series=Series(time=np.array(time), altitude=np.array(height)),
+            describes=told["kind"],
+            device="Lark 1",
+            serial="7",
+        )
+        for time, height in told["lark"]
+    ]
+
+
+LARK = Parser("Lark", lambda head: head.startswith(b'{"lark"'), _read)
+
+
+@pytest.fixture(autouse=True)
+def _shelf(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    shelf = {**parsers(), "lark": LARK}
+    monkeypatch.setattr(recognize, "parsers", lambda: shelf)
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "200")
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
+    def run(*arguments: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
+        return status, *capsys.readouterr()
+
+    return run
+
+
+def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "one.lark"
+    path.write_bytes(written(SMALL, stated=480.0))
+    status, out, _ = run("import", path, "--json")
+    (id,) = json.loads(out)["flights"]
+    assert status == 0
+    shown = json.loads(run("show", id, "--json")[1])
+    truth = flown(SMALL).readouts()
+    assert shown["apogee_m"] == pytest.approx(truth["apogee"], abs=1.0)
+    assert shown["stated_apogee_m"] == "480"
+    assert 0 < float(shown["apogee_sd_m"]) < 1
+    assert (shown["device"], shown["serial"], shown["log_format"]) == ("Lark 1", "7", "lark")
+    assert shown["recording"]["events"]["liftoff"]["time_s"] == pytest.approx(100, abs=0.2)
+    assert shown["recording"]["stated"] == {"apogee_m": 480.0}
+    _, card, _ = run("show", id)
+    assert "±" in card
+    assert "liftoff" in card
+    _, out, _ = run("import", path, "--json")
+    assert json.loads(out)["duplicates"] == 1
+
+
+def test_several_flights_in_a_log_are_told_apart_and_found_again(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "two.lark"
+    path.write_bytes(written(SMALL, LARGE))
+    ids = json.loads(run("import", path, "--json")[1])["flights"]
+    assert len(set(ids)) == 2
+    run("edit", ids[1], "flight_id=renamed")
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        for id, rocket in ((ids[0], SMALL), ("renamed", LARGE)):
+            found = recording_of(ledger, id)
+            assert found is not None
+            assert found.recorded.figures["apogee"].value == pytest.approx(flown(rocket).readouts()["apogee"], abs=2)
+            assert found.recorded.forces is not None
+
+
+def test_a_flight_without_a_log_has_no_recording(run: Run, tmp_path: Path) -> None:
+    table = tmp_path / "t.csv"
+    table.write_text("flight_id,rocket,apogee_m\n1,Swift,200\n")
+    run("import", table)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        assert recording_of(ledger, "1") is None
+        with pytest.raises(FieldkitError, match="no flight 'nine'"):
+            recording_of(ledger, "nine")
+
+
+def test_a_log_that_a_table_names_fills_the_row_and_is_found_again(run: Run, tmp_path: Path) -> None:
+    (tmp_path / "one.lark").write_bytes(written(SMALL))
+    table = tmp_path / "t.csv"
+    table.write_text("flight_id,rocket,apogee_m,log\n1,Swift,460,one.lark\n")
+    assert run("import", table)[0] == 0
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        flight, recording = ledger.flight("1"), recording_of(ledger, "1")
+    assert flight.apogee == 460
+    assert "apogee_sd_m" not in flight.extra
+    assert flight.top_speed is not None
+    assert "top_speed_sd_mps" in flight.extra
+    assert recording is not None
+    assert recording.recorded.events["apogee"].sd > 0
+
+
+def test_a_simulation_is_no_flight_and_is_sent_to_compare(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "sim.lark"
+    path.write_bytes(written(SMALL, kind="simulation", noise=0.0))
+    status, out, err = run("import", path, "--json")
+    assert (status, json.loads(out)["imported"]) == (0, 0)
+    (line,) = err.splitlines()
+    assert "simulation" in line
+    assert "fieldkit compare" in line
+
+
+def test_a_log_without_apogee_says_so_and_is_kept(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "short.lark"
+    path.write_bytes(written(LARGE, early=0.8, stated=1500.0))
+    status, out, err = run("import", path, "--json")
+    assert status == 0
+    assert "no apogee in this log" in err
+    shown = json.loads(run("show", json.loads(out)["flights"][0], "--json")[1])
+    assert shown["apogee_m"] == 1500.0
+    assert shown["duration_s"] is None
+
+
+def test_compare_lays_a_flight_beside_another_device_and_a_simulation(run: Run, tmp_path: Path) -> None:
+    one, two, sim = (tmp_path / f"{name}.lark" for name in ("one", "two", "sim"))
+    one.write_bytes(written(SMALL))
+    two.write_bytes(written(SMALL, start=7.0, rate=50))
+    sim.write_bytes(written(SMALL, kind="simulation", noise=0.0, start=0.0))
+    (id,) = json.loads(run("import", one, "--json")[1])["flights"]
+    status, out, _ = run("compare", id, two, sim, "--json")
+    told = json.loads(out)
+    assert status == 0
+    assert [one["kind"] for one in told["recordings"]] == ["Lark 1", "Lark 1", "simulation"]
+    for compared, shift in zip(told["compared"], (93.0, 100.0), strict=True):
+        assert compared["shift_s"] == pytest.approx(shift, abs=0.15)
+        assert compared["rms_height_m"] < 1.5
+        assert abs(compared["differences"]["apogee_m"]["difference"]) < 1.0
+    _, text, _ = run("compare", id, two)
+    assert "rms" in text
+    assert "Apogee" in text
+
+
+def test_compare_takes_readouts_that_were_typed(run: Run, tmp_path: Path) -> None:
+    one, table = tmp_path / "one.lark", tmp_path / "t.csv"
+    one.write_bytes(written(SMALL))
+    table.write_text("flight_id,rocket,apogee_m\n1,Swift,200\n")
+    status, out, _ = run("compare", one, table, "--json")
+    (compared,) = json.loads(out)["compared"]
+    assert status == 0
+    assert compared["rms_height_m"] is None
+    assert compared["differences"]["apogee_m"]["difference"] < -100
+
+
+def test_compare_wants_two_recordings(run: Run, tmp_path: Path) -> None:
+    one = tmp_path / "one.lark"
+    one.write_bytes(written(SMALL))
+    assert run("compare", one)[0] == 1
+    status, _, err = run("compare", one, tmp_path / "nothing.csv")
+    assert status == 1
+    assert "no flight" in err

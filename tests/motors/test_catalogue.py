@@ -1,0 +1,283 @@
+"""The catalogue of motors: what it holds, and how a written name finds its motor."""
+
+import csv
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
+from fieldkit.motors import PLUGGED, Catalogue, Motor, catalogue, describe, is_cluster
+from fieldkit.motors.motor import impulse
+
+LAUNCHES = Path(__file__).parents[3] / "shared" / "logs" / "altimetertwo__rocketlaunchjournal_launches.csv"
+
+UNMISTAKABLE = {
+    "F24-4W": ("AeroTech F24W", 4),
+    "F24W-4": ("AeroTech F24W", 4),
+    "F24": ("AeroTech F24W", None),
+    "AeroTech F24": ("AeroTech F24W", None),
+    "F24W AeroTech": ("AeroTech F24W", None),
+    "aerotech f24-4": ("AeroTech F24W", 4),
+    " F24–4W ": ("AeroTech F24W", 4),
+    "F24W-4s": ("AeroTech F24W", 4),
+    "RMS-24/40 F24W": ("AeroTech F24W", None),
+    "1 F24-7": ("AeroTech F24W", 7),
+    "h219t": ("AeroTech H219T", None),
+    "F39": ("AeroTech F39T", None),
+    "F39T-6": ("AeroTech F39T", 6),
+    "AeroTech F39T-6": ("AeroTech F39T", 6),
+    "E35-5W": ("Quest E35W", 5),
+    "E35W": ("Quest E35W", None),
+    "1/2A3-2T": ("Estes 1/2A3", 2),
+    "½A3-2": ("Estes 1/2A3", 2),
+    "1/2 A3-2T": ("Estes 1/2A3", 2),
+    "A10-PT": ("Estes A10", PLUGGED),
+    "A10-3T": ("Estes A10", 3),
+    "D12-3": ("Estes D12", 3),
+    "H128W-14A": ("AeroTech H128W", 14),
+    "I205W": ("AeroTech HP-I205W", None),
+    "HP-I205W-10": ("AeroTech HP-I205W", 10),
+    "L1390G-P": ("AeroTech L1390G", PLUGGED),
+    "M1297W-P": ("AeroTech M1297W", PLUGGED),
+    "AT H123": ("AeroTech H123W", None),
+    "Pro38 H123": ("Cesaroni 232H123-14A", None),
+    "29mm H123": ("Cesaroni 176H123-12A", None),
+    "D9-4": ("AeroTech D9W", 4),
+    "G64-10": ("AeroTech G64W", 10),
+    "CTI H118": ("Cesaroni 216H118-12A", None),
+    "216H118-12A": ("Cesaroni 216H118-12A", 12),
+    "WW-38-390": ("AMW WW-38-390", None),
+    "micro maxx ii": ("Quest MICRO_MAXX_II", None),
+    "F20-7": ("AeroTech F20W/L", 7),
+    "Estes C6-5": ("Estes C6", 5),
+}
+
+LIKELY = {
+    "C6-5": ("Estes C6", 5),
+    "A8-3": ("Estes A8", 3),
+    "A3-4T": ("Estes A3", 4),
+    "38mm H123": ("AeroTech H123W", None),
+    "F52-5": ("AeroTech F52T", 5),
+    "G75-6": ("AeroTech G75J", 6),
+    "G75-11": ("AeroTech G75M", 11),
+    "E30-4": ("AeroTech E30T", 4),
+    "J350-10": ("AeroTech J350W", 10),
+    "E16-4": ("Estes E16", 4),
+    "D12-0": ("Estes D12", 0),
+}
+
+SEVERAL = (
+    "3 B6-4, C6-5",
+    "3 B6-4",
+    "D12-0 ½ A8-5",
+    "C6-0/C6-5",
+    "2 F101-5",
+    "3xD12-5",
+    "4 × C6-3",
+    "E190-H148R",
+    "B6-4, 3 A8-3",
+    "D12-0 + C6-7",
+)
+
+
+def _label(motor: Motor) -> str:
+    return f"{motor.maker} {motor.designation}"
+
+
+@pytest.mark.parametrize(("text", "expected"), UNMISTAKABLE.items())
+def test_a_name_as_flyers_write_it_finds_its_motor(text: str, expected: tuple[str, float | None]) -> None:
+    found = catalogue().find(text)
+    assert (_label(found.motor), found.delay) == expected
+    assert catalogue().resolve(text).motor is found.motor
+
+
+@pytest.mark.parametrize(("text", "expected"), LIKELY.items())
+def test_of_several_motors_the_likeliest_is_taken_and_the_others_are_named(
+    text: str, expected: tuple[str, float | None]
+) -> None:
+    found = catalogue().resolve(text)
+    assert (_label(found.motor), found.delay) == expected
+    if text != "G75-11":  # only one of them is sold with 11 s
+        assert "it could be" in found.notes[0]
+        with pytest.raises(AmbiguousMotor, match=_label(found.motor)):
+            catalogue().find(text)
+
+
+def test_an_ambiguous_name_lists_each_motor_on_a_line_with_what_tells_them_apart() -> None:
+    with pytest.raises(AmbiguousMotor) as caught:
+        catalogue().find("38mm H123")
+    assert str(caught.value).splitlines()[1:] == [
+        "  AeroTech H123W: class H, 38 mm, 223.6 N s, delays 4, 6, 8, 10",
+        "  Cesaroni 232H123-14A: class H, 38 mm, 232.4 N s, delays 5, 7, 9, 11, 14",
+    ]
+
+
+def test_the_maker_may_be_given_apart() -> None:
+    assert _label(catalogue().find("C6-5", maker="estes").motor) == "Estes C6"
+
+
+@pytest.mark.parametrize("text", SEVERAL)
+def test_clusters_and_stages_are_refused_by_name(text: str) -> None:
+    assert is_cluster(text)
+    with pytest.raises(UnknownMotor, match="clusters and stages are not modelled as one motor"):
+        catalogue().resolve(text)
+
+
+@pytest.mark.parametrize("text", [*UNMISTAKABLE, *LIKELY])
+def test_a_single_motor_is_no_cluster(text: str) -> None:
+    assert not is_cluster(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "nearest"),
+    [
+        ("F38", "AeroTech F39T"),
+        ("F101-5", "Cesaroni 56F120-14A"),
+        ("F24T", "AeroTech F24W"),
+        ("Estes F24", "AeroTech F24W"),
+        ("micro max", "Quest MICRO_MAXX"),
+        ("banana F24", "AeroTech F24W"),
+        ("", "a name such as F24-4W"),
+    ],
+)
+def test_a_motor_that_is_not_there_suggests_the_nearest(text: str, nearest: str) -> None:
+    for search in (catalogue().find, catalogue().resolve):
+        with pytest.raises(UnknownMotor) as caught:
+            search(text)
+        assert nearest in str(caught.value)
+
+
+@given(st.one_of(st.text(max_size=20), st.from_regex(r"[A-O0-9/ ½-]{1,12}", fullmatch=True)))
+def test_any_text_finds_a_motor_or_says_what_is_wrong(text: str) -> None:
+    is_cluster(text)
+    catalogue().search(text)
+    for search in (catalogue().find, catalogue().resolve):
+        try:
+            answer = search(text).motor.designation
+        except (UnknownMotor, AmbiguousMotor) as error:
+            answer = str(error)
+        assert answer
+
+
+def test_a_delay_that_is_not_sold_is_a_note_and_not_a_refusal() -> None:
+    assert catalogue().find("F24-4").notes == ()
+    assert catalogue().find("F24-6").notes == ("AeroTech F24W is not sold a delay of 6 s, only with 4, 7",)
+    assert catalogue().find("F24-P").notes == ("AeroTech F24W is not sold plugged, only with 4, 7",)
+
+
+def test_a_mass_that_was_estimated_is_said_aloud() -> None:
+    found = catalogue().find("G35-4")
+    assert found.motor.estimated == ("casing mass",)
+    assert "casing mass not on record, estimated" in found.notes[0]
+
+
+def test_every_motor_is_found_by_maker_and_designation() -> None:
+    for motor in catalogue().motors:
+        assert not is_cluster(motor.designation)
+        assert catalogue().find(_label(motor)).motor is motor
+
+
+def test_every_curve_is_whole_and_holds_its_certified_impulse() -> None:
+    assert len(catalogue()) == len(catalogue().motors) == catalogue().about["kept"]
+    for motor in catalogue().motors:
+        assert motor.time[0] == motor.thrust[0] == motor.thrust[-1] == 0
+        assert (np.diff(motor.time) > 0).all()
+        assert (motor.thrust >= 0).all()
+        assert impulse(motor.time, motor.thrust) == pytest.approx(motor.total_impulse, rel=1e-9)
+        assert 0 < motor.burn_time <= motor.thrust_end
+        assert motor.propellant_mass > 0
+        assert motor.casing_mass > 0
+        assert motor.loaded_mass == pytest.approx(motor.propellant_mass + motor.casing_mass)
+        assert 0 < motor.diameter < 0.2 < 3 * motor.length + 0.2
+
+
+def test_the_shipped_f24_is_the_certified_one() -> None:
+    """Source: certification by NAR as ThrustCurve.org lists it."""
+    motor = catalogue().find("F24").motor
+    assert motor.total_impulse == 47.31
+    assert motor.propellant_mass == pytest.approx(0.0190)
+    assert motor.casing_mass == pytest.approx(0.0439)
+    assert motor.peak_thrust == pytest.approx(41.0, abs=1.0)
+    assert motor.burn_time == pytest.approx(2.0, abs=0.05)
+    assert (motor.impulse_class, motor.kind, motor.delays) == ("F", "reload", (4.0, 7.0))
+    assert (motor.diameter, motor.length) == (0.024, 0.070)
+
+
+def test_no_motor_up_to_class_f_was_left_out() -> None:
+    """Those that most flyers use; the large hybrids are where the records have gaps."""
+    for letter, (read, kept) in catalogue().about["by_class"].items():
+        assert read == kept or letter > "F", letter
+
+
+def test_what_is_known_of_the_catalogue_adds_up() -> None:
+    about = catalogue().about
+    assert about["kept"] + sum(map(len, about["left_out"].values())) == about["read"]
+    assert sum(about["by_maker"].values()) == about["kept"]
+    assert {"source", "version", "date", "licence"} <= set(about)
+
+
+def test_searching_ranks_what_was_meant_first() -> None:
+    def first(text: str) -> str:
+        return _label(catalogue().search(text)[0])
+
+    assert first("F39T-6") == "AeroTech F39T"
+    assert first("C6-5") == "Estes C6"
+    assert first("white lightning 24mm f") == "AeroTech F24W"
+    assert all(motor.name.startswith("F3") for motor in catalogue().search("f3"))
+    assert {motor.case for motor in catalogue().search("rms-24/40")} == {"RMS-24/40"}
+    assert len(catalogue().search("")) == len(catalogue())
+    assert _label(catalogue().search("microm4xx")[0]).startswith("Quest MICRO_MAXX")
+
+
+def test_own_motors_win_over_the_catalogue() -> None:
+    own = catalogue().find("Estes C6").motor
+    renamed = Motor(**{name: getattr(own, name) for name in Motor.__slots__} | {"source": "mine.eng"})
+    mine = catalogue().with_motors([renamed])
+    assert mine.find("C6-5").motor is renamed
+    assert mine.search("c6")[0] is renamed
+    assert len(mine) == len(catalogue()) + 1
+    assert catalogue().find("Estes C6").motor is own
+
+
+def test_a_description_is_ready_for_json() -> None:
+    description = describe(catalogue().find("A10-PT").motor)
+    assert description["delays"] == [0.0, 3.0, "P"]
+    assert description["propellant_g"] == pytest.approx(3.6)
+    assert description["class"] == "A"
+    assert all(math.isfinite(value) for value in description.values() if isinstance(value, float))
+
+
+@pytest.mark.skipif(not LAUNCHES.exists(), reason="the journal of launches is not part of the project")
+def test_every_motor_of_a_real_journal_of_launches_is_understood() -> None:
+    with LAUNCHES.open(encoding="cp1252", newline="") as file:
+        motors = [row["Motors"] for row in csv.DictReader(file)]
+    unknown = [text for text in motors if not is_cluster(text) and not _resolves(catalogue(), text)]
+    assert len(motors) > 300
+    assert unknown == []
+
+
+def _resolves(motors: Catalogue, text: str) -> bool:
+    try:
+        return motors.resolve(text).motor.total_impulse > 0
+    except FieldkitError:
+        return False
+
+
+@pytest.mark.benchmark(group="motors")
+def test_the_catalogue_loads_from_its_file(benchmark: BenchmarkFixture) -> None:
+    def load() -> Catalogue:
+        catalogue.cache_clear()
+        return catalogue()
+
+    assert len(benchmark(load)) > 900
+
+
+@pytest.mark.benchmark(group="motors")
+def test_a_name_is_found(benchmark: BenchmarkFixture) -> None:
+    motors = catalogue()
+    assert benchmark(motors.find, "F24-4W").delay == 4

@@ -1,0 +1,229 @@
+"""AltOS: every generation of CSV, the flash in both forms, the radio log, each against a flight that is known."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.read import read_together
+from fieldkit.importing.recognize import claims, parsers
+from fieldkit.physics.standard_atmosphere import pressure_height
+from tests.parsers.recorded import recorded
+from tests.samples import any_motor
+from tools.samples.two_parachutes import PAD, flight
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+V5 = "header does not fit its rows of 70 cells, read up to main_voltage"
+
+
+def read(name: str, log: bytes | None = None) -> tuple[Reading, list[Found]]:
+    first, *rest = parsers()[name.split("__")[0]].read((LOGS / name).read_bytes() if log is None else log)
+    assert isinstance(first, Reading)
+    return first, rest
+
+
+def heights(series: Series) -> np.ndarray:
+    """Heights above the pad, from pressure where the log has no others. [m]"""
+    if series.altitude is not None:
+        return series.altitude
+    assert series.pressure is not None
+    return pressure_height(series.pressure) - PAD
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "start", "stop", "highest", "when", "events"),
+    [
+        ("2012-04-07-serial-882-flight-001", 2251, -0.3, 100.15, 568.48, 9.96, ("drogue", 10.09)),
+        ("2012-05-28-serial-319-flight-005", 1064, -0.3, 36.27, 230.89, 2.02, ("landing", 36.27)),
+        ("2012-08-31-serial-334-flight-003", 1681, -0.3, 25.29, 738.22, 0.06, ("drogue", 15.11)),
+        ("2012-11-17-serial-209-flight-013", 2513, -0.3, 92.27, 888.22, 13.76, ("drogue", 13.76)),
+    ],
+)
+def test_rows_of_version_5_are_read_by_position(
+    name: str, rows: int, start: float, stop: float, highest: float, when: float, events: tuple[str, float]
+) -> None:
+    reading, rest = read("altos_csv__", recorded(f"altos_csv__{name}.csv"))
+    (series,) = reading.clocks
+    assert (len(series.time), series.time[0], series.time[-1]) == (rows, start, stop)
+    assert heights(series).max() == highest
+    assert series.time[heights(series).argmax()] == when
+    assert reading.events[events[0]] == events[1]
+    assert reading.device.startswith("TeleMetrum-v1.")
+    assert series.gps_altitude_msl is None
+    assert [note.text for note in rest if isinstance(note, Note)] == [V5]
+
+
+def test_the_current_export_has_its_second_altitude_from_satellites() -> None:
+    log = recorded("altos_csv__prometheus_2022-06-24-serial-5115-flight-0001-TeleMetrum.csv")
+    reading, rest = read("altos_csv__", log)
+    (series,) = reading.clocks
+    assert (len(series.time), series.time[0], series.time[-1]) == (7081, -0.3, 237.94)
+    assert (heights(series).max(), series.time[heights(series).argmax()]) == (3903.77, 29.61)
+    assert series.gps_altitude_msl is not None
+    assert series.gps_altitude_msl[0] == 1390.0
+    assert reading.events["liftoff"] == 0.0
+    assert (reading.serial, reading.extra["flight"]) == ("5115", "1")
+    assert not rest
+
+
+@pytest.mark.parametrize(
+    ("name", "rows", "seconds", "steps"),
+    [
+        ("altos_csv__a_barometer_alone.csv", 248, 0.1, 1.0),
+        ("altos_csv__with_satellites.csv", 211, 0.2, 1.0),
+        ("altos_csv__version_5_with_a_comma_missing.csv", 193, 0.1, 1.0),
+        ("altos_csv__version_5_with_cells_too_many.csv", 97, 0.2, 1.0),
+        ("altos_eeprom__easymini.eeprom", 255, 0.1, 1.0),
+        ("altos_eeprom__easymega_cut_off.eeprom", 209, 0.1, 1.0),
+        ("altos_eeprom__telemetrum_2_with_damage.eeprom", 253, 0.1, 1.0),
+        ("altos_eeprom__telemetrum_2_old_form.eeprom", 254, 0.1, 1.0),
+        ("altos_eeprom__telemetrum_1_among_commands.eeprom", 255, 0.1, 2.0),
+        ("altos_eeprom__telemini_1.eeprom", 87, 0.1, 1.0),
+        ("altos_telem__telemetrum_2_with_gaps.telem", 231, 0.3, 1.0),
+        ("altos_telem__telemetrum_1.telem", 133, 0.2, 1.0),
+    ],
+)
+def test_the_flight_comes_back_from_every_form(name: str, rows: int, seconds: float, steps: float) -> None:
+    reading, _ = read(name)
+    series, truth = reading.clocks[0], flight()
+    assert len(series.time) == rows
+    assert np.nanmax(heights(series)) == pytest.approx(truth.apogee, abs=steps)
+    assert series.time[np.nanargmax(heights(series))] == pytest.approx(truth.time[truth.height.argmax()], abs=0.3)
+    for event, state in (("liftoff", 3), ("burnout", 5), ("drogue", 6)):
+        assert reading.events[event] == pytest.approx(truth.time[(truth.state == state).argmax()], abs=seconds)
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "altos_eeprom__telemetrum_2_with_damage.eeprom",
+        "altos_eeprom__telemetrum_1_among_commands.eeprom",
+        "altos_eeprom__easymega_cut_off.eeprom",
+        "altos_telem__telemetrum_1.telem",
+        "altos_csv__with_satellites.csv",
+    ],
+)
+def test_acceleration_is_net_of_gravity(name: str) -> None:
+    series, truth = read(name)[0].clocks[0], flight()
+    assert series.acceleration is not None
+    expected = np.interp(series.time, truth.time, truth.acceleration)
+    steady = (series.time > 1.5) & (series.time < 5.0)
+    assert series.acceleration[steady] == pytest.approx(expected[steady], abs=0.5)
+    assert series.acceleration[series.time < 0] == pytest.approx(0.0, abs=0.5)
+
+
+def test_counts_that_are_not_those_of_the_pad_are_no_acceleration() -> None:
+    """As of a unit that was mounted upside down, or of a firmware that keeps something else there."""
+    name = "altos_eeprom__easymega_cut_off.eeprom"
+    log = (LOGS / name).read_bytes().replace(b"46 31 09 00 03 00 bb 3c", b"46 32 09 00 03 00 bb 3b")
+    assert log != (LOGS / name).read_bytes()
+    assert read(name, log)[0].clocks[0].acceleration is None
+
+
+def test_what_was_not_measured_is_nan() -> None:
+    series = read("altos_csv__a_barometer_alone.csv")[0].clocks[0]
+    assert series.temperature is not None
+    assert series.voltage is not None
+    assert np.flatnonzero(np.isnan(series.temperature)).tolist() == [30]
+    assert np.flatnonzero(np.isnan(series.voltage)).tolist() == [30]
+
+
+def test_a_fix_repeated_without_satellites_is_none() -> None:
+    series = read("altos_csv__with_satellites.csv")[0].clocks[0]
+    for channel in (series.latitude, series.longitude, series.gps_altitude_msl):
+        assert channel is not None
+        assert np.isnan(channel).sum() == 40
+
+
+def test_a_state_that_returns_does_not_move_its_event() -> None:
+    log = (LOGS / "altos_csv__version_5_with_a_comma_missing.csv").read_bytes()
+    assert log.count(b"3,   boost") == 17
+    assert read("altos_csv__", log)[0].events["liftoff"] == 0.0
+    assert read("altos_csv__", log)[0].events["burnout"] == 1.1
+
+
+def test_the_clock_of_the_radio_form_goes_on_where_it_wraps_and_over_gaps() -> None:
+    (series,) = read("altos_csv__heard_by_radio.csv")[0].clocks
+    steps = np.diff(series.time)
+    assert steps.min() == pytest.approx(0.1)
+    assert steps.max() == pytest.approx(1.2)
+    assert np.nanmax(heights(series)) == pytest.approx(flight().apogee, abs=1)
+
+
+def test_two_flights_of_a_csv_are_two_readings() -> None:
+    log = (LOGS / "altos_csv__a_barometer_alone.csv").read_text()
+    second = "".join(line.replace("2417, 3,", "2417, 4,") + "\n" for line in log.splitlines()[1:])
+    found = parsers()["altos_csv"].read((log + second).encode())
+    assert [item.extra["flight"] for item in found if isinstance(item, Reading)] == ["3", "4"]
+
+
+def test_a_damaged_line_of_flash_costs_the_records_on_it() -> None:
+    whole, _ = read("altos_eeprom__telemetrum_2_old_form.eeprom")
+    hurt, rest = read("altos_eeprom__telemetrum_2_with_damage.eeprom")
+    lost = set(whole.clocks[0].time.round(2)) - set(hurt.clocks[0].time.round(2))
+    assert len(lost) == 1
+    assert isinstance(rest[0], DamagedLog)
+    assert rest[0].row == 65
+    assert "1 record has a wrong checksum" in str(rest[1])
+
+
+def test_positions_have_a_clock_of_their_own() -> None:
+    _, positions = read("altos_eeprom__telemetrum_2_with_damage.eeprom")[0].clocks
+    assert len(positions.time) == 5
+    assert positions.latitude == pytest.approx(np.full(5, 47.1), abs=1e-4)
+
+
+def test_a_sensor_without_its_calibration_is_refused() -> None:
+    log = (LOGS / "altos_eeprom__easymini.eeprom").read_bytes()
+    with pytest.raises(DamagedLog, match="ms5607 tcs"):
+        read("altos_eeprom__", log.replace(b'"ms5607_tcs": 29059', b'"ms5607_tcs": 2147483647'))
+    with pytest.raises(DamagedLog, match="log format 9, TeleGPS,"):
+        read("altos_eeprom__", log.replace(b'"log_format": 6', b'"log_format": 9'))
+
+
+def test_a_packet_that_the_radio_garbled_is_not_taken() -> None:
+    reading, rest = read("altos_telem__telemetrum_2_with_gaps.telem")
+    assert Note("7 packets came with a bad radio checksum, left out") in rest
+    assert DamagedLog in [type(item) for item in rest]
+    assert (reading.device, reading.serial) == ("TeleMetrum 2", "2417")
+    assert len(reading.clocks) == 2
+
+
+def test_two_rockets_on_one_channel_are_two_readings() -> None:
+    logs = [(LOGS / f"altos_telem__{name}.telem").read_bytes() for name in ("telemetrum_1", "telemetrum_2_with_gaps")]
+    found = parsers()["altos_telem"].read(b"".join(logs))
+    assert [item.serial for item in found if isinstance(item, Reading)] == ["209", "2417"]
+
+
+def other_locale(name: str, separator: str, decimal: str) -> bytes:
+    """A sample as a spreadsheet or a program of another country saves it."""
+    text = (LOGS / name).read_text(encoding="utf-8")
+    return text.replace(",", "\0").replace(".", decimal).replace("\0", separator).encode()
+
+
+@pytest.mark.parametrize(("separator", "decimal"), [(";", ","), ("\t", "."), ("\t", ",")])
+def test_cells_may_be_parted_as_in_another_country(separator: str, decimal: str) -> None:
+    name = "altos_csv__a_barometer_alone.csv"
+    log = other_locale(name, separator, decimal)
+    assert claims(log) == ["altos_csv"]
+    assert heights(read(name, log)[0].clocks[0]) == pytest.approx(heights(read(name)[0].clocks[0]))
+
+
+def test_a_comma_that_may_part_cells_or_decimals_is_refused() -> None:
+    name = "altos_csv__a_barometer_alone.csv"
+    with pytest.raises(DamagedLog, match="commas for decimals"):
+        read(name, other_locale(name, ",", ","))
+
+
+def test_the_csv_and_the_flash_of_one_flight_are_one_flight() -> None:
+    names = ("altos_csv__with_satellites.csv", "altos_eeprom__telemetrum_2_old_form.eeprom")
+    first, second = read_together([(name, (LOGS / name).read_bytes()) for name in names], any_motor)
+    (flight,) = first.flights
+    assert not second.flights
+    assert "is part of the flight of altos_csv__with_satellites.csv" in second.notes[0]
+    assert (flight.extra["serial"], flight.extra["flight"], flight.extra["device"]) == ("2417", "3", "TeleMetrum-v2.0")
+    elsewhere = read_together([(f"{i}/{name}", (LOGS / name).read_bytes()) for i, name in enumerate(names)], any_motor)
+    assert [len(intake.flights) for intake in elsewhere] == [1, 1]

@@ -1,0 +1,437 @@
+"""Tables that no logger's parser knows: names, units, physics, and what the flyer says."""
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
+from fieldkit.flight import Series
+from fieldkit.importing import Mapped, Note, Reading
+from fieldkit.importing.read import read
+from fieldkit.importing.reading import Choice
+from fieldkit.importing.recognize import claims, parsers
+from fieldkit.importing.tables import mapping
+from fieldkit.importing.tables.headings import channel, heading, stated_unit
+from fieldkit.importing.tables.mapping import read_choice, remember, remembered
+from tests.parsers.recorded import recorded
+from tests.samples import any_motor
+
+FOOT = 0.3048
+
+
+def climb(step: float = 0.05) -> list[tuple[float, float, float]]:
+    """Seconds, metres and metres per second of a flight to 254 m, down by parachute."""
+    rows = []
+    for i in range(int(30 / step)):
+        t = i * step
+        if t < 1:
+            rows.append((t, 35 * t * t, 70 * t))
+        elif t < 8.14:
+            rows.append((t, 35 + 70 * (t - 1) - 4.9 * (t - 1) ** 2, 70 - 9.8 * (t - 1)))
+        else:
+            rows.append((t, max(285 - 10 * (t - 8.14), 0.0), -10.0))
+    return rows
+
+
+def table(header: str, row: str, step: float = 0.05) -> bytes:
+    """A table of that flight; `row` names t, h, v, p in SI."""
+    lines = [
+        row.format(t=t, ms=t * 1000, h=h, ft=h / FOOT, v=v, p=101325 * (1 - h / 44330.77) ** 5.25588)
+        for t, h, v in climb(step)
+    ]
+    return "\n".join([header, *lines, ""]).encode()
+
+
+def found(log: bytes, *choices: Choice) -> tuple[list[Series], str]:
+    """The series of a log, and the line that says how it was read."""
+    parser = parsers()["mapped_table"]
+    assert parser.mapped is not None
+    items = parser.mapped(log, choices)
+    (line,) = (item.text for item in items if isinstance(item, Mapped))
+    return [series for item in items if isinstance(item, Reading) for series in item.clocks], line
+
+
+def top(series: Series) -> float:
+    """The highest sample. [m]"""
+    assert series.altitude is not None
+    return float(np.nanmax(series.altitude))
+
+
+HEADERS = [
+    ("t(s)", "time", "s"),
+    ("time_ms", "time", "ms"),
+    ("timestamp_seconds", "time", "seconds"),
+    ("timeMs", "time", "ms"),
+    ("Time (µs)", "time", "µs"),
+    ("Alt (ft)", "altitude", "ft"),
+    ("altitude[m]", "altitude", "m"),
+    ("Altitude Feet", "altitude", "feet"),
+    ("Altitude (AGL) [m]", "altitude", "m"),
+    ("GPS altitude (m)", "gps_altitude_msl", "m"),
+    ("alt_msl_ft", "altitude_msl", "ft"),
+    ("pressure_pascals", "pressure", "pascals"),
+    ("velocity[m/s]", "speed", "m/s"),
+    ("Velocity Feet / Sec", "speed", "feet/sec"),
+    ("raw_acceleration_x_gs", "felt_x", "gs"),
+    ("Total Accel (g)", "felt_total", "g"),
+    ("Vertical acceleration (m/s²)", "acceleration", "m/s²"),
+    ("temperature_celsius", "temperature", "celsius"),
+    ("latitude", "latitude", "deg"),
+]
+
+
+@pytest.mark.parametrize(("spelled", "name", "unit"), HEADERS, ids=[header[0] for header in HEADERS])
+def test_a_header_says_its_channel_and_its_unit(spelled: str, name: str, unit: str) -> None:
+    head = heading(spelled)
+    assert (channel(head), stated_unit(head, name)) == (name, unit)
+
+
+@pytest.mark.parametrize(
+    "spelled",
+    [
+        "predicted_apogee",
+        "target altitude (m)",
+        "raw_angular_rate_x_deg_per_s",
+        "est_position_z_meters",
+        "est_velocity_z_meters_per_s",
+        "velocity_x (m/s)",
+        "wind speed (m/s)",
+        "motor pressure (Pa)",
+        "update_timestamp_ns",
+        "Note",
+        "",
+        "\u200b",
+    ],
+)
+def test_a_header_of_something_else_is_no_channel(spelled: str) -> None:
+    assert channel(heading(spelled)) == ""
+
+
+@pytest.mark.parametrize(
+    ("header", "row"),
+    [
+        ("time_ms,alt_m", "{ms:.0f},{h:.2f}"),
+        ("t (s);Höhe;Alt (ft)", "{t:.2f};x;{ft:.2f}"),
+        ("Time,Altitude\ns,m", "{t:.2f},{h:.2f}"),
+        ("# time (s), alt (m)", "{t:.2f}, {h:.2f}"),
+        ("time_s alt_m", "{t:.2f} {h:.2f}"),
+        ("Team Alpha\nserial,12\n\ntime_s,alt_m,state", "{t:.2f},{h:.2f},PAD"),
+        ('"time (s)","alt, baro (m)"', '"{t:.2f}","{h:.2f}"'),
+    ],
+)
+def test_units_are_those_of_the_header(header: str, row: str) -> None:
+    (series,), _ = found(table(header, row))
+    assert top(series) == pytest.approx(285, abs=0.2)
+    assert series.time[-1] == pytest.approx(29.95)
+
+
+def test_a_decimal_comma_is_one_where_semicolons_part_the_cells() -> None:
+    log = table("t (s);alt (m)", "{t:.2f};{h:.2f}").replace(b".", b",")
+    (series,), _ = found(log)
+    assert top(series) == pytest.approx(285, abs=0.2)
+
+
+def test_numbers_that_may_be_thousands_are_refused() -> None:
+    log = b"t (ms);alt (m)\n" + b"".join(b"%d,%03d;1,%03d\n" % (i + 1, 500, i) for i in range(20))
+    with pytest.raises(DamagedLog, match="found '1,500', which may be '1500' or a decimal comma"):
+        found(log)
+
+
+@pytest.mark.parametrize(
+    ("row", "unit", "why"),
+    [
+        ("{t:.2f},{h:.1f}", "m", "free fall"),
+        ("{t:.2f},{ft:.1f}", "ft", "free fall"),
+        ("{t:.2f},{ft:.1f},{p:.1f}", "ft", "the pressure"),
+        ("{t:.2f},{h:.1f},{p:.1f}", "m", "the pressure"),
+        ("{ms:.0f},{ft:.1f},{p:.1f}", "ft", "the pressure"),
+    ],
+)
+def test_a_height_without_a_unit_is_settled_by_physics(row: str, unit: str, why: str) -> None:
+    header = "time,alt" + ",press" * row.count("{p")
+    (series,), line = found(table(header, row))
+    assert top(series) == pytest.approx(285, abs=0.2)
+    assert series.time[-1] == pytest.approx(29.95)
+    assert f"'alt' in {unit} (by {why}" in line
+
+
+def test_a_speed_settles_the_units_beside_it() -> None:
+    (series,), line = found(table("t,alt,vel (m/s)", "{t:.2f},{h:.1f},{v:.1f}"))
+    assert top(series) == pytest.approx(285, abs=0.2)
+    assert "speed and height" in line
+
+
+def test_a_unit_that_nothing_settles_is_asked_for() -> None:
+    descent = b"t (s),alt\n" + b"".join(b"%d,%d\n" % (i, 900 - 3 * i) for i in range(200))
+    with pytest.raises(DamagedLog, match=r"expected one of m, .*: write --map 'altitude=alt \[m\]'"):
+        found(descent)
+    (series,), line = found(descent, read_choice(["altitude=alt [ft]"]))
+    assert series.altitude_msl is not None or top(series) == pytest.approx(900 * FOOT)
+    assert "as chosen" in line
+
+
+def test_a_pressure_that_may_be_of_two_units_is_asked_for() -> None:
+    log = b"t (s),press\n" + b"".join(b"%d,%d\n" % (i, 700 - i) for i in range(60))
+    with pytest.raises(DamagedLog, match=r"write --map 'pressure=press \[Pa\]'"):
+        found(log)
+
+
+def test_a_stated_unit_that_the_pressure_contradicts_is_refused_and_may_be_insisted_on() -> None:
+    log = table("t (s),alt (ft),press (hPa)", "{t:.2f},{h:.1f},{p:.1f}").replace(b"hPa", b"Pa")
+    with pytest.raises(DamagedLog, match=r"shows to be in m; write --map 'altitude=#2 \[m\]'"):
+        found(log)
+    assert top(found(log, read_choice(["altitude=#2 [m]"]))[0][0]) == pytest.approx(285, abs=0.2)
+    (insisted,), line = found(log, read_choice(["altitude=#2 [ft]"]))
+    assert top(insisted) == pytest.approx(285 * FOOT, abs=0.2)
+    assert "in ft (as you chose, though the pressure beside it shows m)" in line
+
+
+def test_an_unknown_unit_is_never_taken_for_another() -> None:
+    with pytest.raises(DamagedLog, match="found the unit 'furlong', expected one of m"):
+        found(table("t (s),alt (furlong)", "{t:.2f},{h:.4f}")[:400])
+
+
+def test_what_has_no_unit_and_does_not_matter_is_left_out_and_said() -> None:
+    (series,), line = found(table("t (s),alt (m),temp", "{t:.2f},{h:.2f},21.5"))
+    assert series.temperature is None
+    assert "left out, no unit: 'temp'" in line
+
+
+def test_an_accelerometer_is_felt_or_net_by_what_it_shows_at_rest() -> None:
+    felt = b"t (s),accel (g),alt (m)\n" + b"".join(
+        b"%.2f,%.3f,%d\n" % (i / 20, 1.0 + (i > 400), i // 9) for i in range(900)
+    )
+    (series,), _ = found(felt)
+    assert series.felt is not None
+    net = felt.replace(b",1.000,", b",0.000,").replace(b",2.000,", b",0.500,")
+    (series,), _ = found(net)
+    assert (series.felt, series.acceleration is not None) == (None, True)
+
+
+def test_three_axes_without_a_unit_feel_one_g_at_rest() -> None:
+    rows = b"".join(b"%.2f,0.1,9.79,0.2\n" % (i / 20) for i in range(400))
+    (series,), line = found(b"t (s),ax,ay,az\n" + rows)
+    assert series.felt_total is not None
+    assert series.felt_total[0] == pytest.approx(9.79, abs=0.02)
+    assert "by one g at rest" in line
+
+
+def test_a_clock_from_1970_starts_at_zero_and_is_kept() -> None:
+    log = table("time,alt (m)", "{t:.3f},{h:.2f}")
+    rows = log.decode().split("\n")
+    shifted = [f"{1_700_000_000_000 + float(r.split(',')[0]) * 1000:.0f},{r.split(',')[1]}" for r in rows[1:] if r]
+    items = parsers()["mapped_table"].read("\n".join([rows[0], *shifted]).encode())
+    (reading,) = (item for item in items if isinstance(item, Reading))
+    (series,) = reading.clocks
+    assert (series.time[0], series.time[-1]) == (0.0, pytest.approx(29.95))
+    assert reading.extra["log_started_utc"] == "2023-11-14T22:13:20Z"
+
+
+@pytest.mark.parametrize("start", [b"0:%02d:%04.1f", b"28:%02d:%04.1f", b"2026-05-01T10:%02d:%04.1f"])
+def test_a_clock_with_colons_needs_no_unit(start: bytes) -> None:
+    rows = b"".join(start % (i // 600, i / 10 % 60) + b",%d\n" % min(i, 90) for i in range(900))
+    (series,), _ = found(b"time,alt (m)\n" + rows)
+    assert series.time[-1] - series.time[0] == pytest.approx(89.9)
+
+
+def test_two_flights_in_a_file_are_two_and_one_twice_is_one() -> None:
+    one = table("t (s),alt (m)", "{t:.2f},{h:.2f}")
+    body = one.split(b"\n", 1)[1]
+    lower = b"".join(b"%.2f,%.2f\n" % (t, h / 2) for t, h, _ in climb())
+    assert [round(top(series)) for series in found(one + lower)[0]] == [285, 142]
+    items = parsers()["mapped_table"].read(one + body)
+    assert sum(isinstance(item, Reading) for item in items) == 1
+    assert any(isinstance(item, Note) and "taken once" in item.text for item in items)
+
+
+def test_rows_out_of_order_cost_themselves_alone() -> None:
+    lines = table("t (s),alt (m)", "{t:.2f},{h:.2f}").split(b"\n")
+    lines[40], lines[41] = lines[41], lines[40]
+    (series,), _ = found(b"\n".join(lines))
+    assert len(series.time) == 599
+    assert (np.diff(series.time) >= 0).all()
+
+
+def test_two_columns_that_tell_the_same_are_one_and_others_are_asked_for() -> None:
+    both = table("t(s),alt(ft),alt(m)", "{t:.2f},{ft:.4f},{h:.4f}")
+    assert top(found(both)[0][0]) == pytest.approx(285, abs=0.2)
+    other = table("t(s),alt(ft),altitude of the balloon (m)", "{t:.2f},{ft:.4f},{v:.4f}")
+    with pytest.raises(DamagedLog, match=r"found two columns for altitude that differ, .* choose one with --map"):
+        found(other)
+    assert found(both, read_choice(["altitude=alt(m)"]))[1].count("'alt(m)' in m")
+
+
+def test_a_height_that_starts_elsewhere_is_not_above_the_pad() -> None:
+    rows = b"".join(b"%.1f,%.1f\n" % (i / 10, 4583 + max(0, i - 50)) for i in range(300))
+    (series,), line = found(b"t (s),ALT (ft)\n" + rows)
+    assert (series.altitude, series.altitude_msl is not None) == (None, True)
+    assert "it does not start at zero" in line
+
+
+def test_a_table_without_names_is_mapped_by_number() -> None:
+    log = table("x", "{t:.2f},{h:.2f}").split(b"\n", 1)[1]
+    with pytest.raises(UnknownFormat, match=r"--map 'time=its column'"):
+        read(log, "bare.csv", any_motor)
+    (series,), _ = found(log, read_choice(["time=#1 [s]", "altitude=#2 [m]"]))
+    assert len(series.time) == 600
+
+
+@pytest.mark.parametrize(
+    ("texts", "complaint"),
+    [
+        (["altitude"], "expected a channel and a column such as 'altitude=Alt"),
+        (["altitud=Alt"], "found the channel 'altitud', expected one of time, altitude"),
+        (["altitude=a", "altitude=b"], "found altitude twice"),
+    ],
+)
+def test_a_mapping_that_is_none_says_what_to_write(texts: Sequence[str], complaint: str) -> None:
+    with pytest.raises(BadValue, match=complaint):
+        read_choice(texts)
+
+
+@pytest.mark.parametrize(
+    ("text", "complaint"),
+    [
+        ("altitude=Height", r"found no column 'Height', expected one of 't', 'alt'"),
+        ("altitude=alt [furlong]", "found the unit 'furlong' for altitude, expected one of m"),
+    ],
+)
+def test_a_mapping_to_nothing_says_what_there_is(text: str, complaint: str) -> None:
+    with pytest.raises(DamagedLog, match=complaint):
+        found(table("t,alt", "{t:.2f},{h:.2f}"), read_choice([text]))
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.setattr(mapping, "data_folder", lambda: tmp_path)
+    return tmp_path
+
+
+def test_a_choice_is_remembered_for_its_headers_alone(home: Path) -> None:
+    first = Choice({"time": "a", "altitude": "b [m]"}, ("a", "b"))
+    remember(first)
+    remember(Choice({"time": "x"}, ("x", "y")))
+    remember(Choice({"time": "b"}, ("a", "b")))
+    assert [choice.channels for choice in remembered()] == [{"time": "b"}, {"time": "x"}]
+    assert [file.name for file in home.iterdir()] == ["mappings.json"]
+
+
+@pytest.mark.parametrize(
+    "text", ["", "{", "[]", '{"mappings": [{"map": {"nonsense": "a"}, "headers": []}]}', "[" * 9999]
+)
+def test_a_damaged_memory_is_named_and_not_overwritten(home: Path, text: str) -> None:
+    (home / "mappings.json").write_text(text)
+    with pytest.raises(
+        FieldkitError, match=r"mappings\.json: cannot be read as remembered mappings; mend or remove it"
+    ):
+        remember(Choice({"time": "a"}, ("a", "b")))
+    assert (home / "mappings.json").read_text() == text
+
+
+def test_the_mapping_is_shown_chosen_once_and_remembered(
+    home: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = tmp_path / "team.csv"
+    log.write_bytes(table("a,b", "{ms:.0f},{ft:.1f}"))
+    start = ["--ledger", str(tmp_path / "l.db"), "import", str(log)]
+    assert main(start) == 1
+    assert "--map 'time=its column'" in capsys.readouterr().err
+    chosen = ["--map", "time=a", "--map", "altitude=b"]
+    assert main([*start, *chosen, "--dry-run"]) == 0
+    assert "columns as chosen: time = 'a' in ms (by free fall), altitude = 'b' in ft" in capsys.readouterr().err
+    assert not (home / "mappings.json").exists()
+    assert main([*start, *chosen]) == 0
+    capsys.readouterr()
+    assert main([*start, "--dry-run"]) == 0
+    assert "columns as chosen before: time = 'a' in ms" in capsys.readouterr().err
+
+
+def test_a_mapping_is_refused_for_a_log_that_needs_none(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    log = tmp_path / "t.csv"
+    log.write_text("rocket,apogee_m\nSwift,100\n")
+    assert main(["--ledger", str(tmp_path / "l.db"), "import", str(log), "--map", "altitude=apogee_m"]) == 1
+    assert "flight_table reads by itself; expected none, or --format mapped_table" in capsys.readouterr().err
+
+
+def test_escapes_in_a_header_reach_no_message() -> None:
+    log = table("t (s),alt\x1b[31m (m),temp\x1b]0;x", "{t:.2f},{h:.2f},3")
+    assert "\x1b" not in found(log)[1]
+
+
+@pytest.mark.parametrize(
+    ("name", "apogee", "time"),
+    [("generic__andromeda_flight_data.csv", 3438.5, 26.75), ("generic__polito_altimeter_cavour.csv", 2789.0, 23.8)],
+)
+def test_a_real_table_is_read_by_its_names(name: str, apogee: float, time: float) -> None:
+    log = recorded(name)
+    assert claims(log) == ["mapped_table"]
+    (series,), _ = found(log)
+    assert series.altitude is not None
+    assert top(series) == pytest.approx(apogee, abs=0.1)
+    assert series.time[int(np.nanargmax(series.altitude))] == pytest.approx(time)
+
+
+def test_a_real_logger_with_a_long_wait_on_the_pad_is_read_by_its_names() -> None:
+    (series,), line = found(recorded("generic__ncsu_firm_jackpot_launch_1.csv"))
+    assert series.pressure is not None
+    assert series.felt_total is not None
+    assert (len(series.time), round(float(series.time[0]), 2)) == (6616, 129.01)
+    height = 44330.77 * (1 - (float(np.nanmin(series.pressure)) / float(np.median(series.pressure[:50]))) ** 0.190263)
+    assert height == pytest.approx(762.28, rel=0.02)
+    assert math.isclose(float(np.median(series.felt_total[:50])), 9.8, rel_tol=0.03)
+    assert "pressure = 'pressure_pascals' in pascals" in line
+
+
+@pytest.mark.parametrize(
+    ("name", "unit"),
+    [
+        ("cats__hedy_flightInfo.csv", "m"),
+        ("perfectflite__pnut_top_shot.pf2", "ft"),
+        ("rrc3__juno3_cots_altimeter.csv", "m"),
+        ("raven_fip_variant__ndrt_2020_flight_data.csv", "ft"),
+    ],
+)
+def test_physics_finds_the_unit_of_a_real_log_that_does_not_state_it(name: str, unit: str) -> None:
+    log = recorded(name)
+    if name.startswith("raven"):
+        log = log.replace(b"(Ft-AGL)", b"", 1)
+    assert f"in {unit} (by " in found(log)[1].split("altitude = ")[1].split(",")[0]
+
+
+@pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "cp1252", "utf-16"])
+def test_names_may_be_in_another_language_and_decimals_commas(codec: str) -> None:
+    log = table("Zeit [s];Höhe [m];Luftdruck [hPa]", "{t:.2f};{h:.2f};{p:.0f}").decode().replace(".", ",")
+    (series,), line = found(log.replace("\n", "\r\n").encode(codec))
+    assert top(series) == pytest.approx(285, abs=1)
+    assert "altitude = 'Höhe [m]' in m" in line
+
+
+def test_the_highest_and_the_sideways_are_no_channel_in_another_language() -> None:
+    assert [channel(heading(name)) for name in ("maximale Höhe (m)", "horizontale Geschwindigkeit (m/s)")] == ["", ""]
+
+
+def beside(second: str, row: str) -> bytes:
+    """A table of times and heights, and another of half as many rows at its right."""
+    left = table("Time (s),Altitude (ft)", "{t:.2f},{ft:.1f}").decode().splitlines()
+    right = [second, *(row.format(t=i * 0.025, felt=1.0 + 9 * (1 < i * 0.025 < 2)) for i in range(len(left) // 2))]
+    return "\n".join(
+        f"{a},{right[i] if i < len(right) else ',' * second.count(',')}" for i, a in enumerate(left)
+    ).encode()
+
+
+def test_two_tables_side_by_side_keep_a_clock_each() -> None:
+    heights, forces = found(beside("Time (s),Accel X (g),Accel Y (g),Accel Z (g)", "{t:.3f},{felt},0.0,0.0"))[0]
+    assert (heights.time[-1], forces.time[-1]) == (pytest.approx(29.95), pytest.approx(7.475))
+    assert heights.felt_total is None
+    assert forces.altitude is None
+    assert forces.felt_total is not None
+    assert forces.felt_total.max() == pytest.approx(10 * 9.80665)
+
+
+def test_two_tables_of_heights_side_by_side_are_two_flights() -> None:
+    log = beside("Time (s),Altitude (m)", "{t:.3f},{felt}")
+    assert len([item for item in parsers()["mapped_table"].read(log) if isinstance(item, Reading)]) == 2

@@ -1,0 +1,135 @@
+"""PerfectFlite: what a .pf2 and the exports of its program state, and what becomes of their rows."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import DamagedLog
+from fieldkit.flight import Series
+from fieldkit.importing import Found, Note, Reading
+from fieldkit.importing.recognize import parsers
+from fieldkit.units import FOOT
+from tests.parsers.recorded import recorded
+from tools.samples.two_parachutes import flight
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+HEADER = "PerfectFlite Pnut\r\nFirmware: 1.0\r\nSerial Number: 1\r\nApogee: 100' AGL\r\n"
+DATA = "Data: (Time, Altitude, Velocity, Temperature (F), Voltage)\r\n"
+ROWS = "".join(f"{i * 0.05:.2f}, {i}, -0, 36.28, 4.20\r\n" for i in range(20))
+
+
+def sample(name: str) -> bytes:
+    return (LOGS / name).read_bytes()
+
+
+def pf2(log: str | bytes) -> tuple[Reading, list[Found]]:
+    first, *rest = parsers()["perfectflite"].read(log if isinstance(log, bytes) else log.encode())
+    assert isinstance(first, Reading)
+    return first, rest
+
+
+def heights(series: Series) -> np.ndarray:
+    assert series.altitude is not None
+    return series.altitude
+
+
+def test_a_pnut_of_a_real_flight_keeps_its_stated_apogee_beside_its_highest_row() -> None:
+    reading, rest = pf2(recorded("perfectflite__pnut_top_shot.pf2"))
+    (series,) = reading.clocks
+    assert reading.stated == {"apogee": pytest.approx(1009 * FOOT), "site_elevation": pytest.approx(2486 * FOOT)}
+    assert (reading.device, reading.firmware, reading.serial) == ("PerfectFlite Pnut", "1.0", "4214")
+    assert reading.extra["Flight Number"] == "4"
+    assert len(series.time) == 1664
+    assert (series.time[0], series.time[-1]) == (0.0, 83.15)
+    assert heights(series).max() == pytest.approx(1028 * FOOT)
+    assert series.time[heights(series).argmax()] == 10.45
+    assert not rest
+
+
+def test_a_dual_deploy_unit_says_when_its_outputs_fired() -> None:
+    reading, rest = pf2(sample("perfectflite__drogue_and_main.pf2"))
+    assert reading.events == {"drogue": 5.6, "main": 11.95}
+    assert reading.extra["Main Setting"] == "200"
+    assert heights(reading.clocks[0]).max() == pytest.approx(flight().apogee, abs=1.0)
+    assert not rest
+
+
+def test_rows_after_a_loss_of_power_are_left_out_and_no_apogee_is_stated() -> None:
+    reading, rest = pf2(sample("perfectflite__power_lost_and_celsius.csv"))
+    (series,) = reading.clocks
+    assert "apogee" not in reading.stated
+    assert len(series.time) == 178
+    assert heights(series).max() < 200
+    assert series.temperature == pytest.approx(np.full(178, 287.36), abs=0.02)
+    assert [note.row for note in rest if isinstance(note, Note)] == [190, None]
+
+
+def test_rows_of_three_cells_are_rows_and_a_bad_one_costs_itself() -> None:
+    reading, rest = pf2(sample("perfectflite__three_cells_and_a_bad_row.pf2"))
+    (series,) = reading.clocks
+    assert series.voltage is None
+    assert len(series.time) == 485
+    assert [str(error) for error in rest if isinstance(error, DamagedLog)] == [
+        "row 52, Altitude: found '1o 299', expected a number"
+    ]
+
+
+def test_a_temperature_without_a_unit_is_left_out_rather_than_guessed() -> None:
+    reading, _ = pf2(HEADER + DATA.replace(" (F)", "") + ROWS)
+    assert reading.clocks[0].temperature is None
+    assert reading.clocks[0].altitude is not None
+
+
+@pytest.mark.parametrize("apogee", ["300 m AGL", "999999' AGL", "-3' AGL", "1e3' AGL", "nan"])
+def test_an_apogee_that_cannot_be_is_left_out_and_told_of(apogee: str) -> None:
+    reading, rest = pf2(HEADER.replace("100' AGL", apogee) + DATA + ROWS)
+    assert "apogee" not in reading.stated
+    assert any(isinstance(item, Note) and item.text.startswith("Apogee: found") for item in rest)
+
+
+def test_fewer_rows_than_the_header_promises_are_told_of() -> None:
+    _, rest = pf2(HEADER + "NumSamps: 30\r\n" + DATA + ROWS)
+    assert rest == [Note("found 20 samples, expected 30 as NumSamps says")]
+
+
+def test_a_header_without_rows_is_a_damaged_log() -> None:
+    for log in (HEADER, HEADER + DATA, HEADER + DATA + "x\r\n"):
+        with pytest.raises(DamagedLog):
+            pf2(log)
+
+
+@pytest.mark.parametrize(
+    ("name", "warmest", "notes"),
+    [
+        ("commas_and_celsius.csv", 14.3, 1),
+        ("tabs.txt", 14.3, 1),
+        ("tabs_without_a_header.txt", 14.3, 1),
+        ("renamed_by_hand.csv", 14.3, 0),
+    ],
+)
+def test_every_export_has_feet_and_the_unit_of_its_cells(name: str, warmest: float, notes: int) -> None:
+    reading, *rest = parsers()["perfectflite_table"].read(sample(f"perfectflite_table__{name}"))
+    assert isinstance(reading, Reading)
+    (series,) = reading.clocks
+    assert heights(series).max() == pytest.approx(flight().apogee, abs=1.0)
+    assert series.temperature is not None
+    assert series.temperature.max() == pytest.approx(273.15 + warmest, abs=0.06)
+    assert len(rest) == notes
+
+
+def test_a_cell_in_another_unit_than_its_column_costs_its_row() -> None:
+    log = sample("perfectflite_table__tabs.txt").replace(b"57.6F\t", b"14.2C\t", 1)
+    reading, *rest = parsers()["perfectflite_table"].read(log)
+    assert isinstance(reading, Reading)
+    assert len(reading.clocks[0].time) == 486
+    assert "expected a number with F" in str(rest[0])
+
+
+def test_heights_renamed_to_metres_are_metres() -> None:
+    log = sample("perfectflite_table__renamed_by_hand.csv").replace(b"altitude_ft", b"altitude_m")
+    reading = parsers()["perfectflite_table"].read(log)[0]
+    assert isinstance(reading, Reading)
+    assert heights(reading.clocks[0]).max() == pytest.approx(flight().apogee / FOOT, abs=2)
+    with pytest.raises(DamagedLog, match="furlongs"):
+        parsers()["perfectflite_table"].read(log.replace(b"altitude_m", b"altitude_furlongs"))

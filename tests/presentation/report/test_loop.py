@@ -1,0 +1,319 @@
+"""The loop's report: figures with intervals, forward in time, what would tell, and a page that takes names as text."""
+
+import json
+import re
+from base64 import b64decode
+from dataclasses import replace
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.forecast.widen import widening
+from fieldkit.ledger import Ledger
+from fieldkit.model.readout_data import observe
+from fieldkit.motors import catalogue
+from fieldkit.presentation.loop_text import report
+from fieldkit.presentation.report.book import Book
+from fieldkit.presentation.report.loop.page import check_page, page, write_page
+from fieldkit.presentation.report.paper import pages
+from fieldkit.presentation.report.style import styled
+from fieldkit.presentation.report.write import write_report
+from fieldkit.scoring.bootstrap import gain, judge
+from fieldkit.scoring.score import Forecasts
+from fieldkit.selection import unexplained as leftover_module
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.fingerprint import marks
+from fieldkit.selection.forward_choice import FEWEST
+from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, options, telling
+from fieldkit.selection.unexplained import leftover
+from fieldkit.services import close_loop, forecasts
+from fieldkit.services.findings import Findings, findings
+from tests.presentation.report.pages import Page
+
+CHECK_SHAPES = False
+
+HOSTILE = "<script>alert('x')</script> & $\\frac{1}{0}$"
+"""A flight id, rocket, motor spelling or site as a file may have it."""
+
+
+def windy() -> list[Flight]:
+    """Twelve flights on two motors that lose height to the wind, flown by the model itself with readings rounded."""
+    from fieldkit.physics.flight import fly
+    from fieldkit.physics.setups import field_setup
+
+    rng = np.random.default_rng(5)
+    wind = rng.uniform(0.5, 8.0, 12)
+    names = ["F24-4W", "F39-6T"]
+    plans = [
+        Flight(
+            f"{HOSTILE} {n}", HOSTILE, "A", names[n % 2], site=HOSTILE, dry_mass=0.322, diameter=0.066, wind=float(w)
+        )
+        for n, w in enumerate(wind)
+    ]
+    found = [catalogue().resolve(plan.motor) for plan in plans]
+    setup = field_setup(plans, found, np.full(12, 0.6 * np.pi / 4 * 0.066**2), 1 + 0.02 * rng.normal(size=12))
+    shown = fly(setup.with_changes(wind=0.9 * wind)).readouts()
+    kept = ("apogee", "top_speed", "coast_to_apogee")
+    return [
+        plan.with_changes(**{name: round(float(shown[name][n]), 1) for name in kept}) for n, plan in enumerate(plans)
+    ]
+
+
+@pytest.fixture(scope="module")
+def diagnosis() -> Diagnosis:
+    flights = windy()
+    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights], slack=SEARCH_SLACK)
+    return diagnose(model, observe(flights, [True] * len(flights)))
+
+
+@pytest.fixture(scope="module")
+def found(diagnosis: Diagnosis) -> Findings:
+    return findings(HOSTILE, diagnosis)
+
+
+# Errors and their intervals
+
+
+def normal(mean: np.ndarray, sd: float = 0.1) -> Forecasts:
+    return Forecasts(mean[None], np.full((1, len(mean)), sd), np.ones((1, len(mean))))
+
+
+def test_the_interval_of_an_error_holds_the_true_one_as_often_as_said() -> None:
+    rng = np.random.default_rng(2)
+    inside = 0
+    for _ in range(150):
+        truth = rng.normal(0.02, 0.1, 25) + 5.0
+        low, high = judge(normal(np.full(25, 5.0)), truth, np.ones(25, bool)).bias
+        inside += low < np.exp(5.0) * (1 - np.exp(0.02 + 0.005)) < high
+    assert 0.8 < inside / 150 < 0.96
+
+
+def test_an_interval_is_the_same_at_every_call_and_narrows_with_flights() -> None:
+    truth = 5.0 + np.random.default_rng(3).normal(0, 0.1, 80)
+    few, many = (judge(normal(np.full(n, 5.0)), truth[:n], np.ones(n, bool)) for n in (10, 80))
+    assert few == judge(normal(np.full(10, 5.0)), truth[:10], np.ones(10, bool))
+    assert many.mae[1] - many.mae[0] < few.mae[1] - few.mae[0]
+    assert many.mae[0] < many.score.mae < many.mae[1]
+
+
+def test_a_gain_is_of_the_same_flights() -> None:
+    truth = 5.0 + np.random.default_rng(4).normal(0, 0.1, 30)
+    better, (low, _) = gain(normal(np.full(30, 5.0)), normal(truth), truth, np.ones(30, bool))
+    assert better > low > 0
+    assert gain(normal(truth), normal(truth), truth, np.ones(30, bool)) == (0.0, (0.0, 0.0))
+
+
+def test_no_flights_have_no_errors() -> None:
+    judged = judge(normal(np.full(3, 5.0)), np.full(3, 5.0), np.zeros(3, bool))
+    assert judged.flights == 0
+    assert np.isnan(judged.mae[0])
+
+
+# Forward in time
+
+
+def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
+    assert found.ahead.seen.tolist() == [False] * FEWEST + [True] * (12 - FEWEST)
+    assert found.forward.before.flights == 12 - FEWEST
+    assert not any(found.ahead.chosen[:FEWEST])
+
+
+def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
+    """The last flight's apogee is made absurd: nothing that was said before it may move."""
+    from fieldkit.selection.forward_choice import ahead
+
+    values = diagnosis.data.values.copy()
+    values[-1] += 1.0
+    spoilt = ahead(replace(diagnosis, data=replace(diagnosis.data, values=values)))
+    assert spoilt.chosen == found.ahead.chosen
+    np.testing.assert_allclose(spoilt.after.apogee, found.ahead.after.apogee)
+
+
+def test_the_effect_is_found_on_the_way_and_helps(found: Findings) -> None:
+    assert found.diagnosis.effect == "wind"
+    assert found.ahead.chosen[-1] == "wind"
+    assert found.forward.after.score.mae < found.forward.before.score.mae
+
+
+# The fingerprint
+
+
+def test_the_fingerprint_of_the_true_effect_is_what_was_found(diagnosis: Diagnosis) -> None:
+    rows = {mark.readout: mark for mark in marks(diagnosis, diagnosis.accepted[0])}
+    assert len(rows) == 10
+    for name in ("apogee", "coast_to_apogee"):
+        assert rows[name].expected < -2 * rows[name].sd
+        assert rows[name].found == pytest.approx(rows[name].expected, abs=3 * rows[name].sd)
+    assert np.isnan(rows["duration"].found)
+
+
+# What would tell
+
+
+def explanations(diagnosis: Diagnosis) -> tuple[Explanation, Explanation]:
+    wind, tilt = (
+        next(item.best for item in diagnosis.ranking if item.effect == name) for name in ("wind", "launch_angle")
+    )
+    return Explanation((wind.candidate.place,), wind.fit), Explanation((tilt.candidate.place,), tilt.fit)
+
+
+def test_wind_is_told_from_a_leaning_rail_by_measuring_the_rail_or_flying_in_wind(diagnosis: Diagnosis) -> None:
+    advice = telling(diagnosis.model, *explanations(diagnosis))
+    assert advice == sorted(advice, key=lambda one: -one.expected)
+    flights = [one for one in advice if one.readouts]
+    calm, gusty = (
+        next(one.expected for one in flights if "F24" in one.what and words in one.what)
+        for words in ("calm air", "of wind")
+    )
+    assert gusty != pytest.approx(calm)
+    assert any("rail" in one.what and not one.readouts for one in advice)
+    assert all(one.expected >= 0 for one in advice)
+
+
+def test_planned_flights_are_of_motors_and_configurations_that_are_there(diagnosis: Diagnosis) -> None:
+    plans = list(options(diagnosis.model))
+    assert {plan.motor for _, plan, _ in plans} == {"F24-4W", "F39-6T"}
+    assert max(plan.dry_mass or 0 for _, plan, _ in plans) == pytest.approx(BALLAST * 0.322)
+    assert all(not plan.tags for _, plan, _ in plans)
+
+
+def test_divergence_is_that_of_normals() -> None:
+    one, other = (np.array([0.0]), np.array([[1.0]])), (np.array([2.0]), np.array([[1.0]]))
+    assert divergence(one, other, [0]) == pytest.approx(2.0)
+    assert divergence(one, one, [0]) == 0.0
+    wide = (np.array([0.0]), np.array([[100.0]]))
+    assert 0 < divergence(one, wide, [0]) < 4
+
+
+# What is left unexplained
+
+
+def test_draws_are_widened_about_their_median() -> None:
+    flights = windy()[:4]
+    known = [(flight, catalogue().resolve(flight.motor)) for flight in flights]
+    (narrow,) = predict(known, [(flights[0].with_changes(apogee=None), known[0][1])], draws=300)
+    wide = narrow.widened(1.5)
+    assert np.median(wide.apogee) == pytest.approx(np.median(narrow.apogee))
+    np.testing.assert_allclose(np.log(wide.apogee).std(), 1.5 * np.log(narrow.apogee).std(), rtol=0.02)
+    np.testing.assert_array_equal(narrow.widened(1.0).apogee, narrow.apogee)
+
+
+def test_flights_that_their_forecasts_miss_widen_and_others_do_not() -> None:
+    flights = windy()
+    motors = [catalogue().resolve(flight.motor) for flight in flights]
+    calm = [flight.with_changes(wind=None) for flight in flights]
+    teach = [True] * len(flights)
+    assert widening(flights, motors, observe(flights, teach)) >= 1.0
+    spoilt = [
+        flight.with_changes(apogee=(flight.apogee or 0) * (1.6 if n == 7 else 1)) for n, flight in enumerate(calm)
+    ]
+    assert widening(spoilt, motors, observe(spoilt, teach)) > widening(calm, motors, observe(calm, teach))
+
+
+def test_what_the_residual_goes_with_is_said(diagnosis: Diagnosis) -> None:
+    told = leftover(diagnosis).in_words
+    assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", told)
+
+
+def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
+    diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    motors = catalogue()
+    plan = windy()[0].with_changes(flight_id="next", apogee=None, top_speed=None, coast_to_apogee=None)
+    unexplained = replace(diagnosis, effect="unexplained", accepted=())
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add(windy())
+        monkeypatch.setattr(close_loop, "diagnose", lambda *_: unexplained)
+        monkeypatch.setattr(leftover_module, "widening", lambda *_: 1.4)
+        close_loop.close_loop(ledger, motors, HOSTILE)
+        assert forecasts.accepted_widening(ledger, HOSTILE) == 1.4
+        assert forecasts.accepted_widening(ledger, HOSTILE, "before") == 1.0
+        assert "lower than the others" in ledger.versions(HOSTILE)[0].payload["unexplained"]["goes_with"]
+        close_loop.close_loop(ledger, motors, HOSTILE)
+        assert len(ledger.versions(HOSTILE)) == 1
+        (wide,) = forecasts.predict_plans(ledger, motors, [plan], keep=False)
+        monkeypatch.setattr(close_loop, "diagnose", lambda *_: replace(unexplained, effect="none"))
+        close_loop.close_loop(ledger, motors, HOSTILE)
+        (narrow,) = forecasts.predict_plans(ledger, motors, [plan], keep=False)
+    assert np.log(wide.apogee).std() == pytest.approx(1.4 * np.log(narrow.apogee).std(), rel=0.02)
+
+
+# The page
+
+
+@pytest.fixture(scope="module")
+def html(found: Findings) -> Page:
+    return Page(page(found))
+
+
+def test_names_from_files_are_text_on_the_page(html: Page) -> None:
+    assert "script" not in html.tags
+    words = " ".join(html.text)
+    assert words.count(HOSTILE) >= 12
+
+
+def test_the_page_holds_all_that_it_shows(html: Page) -> None:
+    assert len(html.sources) == 4
+    for source in html.sources:
+        head, _, data = source.partition(",")
+        assert head == "data:image/svg+xml;base64"
+        picture = ElementTree.fromstring(b64decode(data))
+        assert picture.tag.endswith("svg")
+        assert not [one for one in picture.iter() if one.tag.endswith(("script", "foreignObject"))]
+
+
+def test_the_page_tells_what_the_terminal_tells(html: Page, found: Findings) -> None:
+    words = " ".join(" ".join(html.text).split())
+    assert f"{found.left_out.before.score.mae:.1f} m" in words
+    assert "weathercocking" in words
+    for heading in ("Errors of flights not seen", "Forward in time", "The fingerprint", "The evidence", "Flights used"):
+        assert heading in words
+
+
+def test_the_report_fits_a_terminal(found: Findings) -> None:
+    lines = list(report(found))
+    table = [line for line in lines if "left out, " in line or "forward in time, " in line]
+    assert len(table) == 4
+    assert max(map(len, table)) <= 80
+
+
+def test_the_loop_goes_into_a_rocket_s_report(found: Findings, tmp_path: Path) -> None:
+    made = Book("Astra", "", (), (found,), summary=True)
+    with styled():
+        assert len(list(pages(made))) == 2
+    assert any("weathercock" in line or "wind" in line for line in made.findings)
+    (written,) = write_report(made, tmp_path / "astra.html")
+    one = Page(written.read_text(encoding="utf-8"))
+    assert "script" not in one.tags
+    assert len(one.sources) == 4
+
+
+def test_a_page_is_written_by_the_name_of_its_file(found: Findings, tmp_path: Path) -> None:
+    write_page(found, tmp_path / "page.png")
+    assert (tmp_path / "page.png").read_bytes().startswith(b"\x89PNG")
+    with pytest.raises(FieldkitError, match="cannot be written"):
+        write_page(found, tmp_path / "nowhere" / "page.html")
+    with pytest.raises(BadValue, match=r"found 'page\.pdf'"):
+        check_page(tmp_path / "page.pdf")
+
+
+@pytest.mark.slow
+def test_the_command_writes_the_page_and_the_document(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ledger, target = str(tmp_path / "ledger.db"), tmp_path / "astra.html"
+    table = Path(__file__).parents[3] / "fieldkit" / "data" / "reference_flights.csv"
+    assert main(["--ledger", ledger, "import", str(table)]) == 0
+    assert main(["--ledger", ledger, "loop", "--report", str(tmp_path / "astra.doc")]) == 1
+    assert "astra.doc" in capsys.readouterr().err
+    assert main(["--ledger", ledger, "loop", "--report", str(target), "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["verdict"]["goes_with"] is None or document["verdict"]["effect"] == "unexplained"
+    assert document["before"]["interval90"]["mae_m"][0] < document["before"]["mae_m"]
+    assert document["forward"]["n_flights"] == 4
+    assert len(document["fingerprints"][0]["readouts"]) == 10
+    assert target.read_text(encoding="utf-8").startswith("<!doctype html>")

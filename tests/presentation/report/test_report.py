@@ -1,0 +1,193 @@
+"""Flight cards and reports of a day or a rocket: what they show, in every kind of file, and that names stay text."""
+
+import re
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue, FieldkitError, LedgerError
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger, models
+from fieldkit.motors import catalogue
+from fieldkit.presentation.report.book import Book, book, table
+from fieldkit.presentation.report.paper import PER_PAGE, headline, pages, remarks
+from fieldkit.presentation.report.style import A4, styled
+from fieldkit.presentation.report.write import check_report, write_report
+from fieldkit.safe_text import as_markdown
+from fieldkit.services.forecasts import predict_plans
+from tests.presentation.report.pages import Page
+
+CHECK_SHAPES = False
+
+HOSTILE = "<script>alert(1)</script> $x^2$ **b** [l](http://evil.example) | \u202eback\x1b[31m"
+"""A rocket, site, tag or note as a file may have it."""
+FIRST = Flight(
+    "1",
+    HOSTILE,
+    "A",
+    "F24-4W",
+    datetime(2026, 5, 2, 10, 30),
+    site=HOSTILE,
+    tags=("mine", HOSTILE),
+    notes=HOSTILE,
+    dry_mass=0.32,
+    diameter=0.066,
+    wind=2.0,
+    apogee=250.0,
+    top_speed=82.0,
+)
+SECOND = FIRST.with_changes(flight_id="2", date_time=datetime(2026, 5, 2, 11, 30), apogee=262.0, dry_mass=0.33)
+
+
+def quiet(_what: str, _share: float) -> None:
+    """Progress that nobody sees."""
+
+
+@pytest.fixture(scope="module")
+def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Two flights of one day, the second predicted on another mass."""
+    path = tmp_path_factory.mktemp("report") / "ledger.db"
+    with Ledger.open(path) as ledger, pytest.MonkeyPatch.context() as patch:
+        patch.setattr(models, "now", lambda: "2026-05-02T06:00:00+00:00")
+        ledger.add([FIRST])
+        plan = Flight("2", HOSTILE, "A", "F24-4W", dry_mass=0.32, diameter=0.066)
+        predict_plans(ledger, catalogue(), [plan])
+        ledger.add([SECOND])
+    return path
+
+
+@pytest.fixture(scope="module")
+def day(file: Path) -> Book:
+    with Ledger.open(file) as ledger:
+        return book(ledger, catalogue(), "2026-05-02", quiet)
+
+
+def one(day: Book) -> Book:
+    """The report of the second flight alone."""
+    return Book("Flight 2", "", day.cards[1:])
+
+
+def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: Book) -> None:
+    assert (day.title, len(day.cards), day.summary) == ("Launch day 2026-05-02", 2, True)
+    with Ledger.open(file) as ledger:
+        flight = book(ledger, catalogue(), "2", quiet)
+        with pytest.raises(LedgerError, match="no flight 'Lunar'"):
+            book(ledger, catalogue(), "Lunar", quiet)
+    assert [card.id for card in flight.cards] == ["2"]
+    assert not flight.summary
+
+
+def test_a_card_holds_figures_prediction_and_what_had_changed(day: Book) -> None:
+    first, second = day.cards
+    assert first.foretold is not None
+    assert not first.foretold.kept
+    assert second.foretold is not None
+    assert second.foretold.kept
+    assert second.foretold.changes == ("dry mass was 320 g, is 330 g",)
+    assert ("Apogee", "262.0 m", "860 ft") in second.readouts
+    assert ("Dry mass", "330 g", "11.64 oz") in second.circumstances
+    assert second.miss == pytest.approx(262.0 - second.foretold.interval[1])
+    assert dict(headline(second))["262.0 m"] == "apogee, 860 ft"
+    words = " ".join(remarks(second))
+    assert "stale: dry mass was 320 g" in words
+    assert "Drag coefficient Cd" in words
+    assert second.record.tolist() == [250.0, 262.0]
+
+
+def test_the_table_lays_predictions_beside_flights(day: Book) -> None:
+    headers, rows = table(day)
+    assert headers[5:8] == ("predicted m", "flown m", "miss m")
+    assert rows[0][5] == ""
+    assert rows[1][6] == "262.0"
+    assert rows[1][8].startswith("stale prediction")
+    assert {what: value for value, what in day.figures}["predicted before"] == "1"
+
+
+def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: Book, tmp_path: Path) -> None:
+    (written,) = write_report(day, tmp_path / "day.html")
+    html = written.read_text(encoding="utf-8")
+    page = Page(html)
+    assert not {"script", "a", "strong", "iframe"} & set(page.tags)
+    words = " ".join(page.text)
+    assert "<script>alert(1)</script>" in words
+    assert "\u202e" not in html
+    assert "\x1b" not in html
+    assert "<U+202E>back␛[31m" in words
+    assert len(page.sources) == 5
+    assert all(source.startswith("data:image/svg+xml;base64,") for source in page.sources)
+
+
+def test_names_from_files_are_text_in_markdown(day: Book, tmp_path: Path) -> None:
+    files = write_report(day, tmp_path / "day.md")
+    text = files[-1].read_text(encoding="utf-8")
+    assert "<script" not in text
+    assert "](http" not in text
+    assert "http:" not in text
+    assert "**b**" not in text
+    assert "\u202e" not in text
+    assert "\x1b" not in text
+    pictures = re.findall(r"!\[[^]]*\]\(<([^>]+)>\)", text)
+    assert len(pictures) == 5
+    assert all((tmp_path / name).read_bytes().startswith(b"\x89PNG") for name in pictures)
+    lines = [line for line in text.splitlines() if line.startswith("|")]
+    cells = {len(re.findall(r"(?<!\\)\|", line)) for line in lines}
+    assert cells == {4, 10}
+
+
+@pytest.mark.parametrize(
+    ("text", "safe"),
+    [
+        ("a|b", r"a\|b"),
+        ("# big", r"\# big"),
+        ("1. one", "1&#46; one"),
+        ("`rm`", r"\`rm\`"),
+        ("<b>&amp;", r"&lt;b\>&amp;amp;"),
+        ("https://x.example", "http&#115;://x.example"),
+        ("me@x.example", "me&#64;x.example"),
+        ("- one", r"\- one"),
+        ("---", r"\---"),
+        ("-14.4", "-14.4"),
+        ("3.2", "3.2"),
+        ("F24-4W", "F24-4W"),
+    ],
+)
+def test_marks_of_markdown_are_escaped(text: str, safe: str) -> None:
+    assert as_markdown(text) == safe
+
+
+def test_paper_is_a4_a_card_a_page(day: Book, tmp_path: Path) -> None:
+    with styled():
+        sheets = list(pages(day))
+    assert len(sheets) == 3
+    assert {tuple(sheet.get_size_inches()) for sheet in sheets} == {A4}
+    (pdf,) = write_report(one(day), tmp_path / "card.pdf")
+    assert pdf.read_bytes().startswith(b"%PDF")
+    assert pdf.read_bytes() == write_report(one(day), tmp_path / "again.pdf")[0].read_bytes()
+    (png,) = write_report(one(day), tmp_path / "card.png")
+    assert png.read_bytes().startswith(b"\x89PNG")
+
+
+def test_many_flights_go_on_over_pages(day: Book) -> None:
+    many = Book("Astra", "", day.cards[:1] * (PER_PAGE + 1), summary=True)
+    with styled():
+        sheets = [page for page, _ in zip(pages(many), range(2), strict=False)]
+    texts = [len(part.texts) for part in sheets[1].subfigs]
+    assert sum(texts) > 10
+
+
+def test_a_name_that_cannot_be_written_is_one_line(day: Book, tmp_path: Path) -> None:
+    with pytest.raises(BadValue, match=r"found 'card\.doc'"):
+        check_report(Path("card.doc"))
+    with pytest.raises(FieldkitError, match="cannot be written"):
+        write_report(Book("", "", ()), tmp_path / "nowhere" / "card.html")
+
+
+def test_the_command_writes_the_report(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    target = tmp_path / "card.html"
+    assert main(["--ledger", str(file), "report", "1", "--out", str(target)]) == 0
+    assert "card.html" in capsys.readouterr().out
+    assert "from the 1 other clean flights" in target.read_text(encoding="utf-8")
+    assert main(["--ledger", str(file), "report", "1", "--out", str(tmp_path / "card.doc")]) == 1
+    assert "card.doc" in capsys.readouterr().err

@@ -1,0 +1,208 @@
+"""Logs of several flights testify beside the verdict: what comes back is named, and one flight decides nothing."""
+
+import json
+from dataclasses import replace
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis import Recorded
+from fieldkit.cli.main import main
+from fieldkit.model.rocket_model import SCATTER
+from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
+from fieldkit.selection.force import logs
+from fieldkit.selection.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
+from fieldkit.selection.force.log_evidence import Witness, _says, document
+from fieldkit.selection.force.one_flight import missing_force
+from fieldkit.selection.force.regression import Regression, regression
+from fieldkit.selection.force.several_flights import Common, common_law
+from fieldkit.selection.force.terms import library
+from fieldkit.selection.force.text import climbs_in_words
+from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
+
+FLIGHTS = 6
+LUCK = [kind.sd for name in ("thrust", "drag", "stretch") for kind in SCATTER if kind.bends == name]
+"""Of single flights, as the model has it: in thrust, drag and burn time. [1]"""
+
+
+@cache
+def flown(term: str, strength: float, seed: int, luck: tuple[float, ...] | None = None) -> Regression:
+    """A flight beside the model without its force and luck, which is drawn where it is not given as in `LUCK`."""
+    thrust, drag, stretch = np.exp(luck or np.random.default_rng(seed).normal(size=3) * LUCK)
+    motor = replace(SLOW.motor, time=SLOW.motor.time * stretch, thrust=SLOW.motor.thrust * thrust / stretch)
+    rocket = replace(SLOW, motor=motor, drag_area=SLOW.drag_area * drag)
+    return regression(missing_force(noisy(climb(rocket, term, strength), seed, smooth=5), SLOW), library(), FREE)
+
+
+def shared(term: str, strength: float, flights: int = FLIGHTS) -> tuple[Common, ...]:
+    return common_law([flown(term, strength, seed) for seed in range(flights)], library())
+
+
+def test_a_force_in_every_flight_comes_back() -> None:
+    (found,) = shared("base drag", 0.4)
+    assert found.term.effect == "base_drag"
+    assert found.value == pytest.approx(0.4, abs=3 * found.sd)
+    assert (found.flights, found.seen) == (FLIGHTS, FLIGHTS)
+
+
+@pytest.mark.parametrize("share", [0.8, 1.0, 1.25])
+def test_a_share_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
+    """Readouts that lack a drag of the coast make the model's own drag too large: the share is not of that."""
+    rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
+    climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
+    (value,), (sd,) = regression(climb_, library(), FREE).solve(["base drag"])
+    assert value == pytest.approx(0.4, abs=3 * sd)
+
+
+def test_the_luck_of_single_flights_is_no_law() -> None:
+    climbs, random = [flown("", 0.0, seed) for seed in range(12)], np.random.default_rng(0)
+    drawn = [random.choice(12, 3, replace=False) for _ in range(20)]
+    alarms = [bool(common_law([climbs[number] for number in three], library())) for three in drawn]
+    assert sum(alarms) <= 1
+
+
+def test_motors_alike_by_chance_are_no_law() -> None:
+    alike = [flown("", 0.0, seed, (0.025, 0.0, 0.0)) for seed in range(3)]
+    assert common_law(alike, library()) == ()
+    told = common_law(alike, [replace(term, luck=0.0) for term in library()])
+    assert "thrust" in [name for found in told for name in (found.term.name, *found.also)]
+
+
+def test_a_coefficient_moves_by_what_it_makes_of_luck() -> None:
+    lucks = {term.name: term.luck for term in library() if term.luck}
+    climb = flown("", 0.0, 0)
+    both = climb.luck(["thrust", "longer burn"], lucks)
+    assert both == pytest.approx([lucks["thrust"], lucks["longer burn"]])
+    pushed = replace(climb, wanted=climb.wanted + 0.025 * climb.columns["thrust"])
+    moved = pushed.solve(["rail"])[0] - climb.solve(["rail"])[0]
+    assert abs(moved) == pytest.approx(climb.luck(["rail"], {"thrust": 0.025}))
+
+
+def test_one_flight_decides_nothing_however_strong_its_force() -> None:
+    odd = flown("base drag", 0.8, 9)
+    assert odd.cost([]) - odd.cost(["base drag"]) > 100
+    assert common_law([odd], library()) == ()
+    together = common_law([odd, *(flown("", 0.0, seed) for seed in range(FLIGHTS - 1))], library())
+    assert "base drag" not in [found.term.name for found in together]
+
+
+def test_flights_that_disagree_in_sign_have_no_law() -> None:
+    both = [flown("base drag", strength, 1) for strength in (0.4, -0.4)]
+    assert all(one.cost([]) > one.cost(["base drag"]) for one in both)
+    assert common_law(both, library()) == ()
+
+
+def one(smoothed: bool = False) -> FlightForce:
+    said = flight_force("F1", Recorded(forces=forces(noisy(climb(SLOW, "base drag", 0.4), 1), smoothed=smoothed)), SLOW)
+    assert isinstance(said, FlightForce)
+    return said
+
+
+def test_a_climb_is_summed_up_in_a_few_points() -> None:
+    points = one().points
+    assert [point.burning for point in points] == [True] * 4 + [False] * 8
+    assert all(np.diff([point.time_from_liftoff for point in points]) > 0)
+    assert points[5].force < -3 * points[5].sd
+
+
+def test_smoothed_heights_tell_of_the_coast_alone() -> None:
+    said = one(smoothed=True)
+    assert not any(point.burning for point in said.points)
+    assert not {"thrust", "longer burn", "rail"} & set(said.regression.columns)
+
+
+def test_a_log_without_a_climb_says_why() -> None:
+    assert flight_force("F1", Recorded(notes=("no heights",)), SLOW) == "no heights"
+    few = forces(climb(SLOW, "", 0.0).part(np.arange(len(climb(SLOW, "", 0.0).speed)) < 12))
+    assert flight_force("F1", Recorded(forces=few), SLOW) == TOO_SHORT
+
+
+@pytest.mark.parametrize(
+    ("verdict", "says"),
+    [
+        ("base_drag", "agrees"),
+        ("wind+base_drag", "agrees"),
+        ("wind", "another effect"),
+        ("none", "more"),
+        ("unexplained", "more"),
+    ],
+)
+def test_the_law_is_put_beside_the_verdict(verdict: str, says: str) -> None:
+    assert _says(verdict, shared("base drag", 0.4), FLIGHTS) == says
+    assert _says(verdict, (), 1) == ""
+
+
+def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
+    assert _says("base_drag", (), FLIGHTS) == "nothing of it"
+    assert _says("wind", (), FLIGHTS) == ""
+
+
+def test_without_a_log_nothing_is_said() -> None:
+    silent = Witness((), (), (), "")
+    assert list(climbs_in_words(silent)) == []
+    assert document(silent)["flights"] == document(silent)["law"] == []
+
+
+def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
+    silent = Witness((), (("F1", logs.OLDER), ("F2", logs.OLDER), ("F3", "no heights")), (), "")
+    assert list(climbs_in_words(silent)) == [
+        f"2 logs without a missing force, F1 and 1 more: {logs.OLDER}",
+        "1 log without a missing force, F3: no heights",
+    ]
+
+
+def test_a_single_log_says_that_it_decides_nothing() -> None:
+    (line,) = climbs_in_words(Witness((one(),), (), (), ""))
+    assert "base drag" in line
+    assert line.endswith("one flight alone decides nothing")
+
+
+def log(seed: int) -> tuple[str, dict[str, float]]:
+    """A logger's file of a flight with base drag, and readouts of it."""
+    track, random = climb(SLOW, "base drag", 0.4), np.random.default_rng(seed)
+    pad, after = np.arange(-2, 0, 0.01), np.arange(0.01, 4, 0.01)
+    time = np.concatenate([pad, track.time_from_liftoff, track.time_from_liftoff[-1] + after])
+    top = float(track.height[-1])
+    height = np.concatenate([0 * pad, track.height, top - 5 * after])
+    net = np.concatenate([0 * pad, track.push - GRAVITY, 0 * after]) + 0.3 * random.normal(size=len(time))
+    pressure = height_pressure(height) + 3 * random.normal(size=len(time))
+    rows = [
+        f"6,1,1,{t:.2f},0,x,{a:.3f},{p:.1f},{h:.2f}" for t, a, p, h in zip(time, net, pressure, height, strict=True)
+    ]
+    head = "#version,serial,flight,time,state,state_name,acceleration,pressure,height"
+    fastest = int(np.argmax(track.speed))
+    coast = float(track.time_from_liftoff[-1] - track.time_from_liftoff[fastest])
+    readouts = {
+        "apogee_m": top + random.normal(),
+        "top_speed_mps": float(track.speed.max()),
+        "coast_to_apogee_s": coast,
+    }
+    return "\n".join([head, *rows, ""]), readouts
+
+
+@pytest.mark.slow
+def test_the_loop_reports_the_missing_force_of_the_latest_logs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(logs, "MOST", 3)
+    rows = ["flight_id,rocket,motor,dry_mass_g,diameter_mm,log,apogee_m,top_speed_mps,coast_to_apogee_s"]
+    for number in range(4):
+        text, readouts = log(number)
+        name = f"f{number}.csv"
+        rows.append(f"F{number},Comet,F24-4W,322,66,{name}," + ",".join(f"{value:.2f}" for value in readouts.values()))
+        (tmp_path / name).write_text(text)
+    (tmp_path / "flights.csv").write_text("\n".join(rows) + "\n")
+    command = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*command, "import", str(tmp_path / "flights.csv")]) == 0
+    capsys.readouterr()
+    page = tmp_path / "page.html"
+    assert main([*command, "loop", "--look", "--json", "--report", str(page)]) == 0
+    said = json.loads(capsys.readouterr().out)["missing_force"]
+    assert [flight["flight_id"] for flight in said["flights"]] == ["F1", "F2", "F3"]
+    assert said["silent"] == [{"flight_id": "F0", "why": logs.OLDER}]
+    assert said["law"][0]["effect"] == "base_drag"
+    assert said["law"][0]["flights"] == 3
+    assert {point["phase"] for point in said["flights"][0]["points"]} == {"boost", "coast"}
+    assert "Missing force along each climb" in page.read_text(encoding="utf-8")

@@ -1,0 +1,140 @@
+"""The loop, on flights from a truth that is not the product's: what is there is found, and nothing else."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from bench.make import make
+from bench.rockets import Needs
+from bench.scenarios import SCENARIOS, Part, Scenario
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.importing.read import read
+from fieldkit.model.readout_data import observe
+from fieldkit.motors import Found, catalogue
+from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.residual import fingerprint, patterns, readout_residuals, spreads
+
+CHECK_SHAPES = False
+
+SEED = 31
+"""Of the sets that these tests hold; none of them was looked at while the loop was made."""
+HELD = ("null", "wind", "mass_offset", "early_ejection", "motor_thrust")
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """One set of each held scenario, at its strongest."""
+    folder = tmp_path_factory.mktemp("sets")
+    make(folder, HELD, 1, SEED, "fast", first=2)
+    return folder
+
+
+@pytest.fixture(scope="module")
+def diagnoses(folder: Path) -> dict[str, tuple[Diagnosis, dict[str, object], list[Flight]]]:
+    """The diagnosis of each set, with its label and its later flights, by scenario."""
+    found = {}
+    for label in json.loads((folder / "labels.json").read_text()):
+        flights = _flights(folder / f"{label['set']}.csv")
+        model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+        diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
+        later = [f for f, _ in _flights(folder / f"{label['set']}_future.csv")]
+        found[str(label["scenario"])] = (diagnosis, label, later)
+    return found
+
+
+def _flights(path: Path) -> list[tuple[Flight, Found]]:
+    flights = read(path.read_bytes(), path.name, lambda name: None).flights
+    motors = catalogue()
+    return [(flight, motors.resolve(flight.motor)) for flight in flights]
+
+
+@pytest.mark.parametrize("scenario", [name for name in HELD if name != "null"])
+def test_an_undeclared_effect_is_named(diagnoses: dict, scenario: str) -> None:
+    diagnosis, label, _ = diagnoses[scenario]
+    assert diagnosis.effect == label["label"]
+    assert diagnosis.confidence > 0.5
+    assert diagnosis.after.mae < diagnosis.before.mae
+
+
+def test_nothing_is_found_where_nothing_is(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["null"]
+    assert diagnosis.effect == "none"
+    assert diagnosis.accepted == ()
+    assert diagnosis.after == diagnosis.before
+
+
+def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict) -> None:
+    before, after = [], []
+    for scenario in HELD[1:]:
+        diagnosis, _, later = diagnoses[scenario]
+        flown = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
+        motors = catalogue()
+        plans = [
+            (flight.with_changes(**dict.fromkeys(flight.readouts())), motors.resolve(flight.motor)) for flight in later
+        ]
+        truth = np.array([flight.apogee for flight in later])
+        places = [trial.candidate.place for trial in diagnosis.accepted]
+        for accepted, errors in (([], before), (places, after)):
+            forecast = [np.median(one.apogee) for one in predict(flown, plans, accepted, declared=bool(accepted))]
+            errors.append(np.abs(np.array(forecast) - truth).mean())
+    assert np.mean(after) < 0.85 * np.mean(before)
+
+
+def test_residuals_are_in_units_of_their_scatter(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["null"]
+    residual = readout_residuals(diagnosis)
+    assert residual.shape == (len(diagnosis.model.flights), 6)
+    assert 0.4 < np.nanstd(residual[:, 0]) < 1.8
+    assert all(abs(row.bias) < 1.0 for row in spreads(diagnosis))
+
+
+def test_wind_shows_in_the_pattern_of_a_windy_history(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["wind"]
+    assert patterns(diagnosis)[0].against == "wind_mps"
+    assert patterns(diagnosis)[0].statistic < 0
+
+
+def test_an_early_ejection_has_the_fingerprint_of_one(diagnoses: dict) -> None:
+    diagnosis, _, _ = diagnoses["early_ejection"]
+    marks = fingerprint(diagnosis.accepted[0])
+    assert marks["coast_to_apogee"] < -0.02
+    assert marks["apogee"] < 0
+    assert abs(marks["top_speed"]) < 1e-3
+
+
+@pytest.mark.slow
+def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(folder: Path, diagnoses: dict) -> None:
+    diagnosis, label, _ = diagnoses["wind"]
+    flights = _flights(folder / f"{label['set']}.csv")
+    model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+    again = diagnose(model, diagnosis.data)
+    assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]
+
+
+def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    parts = tuple(
+        Part(name, (strength,)) for name, strength in (("mass_offset", 0.15), ("wear", 0.04), ("motor_thrust", 0.12))
+    )
+    three = Scenario("three", "", parts, Needs(configs=2, readouts=("all",)))
+    monkeypatch.setitem(SCENARIOS, "three", three)  # type: ignore[misc]
+    make(tmp_path, ["three"], 1, SEED, "fast")
+    flights = _flights(tmp_path / "set_001.csv")
+    model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+    diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
+    assert set(diagnosis.effect.split("+")) == {part.effect for part in parts}
+    assert diagnosis.confidence > 0.5
+    assert diagnosis.after.mae < 0.5 * diagnosis.before.mae
+
+
+@pytest.mark.parametrize(("effect", "shown"), [("wear", True), ("rail_friction", False)])
+def test_an_effect_that_flights_left_out_do_not_show_yet_is_said_to_be_one(effect: str, shown: bool) -> None:
+    table = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.csv"
+    flown = [pair for pair in _flights(table) if pair[0].clean]
+    flights = [flight for flight, _ in flown]
+    model = rocket_model(flights, [found for _, found in flown], slack=SEARCH_SLACK)
+    diagnosis = diagnose(model, observe(flights, [True] * len(flights)), given=[effect])
+    assert (diagnosis.after.mae < diagnosis.before.mae) is shown
+    assert ("flights left out do not show it yet" in diagnosis.why) is not shown

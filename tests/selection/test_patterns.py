@@ -1,0 +1,88 @@
+"""Patterns that no effect explains: they go on in the flights to come, and forecasts follow them."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import model_name, predict, rocket_model
+from fieldkit.motors import catalogue
+from fieldkit.selection.candidates import Place
+from fieldkit.selection.patterns import known_patterns, pattern_terms
+from tests.forecast.test_predict import PLAN, Flown, season
+
+FIRST = datetime(2026, 5, 2, 9, 0)
+
+
+def flown(count: int = 12) -> list[Flight]:
+    """Flights of two days and two sites, with a paint of the flyer's own and a temperature."""
+    return [
+        PLAN.with_changes(
+            flight_id=f"F{number}",
+            date_time=FIRST + timedelta(days=7 * (number // 6), hours=number % 6),
+            site="mead" if number % 2 else "hill",
+            temperature=285.0 + number,
+            extra={"paint": "rough" if number % 3 else "smooth"},
+        )
+        for number in range(count)
+    ]
+
+
+def weights(where: str, past: list[Flight], ahead: list[Flight]) -> np.ndarray:
+    (weigh,) = [kind[where] for kind in known_patterns(past) if where in kind]
+    return weigh([*past, *ahead])[len(past) :]
+
+
+def test_a_pattern_is_the_same_in_the_past_whatever_is_planned() -> None:
+    past = flown()
+    for kind in known_patterns(past):
+        for where, weigh in kind.items():
+            np.testing.assert_array_equal(weigh([*past, PLAN, PLAN])[:12], weigh(past), err_msg=where)
+
+
+def test_patterns_go_on_in_the_flights_to_come() -> None:
+    plans = [PLAN.with_changes(site="mead"), PLAN.with_changes(date_time=FIRST), PLAN]
+    assert weights("every flight from F5 on", flown(), plans).tolist() == [1, 1, 1]
+    assert weights("every 3 flights, as F1", flown(), plans).tolist() == [0, 1, 0]
+    assert weights("the site mead", flown(), plans).tolist() == [1, 0, 0]
+    assert weights("the day 2026-05-02", flown(), plans).tolist() == [0, 1, 0]
+    assert weights("paint smooth", flown(), plans).tolist() == [0, 0, 0]
+
+
+def test_what_was_not_written_down_of_a_plan_is_as_ever() -> None:
+    hours = [PLAN, PLAN.with_changes(date_time=FIRST + timedelta(hours=6.5))]
+    assert weights("the hour of the day", flown(), hours).tolist() == [0, 1]
+    warm = [PLAN, PLAN.with_changes(temperature=320.0)]
+    assert weights("temperature", flown(), warm)[0] == 0
+    assert weights("temperature", flown(), warm)[1] > 3
+
+
+def test_a_pattern_that_the_flights_do_not_show_is_left_out() -> None:
+    flights = flown(4)
+    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
+    assert pattern_terms(Place("", "every flight from F9 on"), model, 4) == ()
+    assert len(rocket_model(flights, model.found, [Place("", "the day 2026-05-02")]).terms) == len(model.terms)
+
+
+def test_a_forecast_follows_a_lasting_change() -> None:
+    """From the seventh flight on apogees are a tenth lower than the model has them."""
+    history: Flown = [
+        (one.with_changes(flight_id=f"F{row}", apogee=one.apogee * (0.9 if row > 5 else 1.0)), motor)
+        for row, (one, motor) in enumerate(season({}, 4))
+        if one.apogee is not None
+    ]
+    plan = [(PLAN, catalogue().resolve("F24"))]
+    lasting = Place("", "every flight from F6 on")
+    (plain,), (followed,) = predict(history, plan), predict(history, plan, [lasting])
+    (single,) = predict(season({}, 4), plan)
+    truth = 0.9 * float(np.median(single.apogee))
+    assert abs(np.median(followed.apogee) / truth - 1) < 0.03
+    assert abs(np.median(followed.apogee) - truth) < abs(np.median(plain.apogee) - truth)
+    assert followed.model == model_name([lasting]) == "field+unexplained"
+
+
+@pytest.mark.parametrize("count", [3, 8])
+def test_single_flights_are_no_pattern(count: int) -> None:
+    alone = [PLAN.with_changes(flight_id=f"F{row}", site=f"site {row}") for row in range(count)]
+    assert not any("site" in where for kind in known_patterns(alone) for where in kind)

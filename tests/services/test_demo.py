@@ -1,0 +1,153 @@
+"""The demo and the command infer, as a newcomer and as a script use them."""
+
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.inference.network.flights import Model, infer
+from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
+
+CHECK_SHAPES = False
+
+ROOT = Path(__file__).parents[2]
+TABLE = ROOT / "fieldkit" / "data" / "reference_flights.csv"
+
+
+@pytest.fixture(autouse=True)
+def _home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.delenv("FIELDKIT_LEDGER", raising=False)
+
+
+def test_the_demo_goes_from_readouts_to_the_next_apogee_and_leaves_the_flyers_ledger_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    mine = tmp_path / "mine.db"
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(mine))
+    assert main(["demo"]) == 0
+    said = capsys.readouterr()
+    assert said.err == ""
+    assert not mine.exists()
+    assert not (tmp_path / "home").exists()
+    assert max(map(len, said.out.splitlines())) <= 80
+    assert "12 flights of Astra imported. 8 are clean" in said.out
+    steps = re.split(r"^\d\. ", said.out, flags=re.MULTILINE)
+    assert len(steps) == 6
+    _, _, inferred, predicted, loop, profile = steps
+    assert len(re.findall(r"^ +\d+ [AB]  .* m .*±.*±", inferred, flags=re.MULTILINE)) == 12
+    forecasts = re.findall(r"^(\S+) +([AB]) +(\d+) m .*?(\d+) and (\d+) m", predicted, flags=re.MULTILINE)
+    assert {one[:2] for one in forecasts} == {(m, c) for m in ("E35-5W", "F24-4W", "F39") for c in "AB"}
+    assert all(int(low) < int(middle) < int(high) for *_, middle, low, high in forecasts)
+    assert "verdict:" in loop
+    assert re.search(r"F24-4W +47\.3 N s +64\.5 N s +\+36%", profile)
+
+
+def test_the_demo_refuses_a_ledger_that_is_in_use(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = tmp_path / "demo.db"
+    with Ledger.open(path) as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Mine", apogee=100.0)])
+    assert main(["--ledger", str(path), "demo"]) == 1
+    assert "found 1 flights, the demo wants an empty ledger" in capsys.readouterr().err
+    with Ledger.open(path) as ledger:
+        assert [flight.rocket for flight in ledger.flights()] == ["Mine"]
+
+
+@pytest.mark.slow
+def test_the_demo_fills_an_empty_ledger(tmp_path: Path) -> None:
+    path = tmp_path / "demo.db"
+    assert main(["--ledger", str(path), "demo"]) == 0
+    with Ledger.open(path) as ledger:
+        assert len(ledger.flights()) == 12
+        assert len(ledger.predictions("Astra")) == 6
+
+
+@pytest.fixture
+def ledger(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> str:
+    path = str(tmp_path / "ledger.db")
+    assert main(["--ledger", path, "import", str(TABLE)]) == 0
+    capsys.readouterr()
+    return path
+
+
+@pytest.mark.parametrize("model", ["field", "paper"])
+def test_infer_gives_every_flight_drag_and_thrust(model: str, ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--ledger", ledger, "infer", "--model", model, "--json"]) == 0
+    flights = json.loads(capsys.readouterr().out)["flights"]
+    assert [one["flight_id"] for one in flights] == [str(number) for number in range(1, 13)]
+    for one in flights:
+        assert set(one) >= {"flight_id", "cd", "cd_sd", "alpha", "alpha_sd"}
+        assert one["model"] == model
+        assert 0.1 < one["cd"] < 2
+        assert 0.4 < one["alpha"] < 1.6
+        assert one["cd_sd"] > 0
+        assert one["alpha_sd"] > 0
+
+
+def test_infer_takes_the_flights_that_are_named(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--ledger", ledger, "infer", "3", "Astra/9"]) == 0
+    said = capsys.readouterr()
+    assert [line.split()[0] for line in said.out.splitlines()] == ["flight", "3", "9"]
+    assert main(["--ledger", ledger, "infer", "33"]) == 1
+    assert "33" in capsys.readouterr().err
+
+
+def test_a_flight_that_cannot_be_inferred_is_named_and_left_out(
+    ledger: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--ledger", ledger, "edit", "2", "apogee="]) == 0
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "infer", "1", "2", "--json"]) == 0
+    said = capsys.readouterr()
+    assert [one["flight_id"] for one in json.loads(said.out)["flights"]] == ["1"]
+    assert said.err == "left out: flight 2, found no readout, expected at least the apogee\n"
+    assert main(["--ledger", ledger, "infer", "2"]) == 1
+    assert "no flight could be inferred" in capsys.readouterr().err
+
+
+def test_infer_on_an_empty_ledger_says_what_to_do(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--ledger", str(tmp_path / "empty.db"), "infer"]) == 1
+    assert "found no flights" in capsys.readouterr().err
+
+
+def test_a_warning_is_said_once_for_all_flights_that_it_is_about(
+    ledger: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["--ledger", ledger, "infer", "2", "3"]) == 0
+    notes = capsys.readouterr().err.splitlines()
+    assert len(notes) == len({note.partition(": ")[2].partition(": ")[2] for note in notes})
+    assert any(note.startswith("note: flights 2, 3: apogee alone cannot tell drag from thrust") for note in notes)
+
+
+ROCKET = Flight(rocket="Kestrel", motor="F24-4W", dry_mass=0.322, diameter=0.066)
+OTHERS = {
+    "no dry mass": (ROCKET.with_changes(apogee=250.0, dry_mass=None), "dry_mass_g: found nothing"),
+    "no readout": (ROCKET, "found no readout"),
+    "no such motor": (ROCKET.with_changes(apogee=250.0, motor="ZZ99"), "found no such motor"),
+}
+
+
+@pytest.mark.parametrize("case", OTHERS)
+def test_what_is_missing_is_said_and_the_others_are_inferred(case: str) -> None:
+    flight, why = OTHERS[case]
+    good = ROCKET.with_changes(flight_id="7", apogee=250.0)
+    found = infer([flight.with_changes(flight_id="5"), good], catalogue())
+    assert [one.flight for one in found.inferred] == [good]
+    (line,) = found.left_out
+    assert line.startswith("flight 5, ")
+    assert why in line
+
+
+@pytest.mark.parametrize("model", ["field", "paper"])
+def test_inference_is_the_same_alone_and_among_others(model: Model) -> None:
+    flights = [ROCKET.with_changes(flight_id=str(n), apogee=height) for n, height in enumerate((240.0, 260.0, 280.0))]
+    together = infer(flights, catalogue(), model).inferred
+    for flight, one in zip(flights, together, strict=True):
+        (alone,) = infer([flight], catalogue(), model).inferred
+        assert (alone.cd, alone.alpha) == pytest.approx((one.cd, one.alpha), rel=1e-6)
+    assert together[0].cd > together[1].cd > together[2].cd

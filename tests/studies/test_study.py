@@ -1,0 +1,149 @@
+"""The reference study: each share against what is known of it, and the page against the command that writes it."""
+
+import os
+import re
+import subprocess
+import sys
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.histories import histories
+from fieldkit.forecast.evaluation.histories import page as histories_page
+from fieldkit.motors import catalogue
+from fieldkit.studies.paper.assumption_steps import Step, step, worlds
+from fieldkit.studies.paper.reference import Reference, reference
+from fieldkit.studies.paper.study import parts_of
+from fieldkit.studies.paper.two_flights import LIKELY, TwoFlights, two_flights
+
+CHECK_SHAPES = False
+
+ROOT = Path(__file__).parents[2]
+NUMBER = re.compile(r"[+-]?\d+(?:\.\d+)?")
+
+
+@pytest.fixture(scope="module")
+def flights() -> Reference:
+    every = reference()
+    return every.part(every.valid)
+
+
+@pytest.fixture(scope="module")
+def steps(flights: Reference) -> tuple[Step, ...]:
+    return tuple(step(world, flights) for world in worlds())
+
+
+@pytest.fixture(scope="module")
+def pair() -> TwoFlights:
+    return two_flights(reference())
+
+
+@pytest.mark.slow
+def test_the_page_is_what_the_command_writes(tmp_path: Path) -> None:
+    """In a process of its own, where shapes are not checked: it is the longest computation of all tests."""
+    flyer = {name: text for name, text in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
+    command = [sys.executable, "-m", "fieldkit.cli.main", "study", "reference", "--out", str(tmp_path / "page.md")]
+    done = subprocess.run(command, env=flyer | {"PYTHONPATH": str(ROOT)}, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    written = (ROOT / "docs" / "reference-study.md").read_text(encoding="utf-8")
+    here = (tmp_path / "page.md").read_text(encoding="utf-8")
+    assert_alike(written, here)
+
+
+def assert_alike(written: str, here: str) -> None:
+    """The same words, and figures as far as another machine's rounding may move them."""
+    assert NUMBER.sub("#", " ".join(written.split())) == NUMBER.sub("#", " ".join(here.split()))
+    for stated, computed in zip(NUMBER.findall(written), NUMBER.findall(here), strict=True):
+        assert float(computed) == pytest.approx(float(stated), rel=0.03, abs=0.11)
+
+
+def test_the_parts_add_up_to_the_published_bias(flights: Reference, steps: tuple[Step, ...]) -> None:
+    assert sum(part.share for part in parts_of(flights, steps)) == pytest.approx(12.3, abs=0.05)
+
+
+def test_the_profile_is_the_bulk_of_it_and_the_shrinkage_less_than_a_metre(
+    flights: Reference, steps: tuple[Step, ...]
+) -> None:
+    shares = [part.share for part in parts_of(flights, steps)]
+    assert sum(shares[:3]) == pytest.approx(13.7, abs=0.1)
+    assert 0 < shares[-2] < 1
+
+
+def test_each_motor_s_profile_only_moves_flights_on_it(flights: Reference, steps: tuple[Step, ...]) -> None:
+    for motor, (before, after) in enumerate(pairwise(steps[:4])):
+        moved = np.abs(after.rebuilt - before.rebuilt) > 1e-6
+        assert moved.any()
+        assert not moved[flights.motor != motor].any()
+
+
+def test_five_flights_lie_below_the_reach_of_the_prior_and_then_none(steps: tuple[Step, ...]) -> None:
+    assert [step.below for step in steps] == [5, 5, 3, 0, 0, 0, 0, 0]
+
+
+def test_the_lighter_rocket_should_have_flown_much_higher(pair: TwoFlights) -> None:
+    assert pair.flown_gain == pytest.approx(4.9)
+    assert pair.lighter_by == pytest.approx(0.126)
+    assert 40 < pair.expected_gain[1.0] < 70
+    assert pair.expected_gain[0.8] > pair.expected_gain[1.0] > pair.expected_gain[1.2] > pair.flown_gain
+
+
+def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -> None:
+    possible = [cause for cause in pair.causes if cause.possible]
+    assert {"early_ejection", "motor_thrust", "wind"} <= {cause.effect for cause in possible if cause.away < LIKELY}
+    for cause in possible:
+        assert cause.shows["apogee"] == pytest.approx(174.7, abs=3.0)
+
+
+def test_the_apogee_tells_no_cause_from_another_and_other_readouts_do(pair: TwoFlights) -> None:
+    tells = {tell.readout: tell for tell in pair.tells}
+    assert tells["apogee"].apart == 0
+    assert tells["top_speed"].apart > 0
+    assert tells["all five"].apart >= max(tell.apart for tell in pair.tells)
+
+
+def test_histories_too_short_are_left_out() -> None:
+    motor = catalogue().resolve("F24")
+    flights = [(Flight(str(n), "Kestrel", motor="F24", dry_mass=0.3, apogee=250.0 + n), motor) for n in range(3)]
+    assert histories({"Kestrel": flights}) == []
+    assert "No rocket has flights enough." in histories_page([], [])
+
+
+def test_a_history_is_forecast_forward_in_time() -> None:
+    motor = catalogue().resolve("F24")
+    heights = (250.0, 255.0, 248.0, 252.0, 251.0)
+    flights = [
+        (Flight(str(n), "Kes|trel", motor="F24", dry_mass=0.3, apogee=height), motor)
+        for n, height in enumerate(heights)
+    ]
+    (one,) = histories({"Kes|trel": flights})
+    assert (one.flights, len(one.before), len(one.said)) == (5, 1, 1)
+    assert abs(one.before[0]) < 0.1
+    assert r"| Kes\|trel | 5 |" in histories_page([one], [])
+    assert "| 1 | 5 |" in histories_page([one], [], unnamed=True)
+
+
+def test_a_page_goes_where_it_is_told_or_says_why_not(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ledger = str(tmp_path / "ledger.db")
+    assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "page.md")]) == 0
+    assert "No rocket has flights enough." in (tmp_path / "page.md").read_text()
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "study", "rockets", "--out", str(tmp_path / "nowhere" / "page.md")]) == 1
+    assert "cannot be written" in capsys.readouterr().err
+
+
+LOGS = ROOT.parent / "shared" / "logs"
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not LOGS.is_dir(), reason="the published logs are not beside the checkout")
+def test_the_page_on_the_journal_is_what_the_command_writes(tmp_path: Path) -> None:
+    ledger = str(tmp_path / "ledger.db")
+    tables = [str(LOGS / f"altimetertwo__rocketlaunchjournal_{name}.csv") for name in ("rockets", "launches")]
+    assert main(["--ledger", ledger, "import", *tables]) == 0
+    assert main(["--ledger", ledger, "study", "rockets", "--unnamed", "--out", str(tmp_path / "page.md")]) == 0
+    _, _, written = (ROOT / "docs" / "journal.md").read_text(encoding="utf-8").partition("---\n\n")
+    assert_alike(written, (tmp_path / "page.md").read_text(encoding="utf-8"))

@@ -1,0 +1,522 @@
+"""What comes next, importing, the loop, the set-up and capturing, by keys alone; and what goes wrong on the way."""
+
+import gc
+import re
+from pathlib import Path
+from typing import cast
+from unittest.mock import patch
+
+import pytest
+from textual.widgets import Input, Static
+
+from fieldkit import capture
+from fieldkit.flight import CONDITIONS, READOUTS, SETUP
+from fieldkit.ledger import Ledger
+from fieldkit.settings import read_settings
+from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.flights.flight_screen import FlightScreen
+from fieldkit.tui.next.forecast_card import ForecastCard
+from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.widgets.bars import KeyBar, shortened
+from fieldkit.tui.widgets.dialogs import HelpScreen
+from fieldkit.tui.widgets.table import Table
+from tests.openrocket.test_design import SIMULATION, design
+from tests.pressing import ROOT, calm, frozen, hurry, looked_at, opened, press, season, shown, told, typed, words
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    frozen(monkeypatch)
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    folder = tmp_path / "field"
+    folder.mkdir()
+    monkeypatch.chdir(folder)
+    season(tmp_path / "ledger.db")
+    return tmp_path / "ledger.db"
+
+
+# Import
+
+
+async def test_a_file_is_looked_at_before_anything_is_stored(file: Path) -> None:
+    table = "flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,1o4\n2,Comet,ZZ99,100\n3,Comet,C6-5,210\n"
+    (file.parent / "field" / "season.csv").write_text(table)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down")
+        seen = words(pilot)
+        assert "Flight table (CSV)" in seen
+        assert "1 flight, 0 there already, 2 rejected" in seen
+        assert "✗ row 2, apogee_m: found '1o4'" in seen
+        assert "✗ row 3, motor: 'ZZ99': found no such motor" in seen
+        assert "3 · Comet · C6-5 Apogee 210.0 m" in told(pilot, "#more")
+        with Ledger.open(file) as ledger:
+            assert len(ledger.flights()) == 12
+        await press(pilot, "enter")
+        assert "1 imported, 0 there already, 2 rejected" in words(pilot)
+        await press(pilot, "enter")
+        assert "0 imported, 1 there already" in words(pilot)
+        await press(pilot, "escape", "u")
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights()) == 12
+
+
+async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: Path) -> None:
+    (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down")
+        assert "no parser recognises this log" in told(pilot, "#said")
+        await press(pilot, "enter", "enter")
+        assert "✗ error photo.jpg: no parser recognises this log" in words(pilot)
+        await press(pilot, "escape")
+        assert "✗ error" not in words(pilot), "the same is to be read once"
+        await press(pilot, "f", *typed("nonsense"), "enter")
+        assert "no parser is called 'nonsense'" in told(pilot, "#said")
+
+
+async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Path) -> None:
+    (file.parent / "field" / "a.ork").write_text(design(rest=SIMULATION.format(status="uptodate")))
+    (file.parent / "field" / "b.ork").write_text("<openrocket>")
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down")
+        assert "OpenRocket design" in words(pilot)
+        assert "starts Skylark" in words(pilot)
+        assert "66 mm across" in words(pilot)
+        await press(pilot, "s", *typed("rocket=Lark; config=A"), "enter", "_", "enter")
+        assert "kept; the page Next starts from it" in words(pilot)
+        await press(pilot, "enter")
+        assert "it is kept already" in words(pilot)
+        await press(pilot, "down", "enter")
+        assert "✗ error" in words(pilot)
+    with Ledger.open(file) as ledger:
+        (start,) = ledger.starts("Lark")
+        assert start.config == "A"
+        assert start.source == "a.ork"
+        ledger.undo()
+        assert not ledger.starts("Lark")
+
+
+async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path) -> None:
+    log = ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2"
+    inner = file.parent / "field" / "logs"
+    inner.mkdir()
+    (inner / "flight.pf2").write_bytes(log.read_bytes())
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down", "enter", "down")
+        assert "PerfectFlite" in words(pilot)
+        await press(pilot, "s", *typed("apogy=3"), "enter")
+        assert "did you mean apogee" in words(pilot)
+        await press(pilot, "escape", "enter")
+        assert "1 imported" in words(pilot)
+        await press(pilot, "4")
+        assert "Astra B · 448 g" in words(pilot), "a log that names no rocket does not stand in the way of the next"
+        await press(pilot, "3", "u", "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        assert "1 imported" in words(pilot)
+        await press(pilot, "backspace")
+        assert "logs/" in shown(pilot)
+        await press(pilot, "o", "ctrl+u", *typed("nowhere"), "enter")
+        assert "there is no such file or folder" in words(pilot)
+        await press(pilot, "escape", "o", "ctrl+u", *typed("logs/flight.pf2"), "enter", "backspace")
+        assert "logs/" in shown(pilot), "a path from here leads up as well"
+        (inner.parent / "new.pf2").write_bytes(b"put here meanwhile")
+        await press(pilot, "r")
+        assert "new.pf2" in shown(pilot)
+    with Ledger.open(file) as ledger:
+        assert ledger.names("rocket")[0] == "Comet"
+
+
+async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Path) -> None:
+    folder = file.parent / "field"
+    for name, scale in (("a.csv", 1.0), ("b.csv", 1.02)):
+        rows = "".join(f"{n / 10:.1f},{scale * max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
+        (folder / name).write_text("time (s),altitude (m)\n" + rows)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "space", "down", "space", "down", "space")
+        assert "recognised as 2 files together" in told(pilot, "#said")
+        assert "+ a.csv" in shown(pilot)
+        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        brought = told(pilot, "#said")
+        assert "+ a.csv" not in shown(pilot)
+        assert "imported" in words(pilot), brought
+        await press(pilot, "up")
+        assert "1 there already" in told(pilot, "#said")
+    with Ledger.open(file) as ledger:
+        assert len(ledger.flights("Comet")) == len(ledger.flights()) - 12 > 0
+
+
+async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file: Path) -> None:
+    rows = "".join(f"{n / 10:.1f};{max(0.0, 60 - (n / 10 - 4) ** 2 * 3.75):.2f}\n" for n in range(-20, 120))
+    for name in ("one.csv", "two.csv"):
+        (file.parent / "field" / name).write_text("quux;frob\n" + rows)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down")
+        assert "is read with m, then time=its column; altitude=its column [m]" in told(pilot, "#said")
+        await press(pilot, "m", *typed("time=quux;height=frob"), "enter")
+        assert "✗ error columns: found the channel 'height', expected one of" in words(pilot)
+        await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
+        assert "would bring 1 flight" in told(pilot, "#said")
+        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        assert "1 imported" in words(pilot)
+    async with opened(file) as pilot:
+        await press(pilot, "3", "down", "down")
+        assert "would bring 1 flight" in told(pilot, "#said")
+
+
+# Next flight
+
+
+async def test_the_forecast_follows_the_cursor_through_the_motors_that_fit(file: Path) -> None:
+    async with opened(file, (100, 40)) as pilot:
+        await press(pilot, "4")
+        assert "Astra B on AeroTech" in shown(pilot)
+        card = told(pilot, "#title")
+        assert "8 clean flights (1, 2, 3, 4, 9, 10, 11, 12), the plain model" in told(pilot, "#more")
+        await press(pilot, *["down"] * 3)
+        assert "Astra B on Quest" in shown(pilot)
+        assert told(pilot, "#title") != card
+        for what in ("ejection", "by delay", "off rail", "T:W", "Cd", "alpha", "true", "kg/m³"):
+            assert what in shown(pilot)
+        await press(pilot, "b")
+        assert "Astra A on" in shown(pilot)
+
+
+async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path) -> None:
+    async with opened(file, (160, 40)) as pilot:
+        await press(pilot, "4", "g", *typed("800ft"), "enter")
+        table = pilot.app.screen.query_one(Table)
+        offs = [table.cells(key)[5] for key in table.keys]
+        assert len(offs) > 20
+        distances = [abs(float(off)) for off in offs]
+        assert distances == sorted(distances)
+    assert read_settings(file.with_name("settings.json")).target == pytest.approx(243.84)
+
+
+async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
+        assert "kept: AeroTech F24W to" in words(pilot)
+    with Ledger.open(file) as ledger:
+        (_, said) = ledger.predictions("Astra")
+    assert said.payload["motor"] == "AeroTech F24W"
+    assert said.payload["flights"] == 8
+
+
+async def test_a_plan_is_changed_and_kept_and_a_slip_in_it_is_not_taken(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "p", "down", "down", *typed("4oo"), "ctrl+s")
+        assert "✗ found" in shown(pilot)
+        await press(pilot, "ctrl+u", *typed("400g"), *["down"] * 6, *typed("20mph"), "ctrl+s")
+        assert "Astra B · 400 g without motor" in words(pilot)
+        assert "wind 8.9 m/s" in words(pilot)
+    async with opened(file) as pilot:
+        await press(pilot, "4")
+        assert "400 g without motor" in words(pilot)
+        assert "wind 8.9 m/s" in words(pilot)
+
+
+async def test_a_search_takes_in_the_whole_catalogue_and_says_what_does_not_fit(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("qqqq"), "enter", "enter", "y")
+        assert "0 fit" in shown(pilot)
+        assert "nothing here to copy" in words(pilot)
+        await press(pilot, "slash", "ctrl+u", *typed("h128"), "enter")
+        assert "0 of 1 fit" in shown(pilot)
+        assert "▸✗ AeroTech H128W" in shown(pilot)
+        await press(pilot, "c", "y", "c")
+        assert pilot.app.clipboard.startswith("motor ✗ AeroTech H128W")
+        assert "29 mm, and the widest flown is 24 mm" in told(pilot, "#more")
+
+
+# Notices
+
+
+def test_a_notice_names_files_by_their_names_and_ports_in_full() -> None:
+    assert shortened("/home/anna/my logs/mine.eng: found no motor") == "mine.eng: found no motor"
+    assert (
+        shortened("cannot read '/home/anna/ledger.db', expected a ledger")
+        == "cannot read 'ledger.db', expected a ledger"
+    )
+    for text in ("/dev/ttyUSB0: cannot be opened", "found 14 m/s, expected km/h", "and/or"):
+        assert shortened(text) == text
+
+
+async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
+    async with opened(file, (160, 40)) as pilot:
+        cast(FieldkitApp, pilot.app).tell(f"{file.parent}/none.eng: cannot be read", error=True)
+        await press(pilot, "6")
+        assert "✗ error none.eng" in words(pilot)
+        assert str(file.parent) not in words(pilot)
+        await press(pilot, "W")
+        assert "/".join(file.parts[:2]).replace("//", "/") in words(pilot)
+        await press(pilot, "escape")
+        assert "✗ error" not in words(pilot)
+
+
+# Loop
+
+
+async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
+    found = looked_at()
+    from fieldkit.services.close_loop import version_payload
+
+    with Ledger.open(file) as ledger:
+        wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
+        ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear]})
+    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, tell: found):
+        async with opened(file) as pilot:
+            await press(pilot, "5", "a")
+            assert "nothing to accept yet" in words(pilot)
+            await press(pilot, "escape", "l")
+            assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
+            assert "each from all others, 8 flights" in words(pilot)
+            await press(pilot, "right")
+            assert "residual / expected scatter, against" in words(pilot)
+            first = shown(pilot)
+            await press(pilot, "c")
+            assert shown(pilot) != first
+            await press(pilot, "right")
+            assert "it would leave" in words(pilot)
+            await press(pilot, "right")
+            assert "wear" in shown(pilot)
+            await press(pilot, "d")
+            assert "declined: the model stays as it is" in words(pilot)
+            await press(pilot, "right")
+            assert "▸  0" in shown(pilot)
+            await press(pilot, "enter")
+            assert "Astra predicts with the plain model; u takes it back" in words(pilot)
+            with Ledger.open(file) as ledger:
+                assert ledger.active_version("Astra") is None
+            await press(pilot, "u")
+            with Ledger.open(file) as ledger:
+                version = ledger.active_version("Astra")
+            assert version is not None
+            await press(pilot, "a")
+            with Ledger.open(file) as ledger:
+                assert ledger.active_version("Astra") is None, "the verdict is none, so the plain model is back"
+
+
+async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    from fieldkit.flight import Flight
+
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
+    async with opened(tmp_path / "ledger.db") as pilot:
+        await press(pilot, "5", "d")
+        assert "nothing to decline yet" in words(pilot)
+        await press(pilot, "l")
+        assert "expected at least 4 to close the loop" in words(pilot)
+        assert "looking:" not in words(pilot)
+        await press(pilot, "ctrl+c")
+        assert "q leaves the app" in words(pilot)
+
+
+# Setup
+
+
+async def test_a_build_is_changed_in_all_its_flights_and_undone(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "6", "right", "enter", "ctrl+u", *typed("Comet"), "enter", "enter", *typed("450g"), "ctrl+s")
+        assert "4 flights changed; u takes it back" in words(pilot)
+        with Ledger.open(file) as ledger:
+            assert {f.dry_mass for f in ledger.flights("Comet")} == {0.45}
+        await press(pilot, "u")
+    with Ledger.open(file) as ledger:
+        assert ledger.names("rocket") == ["Astra"]
+
+
+async def test_what_is_chosen_is_remembered(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "6", "left", "enter", "down", "enter")
+        assert pilot.app.theme == "sun"
+        await press(pilot, "1", "N")
+    async with opened(file) as pilot:
+        assert pilot.app.theme == "sun"
+        assert "· ft" in shown(pilot)
+        assert "650" in shown(pilot)
+    kept = read_settings(file.with_name("settings.json"))
+    assert (kept.theme, kept.units) == ("sun", "mixed")
+
+
+async def test_a_damaged_motor_file_is_a_notice(file: Path) -> None:
+    (file.parent / "field" / "mine.eng").write_text("; nothing\n")
+    async with opened(file) as pilot:
+        await press(pilot, "6", "i", *typed("mine.eng"), "enter")
+        assert "✗ error mine.eng" in words(pilot)
+
+
+# Capture
+
+
+async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Path) -> None:
+    log = file.parent / "flight.pf2"
+    log.write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
+    end = capture.Ended(log, "stratologger", 4000, 200, 0, "all is read", True)
+    events = [
+        capture.Opened("/dev/ttyUSB0", "stratologger", log),
+        capture.Progress(2000, 100, 1, 0.5, capture.Sample(123.4, 3.0, 20.0, "boost")),
+        capture.Lost("/dev/ttyUSB0", "the cable was pulled"),
+        capture.Back("/dev/ttyUSB1"),
+        end,
+    ]
+    here = [capture.Port("/dev/ttyUSB0", 0x0403, 0x6015, "A1", "adapter")]
+    with patch("fieldkit.capture.ports", lambda: here), patch("fieldkit.capture.capture", lambda *a, **k: iter(events)):
+        async with opened(file) as pilot:
+            await press(pilot, "7")
+            assert "0403:6015 FTDI chip" in words(pilot)
+            await press(pilot, "enter")
+            assert "Take its flights into the ledger?" in words(pilot)
+            await press(pilot, "n")
+            seen = words(pilot)
+            assert "! the cable was pulled" in seen
+            assert "it is back on /dev/ttyUSB1" in seen
+            assert "2,000 bytes 100 samples 1 damaged" in seen
+            assert "highest 123.4 m" in seen
+            await press(pilot, "enter", "y")
+            assert "1 imported" in words(pilot)
+            events[1:1] = [capture.Told(f"page {number} is read") for number in range(20)]
+            events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
+            events.remove(next(event for event in events if isinstance(event, capture.Progress)))
+            await press(pilot, "enter")
+            seen = words(pilot)
+            assert "nothing came" in seen, "the newest is in sight, however much was said before"
+            assert "highest" not in seen, "of the capture before"
+
+
+async def test_a_port_that_cannot_be_opened_is_a_notice(file: Path) -> None:
+    here = [capture.Port("/dev/nowhere", 0x0403, 0x6001, "", "")]
+    with patch("fieldkit.capture.ports", lambda: here):
+        async with opened(file) as pilot:
+            await press(pilot, "7", "d", *typed("rrc3"), "enter")
+            assert "the download of the RRC3 is not public" in words(pilot)
+            await press(pilot, "escape", "d", *typed("altos"), "enter", "enter")
+            assert "/dev/nowhere" in words(pilot)
+            assert "error" in words(pilot)
+
+
+# Everywhere
+
+
+async def test_every_page_has_help_in_words_keys_and_a_command_that_exists(file: Path) -> None:
+    from typer.main import get_command
+
+    from fieldkit.cli.main import app
+
+    commands = get_command(app).commands  # type: ignore[attr-defined]
+    async with opened(file, (100, 40)) as pilot:
+        for page in pages().values():
+            await press(pilot, str(page.number), "escape")
+            screen = pilot.app.screen
+            assert isinstance(screen, PageScreen)
+            assert len(screen.ABOUT.about) > 100
+            assert len(screen.ABOUT.fields) >= 3
+            assert screen.ABOUT.twin
+            await press(pilot, "question_mark")
+            assert isinstance(pilot.app.screen, HelpScreen)
+            text = " ".join(str(part.content) for part in pilot.app.screen.query(Static))
+            assert "Keys" in text
+            for twin in screen.ABOUT.twin:
+                assert twin in text
+                assert twin.split()[1] in commands, twin
+            await press(pilot, "escape")
+
+
+@pytest.mark.parametrize("keys", ["1", "4", "4 _ c", "5", "6", "6 right", "6 right right", "6 left", "7", "1 enter"])
+async def test_help_explains_every_heading_and_every_name_of_a_figure(file: Path, keys: str) -> None:
+    async with opened(file, (160, 50)) as pilot:
+        await press(pilot, *keys.split())
+        screen = pilot.app.screen
+        assert isinstance(screen, PageScreen)
+        helped = " ".join([screen.ABOUT.about, *(f"{name}: {text}" for name, text in screen.ABOUT.fields)]).lower()
+        titles = {head.title for table in screen.query(Table) for head in table.heads if table.display}
+        for card in screen.query(ForecastCard):
+            titles |= {line[:9].strip() for line in card.text.splitlines() if line[:9].strip() and line[9:11] == "  "}
+        if isinstance(screen, FlightScreen):
+            titles |= {column.title for column in (*READOUTS, *SETUP, *CONDITIONS)} | {"Log", "Cd", "alpha"}
+        plain = {re.sub(r"^[✓!✗?] | (m/s|s)$|[ ▲▼]+$", "", title).lower() for title in titles}
+        assert plain
+        assert not {title for title in plain if title not in helped and not title[:1].isdigit()}
+
+
+@pytest.mark.parametrize("size", [(60, 20), (250, 70)], ids=str)
+async def test_no_page_loses_a_column_or_a_key_in_small_and_large_terminals(file: Path, size: tuple[int, int]) -> None:
+    with patch("fieldkit.capture.ports", list):
+        async with opened(file, size) as pilot:
+            for page in pages().values():
+                await press(pilot, "escape", str(page.number), "escape")
+                for table in pilot.app.screen.query(Table):
+                    used = sum(table.widths()) + len(table.heads) + 1
+                    assert not table.region.width or used <= table.region.width + 1, (page.title, size)
+                assert "Quit" in shown(pilot) or page.title == "Add"
+                assert "7" in shown(pilot).splitlines()[0]
+
+
+async def test_what_is_typed_ahead_is_not_lost(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "slash", "f", "2", "4", "enter", "down")
+        assert "4 of 12" in shown(pilot)
+        assert "▸8" in shown(pilot)
+        await press(pilot, "2")
+        await hurry(pilot, "8", "ctrl+u", "9", "2", "4", "backspace", "3")
+        assert pilot.app.screen.query_one("#in-apogee", Input).value == "923"
+
+
+async def test_keys_that_are_ahead_of_the_plan_are_about_the_plan(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "4", "b", "p")
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
+        assert pilot.app.screen.query_one("#in-config", Input).value == "A", "b has gone on from B"
+
+
+async def test_what_is_typed_ahead_of_the_first_opening_of_add_is_not_lost(file: Path) -> None:
+    async with opened(file) as pilot:
+        await hurry(pilot, "a", *typed("923ft"), "enter", *typed("140mph"), "enter", "2")
+        lines = [pilot.app.screen.query_one(f"#in-{name}", Input) for name in ("apogee", "top_speed", "burn_time")]
+        assert [line.value for line in lines] == ["923ft", "140mph", "2"]
+        assert pilot.app.focused is lines[-1]
+        assert pilot.app.screen.query_one("#in-rocket", Input).value == "Astra"
+
+
+async def test_pages_are_made_ready_out_of_sight_and_are_as_they_would_be(file: Path) -> None:
+    async with opened(file, stays=True) as pilot:
+        made = {stack[0] for stack in pilot.app._screen_stacks.values()}
+        assert {page.screen for page in pages().values()} <= {type(screen) for screen in made}
+        await press(pilot, "2")
+        assert pilot.app.screen in made
+        assert pilot.app.focused.id == "in-apogee"
+        await hurry(pilot, "escape", "6", "4", "slash", *typed("f39"))
+        assert "AeroTech F39T" in words(pilot)
+    gc.unfreeze()
+
+
+async def test_resizing_keeps_the_page_and_its_place(file: Path) -> None:
+    async with opened(file, (80, 24)) as pilot:
+        await press(pilot, "down", "down")
+        for size in ((60, 20), (250, 70), (80, 24)):
+            await pilot.resize_terminal(*size)
+            await calm(pilot)
+            assert "▸10" in shown(pilot)
+
+
+async def test_the_palette_finds_pages_colours_and_actions(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "ctrl+p", *typed("colours: night"), "_", "enter")
+        await pilot.pause(0.3)
+        await calm(pilot)
+        assert pilot.app.theme == "night"
+
+
+async def test_the_mouse_goes_where_keys_go(file: Path) -> None:
+    async with opened(file) as pilot:
+        await pilot.click("TopBar", offset=(26, 0))
+        await calm(pilot)
+        assert "file" in shown(pilot)
+        for _ in range(3):  # on a busy machine a click may fall into a repaint
+            bar = pilot.app.screen.query_one(KeyBar).region
+            lines = shown(pilot).splitlines()[bar.y : bar.y + bar.height]
+            row = next(row for row, line in enumerate(lines) if "Help" in line)
+            await pilot.click(KeyBar, offset=(lines[row].index("Help"), row))
+            await calm(pilot)
+            if "Help: Import" in shown(pilot):
+                break
+        assert "Help: Import" in shown(pilot)
