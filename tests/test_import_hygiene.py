@@ -5,7 +5,8 @@ import json
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Container, Iterator
+from graphlib import TopologicalSorter
 from pathlib import Path
 
 import pytest
@@ -90,3 +91,27 @@ def test_plug_ins_know_the_engine_and_not_each_other(shelf: str) -> None:
     for file in files:
         strange = [name for name in imports(file) if not any(f"{name}.".startswith(f"{a}.") for a in ALLOWED[shelf])]
         assert not strange, file.name
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Imports for type checkers and inside functions count too."""
+    files = {
+        ".".join(file.relative_to(ROOT).with_suffix("").parts).removesuffix(".__init__"): file
+        for file in (ROOT / "fieldkit").rglob("*.py")
+    }
+    graph = {name: set(imported(file, files)) - {name} for name, file in files.items()}
+    assert graph["fieldkit.tui.app"]
+    TopologicalSorter(graph).prepare()  # CycleError names the modules of a circle
+
+
+def imported(file: Path, known: Container[str]) -> Iterator[str]:
+    """Those of the known modules that a file imports; of `from a import b` it is `a.b` where that is a module."""
+    for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.ImportFrom) and node.module:
+            whole = [f"{node.module}.{name.name}" for name in node.names]
+            names = [one if one in known else node.module for one in whole]
+        elif isinstance(node, ast.Import):
+            names = [name.name for name in node.names]
+        else:
+            continue
+        yield from (name for name in names if name in known)

@@ -198,7 +198,7 @@ first lines what it is for.
 | `sample_logs/` | a log or more for every parser, `PARSER__what_happened.suffix` |
 | `bench/` | a simulator of its own, what [judges the loop](undeclared-effects.md) by it, [the fault bench](faults.md) |
 | `tools/` | what makes pages, pictures, the motor catalogue and the samples |
-| `tests/` | the same tree as `fieldkit/`: laws, contracts over every plug-in, golden figures, screens; and `benchmarks/` |
+| `tests/` | the tree of `fieldkit/` again: laws, contracts over every plug-in, golden figures, screens; `benchmarks/` |
 """
 
 

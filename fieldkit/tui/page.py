@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -20,11 +20,12 @@ from textual.widget import Widget
 from textual.widgets import Input
 
 from fieldkit.errors import FieldkitError
+from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
-    from fieldkit.tui.app import FieldkitApp
     from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.widgets.bars import Notice
 
 T = TypeVar("T")
 WAIT = 0.005
@@ -42,13 +43,34 @@ class Page:
     screen: type["PageScreen"]
 
 
-@dataclass(frozen=True, slots=True)
-class Help:
-    """What `?` says of a screen: what it is for, each field in plain words, and the commands that do the same."""
+class Host(Protocol):
+    """What pages ask of the app that shows them."""
 
-    about: str
-    fields: tuple[tuple[str, str], ...] = ()
-    twin: tuple[str, ...] = ()
+    desk: "Desk"
+    notices: "list[Notice]"
+    revision: int
+    look: int
+
+    def settled(self) -> None:
+        """The flights have been read."""
+
+    def changed(self) -> None:
+        """The ledger has changed: pages are to fill themselves again."""
+
+    def tell(self, text: str, *, error: bool = False) -> None:
+        """Say something."""
+
+    def choose(self, said: str = "", **changes: Any) -> None:
+        """Change settings, show what they change, and keep them."""
+
+    def ask_target(self) -> None:
+        """Ask for the height to hit."""
+
+    def action_read(self) -> None:
+        """The notice in front was read."""
+
+    async def action_page(self, name: str) -> None:
+        """Bring a page to the front."""
 
 
 @cache
@@ -102,9 +124,9 @@ class PageScreen(Screen[None]):
         return self.field_app.desk
 
     @property
-    def field_app(self) -> "FieldkitApp":
-        """The app, by its own type."""
-        return cast("FieldkitApp", self.app)
+    def field_app(self) -> "Host":
+        """The app, as pages know it."""
+        return cast(Host, self.app)
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""

@@ -18,8 +18,9 @@ from fieldkit.tui.flights import logged
 from fieldkit.tui.flights.flight_facts import Foretold, foretold, or_why, said_by
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
+from fieldkit.tui.help import Help
 from fieldkit.tui.next.intervals import Interval, bar
-from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.page import PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import hanging, stacked

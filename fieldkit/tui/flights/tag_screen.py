@@ -14,7 +14,8 @@ from textual.widgets import Static
 from fieldkit.flight import KNOWN_TAGS, Flight
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.tag_card import OWN, Shift, TagCard, meaning
-from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.table import Head, Table

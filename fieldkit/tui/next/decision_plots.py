@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.delay import Delays
     from fieldkit.services.saved_forecasts import Kept
     from fieldkit.shapes import Array, Float
-    from fieldkit.tui.next.decisions import Answer
+    from fieldkit.tui.next.answer import Answer
 
 MOST = 24
 """Forecasts that are drawn, the newest."""

@@ -2,13 +2,13 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.quantities import measure
 from fieldkit.tui.next import decision_plots
-from fieldkit.tui.next.intervals import Intervals
+from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
@@ -30,25 +30,6 @@ WITHIN = 10 * 0.3048
 """The band about a target, as the command has it without being told. [m]"""
 SCORED = 6
 """Flights whose points are told, the newest."""
-
-
-@dataclass(frozen=True, slots=True)
-class Answer:
-    """An answer in lines, and what stands below or beside it: the conditions it holds in, and every safety line.
-
-    `title` is of its picture: intervals on one scale, or what `draw` draws.
-    """
-
-    words: tuple[str, ...]
-    beside: tuple[str, ...] = ()
-    title: str = ""
-    intervals: Intervals | None = None
-    draw: Any = None
-
-    @property
-    def text(self) -> str:
-        """All of it, to be copied."""
-        return "\n".join([*self.words, *([""] if self.beside else []), *self.beside])
 
 
 @dataclass(frozen=True, slots=True)

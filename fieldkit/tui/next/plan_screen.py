@@ -14,9 +14,11 @@ from textual.widgets import Static
 from fieldkit.safe_text import printable
 from fieldkit.settings import Settings
 from fieldkit.tui.add.fields import Form
+from fieldkit.tui.help import Help
 from fieldkit.tui.next import contest_form
-from fieldkit.tui.next.decisions import AIMS, Answer, Decision
-from fieldkit.tui.page import Help, PageScreen
+from fieldkit.tui.next.answer import Answer
+from fieldkit.tui.next.decisions import AIMS, Decision
+from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.tabs import TabLine
 

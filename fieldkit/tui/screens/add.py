@@ -29,7 +29,8 @@ from fieldkit.tui.add.add_form import (
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.add_sheet import Sheet, field_of
 from fieldkit.tui.add.fields import Field
-from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
 
 AT_MOST = 0.02

@@ -19,7 +19,8 @@ from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.flights.flight_rows import Row, Shown, columns, haystack, read_rows
 from fieldkit.tui.flights.log_plot import Drawn, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
-from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.table import Head, Table

@@ -16,6 +16,7 @@ from textual.widgets import Static
 
 from fieldkit.errors import FieldkitError
 from fieldkit.safe_text import printable
+from fieldkit.tui.help import Help
 from fieldkit.tui.imports.import_look import (
     UP,
     Look,
@@ -31,7 +32,7 @@ from fieldkit.tui.imports.import_look import (
     what_it_brings,
     what_it_holds,
 )
-from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.hanging import stacked

@@ -14,8 +14,9 @@ from textual.widgets import Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights.flight_facts import or_why
+from fieldkit.tui.help import Help
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
-from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine

@@ -13,9 +13,10 @@ from textual.widgets import Input, Static
 
 from fieldkit.flight import Flight
 from fieldkit.tui.add.fields import Line
+from fieldkit.tui.help import Help
 from fieldkit.tui.next.motor_list import MotorList
 from fieldkit.tui.next.next_plan import DRAFT, QUESTIONS, Plan, plan_texts, read_plan
-from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.widgets.table import Table
 
 if TYPE_CHECKING:

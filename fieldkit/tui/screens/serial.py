@@ -17,7 +17,8 @@ from textual.widgets import Digits, Static
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
-from fieldkit.tui.page import Help, Page, PageScreen
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import Page, PageScreen
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.dialogs import AskText, AskYes

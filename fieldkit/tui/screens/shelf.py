@@ -12,7 +12,8 @@ from textual.widgets import Input, Static
 
 from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.add.fields import Line
-from fieldkit.tui.page import LEAVE_LINE, Help, Page, PageScreen
+from fieldkit.tui.help import Help
+from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
 from fieldkit.tui.setup.shelf_lists import MEANS, Listed, builds_listed, motors_listed, settings_listed, sites_listed
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.groups import Kept, grouped, placed

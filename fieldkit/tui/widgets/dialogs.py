@@ -12,7 +12,7 @@ from textual.widgets import Input, Static
 
 from fieldkit.safe_text import printable
 from fieldkit.tui.add.fields import Line
-from fieldkit.tui.page import Help
+from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar
 from fieldkit.tui.widgets.hanging import Hanging
 
