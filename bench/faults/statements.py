@@ -14,7 +14,8 @@ from bench.faults.ledgers import Outcome, state
 from bench.faults.servers import emptied, witnessed
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Renewal, Start
+from fieldkit.flight.start import Start
+from fieldkit.ledger import Ledger, Renewal
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 Change = Callable[[Ledger], object]

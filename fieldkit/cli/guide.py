@@ -58,7 +58,8 @@ def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted
     import math
 
     from fieldkit.errors import UnknownMotor
-    from fieldkit.planning.motor_guide import Wanted, mount_of, shortlist
+    from fieldkit.planning.motor_guide import Wanted, mount_of
+    from fieldkit.services.planning import shortlist
 
     mount = length(fit["mount"], "mm") or mount_of(plan.rocket, plan.flight.config)
     if mount is None:

@@ -98,8 +98,9 @@ app.command()(motors)
 
 def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
     """Add motors to a rocket's shortlist. More than a table holds are refused, as a slip."""
-    from fieldkit.planning.motor_guide import keep_shortlist, label, shortlist
+    from fieldkit.planning.motor_guide import label
     from fieldkit.services.forecasts import which_rocket
+    from fieldkit.services.planning import keep_shortlist, shortlist
 
     if len(found) > MOST:
         raise typer.BadParameter(f"found {len(found)} motors to put by, expected at most {MOST}; a longer name narrows")

@@ -9,7 +9,7 @@ from fieldkit.cli.screen import complain, in_both_units, print_json, say, say_wr
 from fieldkit.cli.session import open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.ledger import Start
+    from fieldkit.flight.start import Start
     from fieldkit.openrocket import Design
 
 app = typer.Typer()
@@ -26,7 +26,7 @@ def ork(
 ) -> None:
     """Start a rocket from its OpenRocket design: mass without motor, diameter, length and Cd, until it has flown."""
     from fieldkit.errors import BadValue
-    from fieldkit.ledger import Start
+    from fieldkit.flight.start import Start
     from fieldkit.openrocket import read_design
     from fieldkit.services.imports import read_file
 

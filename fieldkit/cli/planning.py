@@ -13,14 +13,15 @@ from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
+    from fieldkit.flight.site import Site
+    from fieldkit.flight.start import Start
     from fieldkit.forecast.prediction import Prediction
-    from fieldkit.ledger import Ledger, Start
-    from fieldkit.ledger.sites import Site
+    from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
     from fieldkit.planning.contest import Season
+    from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
     from fieldkit.planning.safety import Line
-    from fieldkit.services.planning import Rocket
 
 Given = Mapping[str, str | None]
 """Options of a plan as typed, None where not given."""

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
+from fieldkit.flight.start import Start
 from fieldkit.ledger import drafts, models, opening, starts
 from fieldkit.ledger.opened import OpenLedger
-from fieldkit.ledger.records import Prediction, Start, Version
+from fieldkit.ledger.records import Prediction, Version
 
 
 class BesideFlights(OpenLedger):

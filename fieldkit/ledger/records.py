@@ -65,16 +65,3 @@ class Past:
 
     flights: tuple[Flight, ...]
     version: int
-
-
-@dataclass(frozen=True, slots=True)
-class Start:
-    """What is known of a rocket's configuration before it has flown, and from which file; None where it is not. SI."""
-
-    rocket: str
-    config: str
-    dry_mass: float | None = None
-    diameter: float | None = None
-    length: float | None = None
-    cd: float | None = None
-    source: str = ""

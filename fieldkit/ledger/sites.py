@@ -1,23 +1,11 @@
 """Launch sites: what the flights say of them, and what the flyer saved beside the flights: size and ceiling."""
 
-from dataclasses import dataclass
-
 from fieldkit.errors import BadValue
+from fieldkit.flight.site import Site
 from fieldkit.ledger.ledger import Ledger
 
 SITES = "sites"
 """Name under which the ledger keeps them."""
-
-
-@dataclass(frozen=True, slots=True)
-class Site:
-    """A launch site: elevation of the pad above sea level, the field's shorter side, and the ceiling above the pad
-    that its waiver or its owner sets; None where not known. [m]"""
-
-    name: str = ""
-    elevation: float | None = None
-    size: float | None = None
-    ceiling: float | None = None
 
 
 def sites(ledger: Ledger) -> list[Site]:

@@ -4,9 +4,9 @@ from dataclasses import asdict, fields
 
 from sqlalchemy import Connection, and_, select
 
+from fieldkit.flight.start import Start
 from fieldkit.ledger.checksums import sound_rows
 from fieldkit.ledger.journal import Pen
-from fieldkit.ledger.records import Start
 from fieldkit.ledger.tables import configurations
 
 FIELDS = tuple(field.name for field in fields(Start))

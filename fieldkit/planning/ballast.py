@@ -12,8 +12,8 @@ from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import Season
 from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
-from fieldkit.services.planning import Rocket, forecasts
 from fieldkit.shapes import Array, Float
 
 GRID = 16

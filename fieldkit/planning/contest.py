@@ -14,8 +14,8 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.safety import Line, Verdict
-from fieldkit.services.planning import Rocket, forecasts
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 

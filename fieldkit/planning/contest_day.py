@@ -1,14 +1,10 @@
 """The day of a contest: what is announced, declared and wanted there, beside the rule of its season."""
 
-from dataclasses import asdict, dataclass, replace
+from dataclasses import dataclass
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.ledger import Ledger
 from fieldkit.planning.contest import Season
-
-DAYS = "contest"
-"""Name under which the ledger keeps them, by season."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,18 +21,6 @@ class Day:
     def rule(self, season: Season) -> Season:
         """The rule of a season with what was announced in its place."""
         return season.announced(self.target, self.window)
-
-
-def day_of(ledger: Ledger, year: int) -> Day:
-    """What was kept of the day of a season; nothing at first."""
-    kept = (ledger.draft(DAYS) or {}).get(str(year), {})
-    window = kept.get("window")
-    return replace(Day(**kept), window=tuple(window) if window else None, declared=tuple(kept.get("declared", ())))
-
-
-def keep_day(ledger: Ledger, year: int, day: Day) -> None:
-    """Keep what is known of the day of a season."""
-    ledger.change_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)}, "day", f"of season {year}")
 
 
 def read_window(text: str) -> tuple[float, float]:

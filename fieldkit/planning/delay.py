@@ -13,8 +13,8 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
-from fieldkit.services.planning import Rocket, forecasts
 from fieldkit.shapes import Array, Float
 
 SHARE, LEAST = 0.2, 1.5

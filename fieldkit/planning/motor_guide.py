@@ -9,20 +9,19 @@ import numpy as np
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.predict import Learnt
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_and_lean
-from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import Site
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED, Motor
 from fieldkit.planning.delay import tolerance
 from fieldkit.planning.descent import fall_of
+from fieldkit.planning.forecasts import Rocket, flown_ahead, learnt_of
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
 from fieldkit.planning.safety import Line, safety_lines, thrust_to_weight
-from fieldkit.services.planning import Rocket, flown_ahead, learnt_of
 from fieldkit.units import STANDARD_GRAVITY
 
 SAME = 0.0006
@@ -33,8 +32,6 @@ SLANTED = 40
 """The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
-SHORTLIST = "shortlist"
-"""Name under which the ledger keeps the motors that a flyer put by, by rocket."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -218,13 +215,3 @@ def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
 def by_closeness(found: Sequence[Choice], target: float | None) -> list[Choice]:
     """Nearest to a target first [m]; without one, the highest first."""
     return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)
-
-
-def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:
-    """The motors that a flyer put by for a rocket, by `label`."""
-    return frozenset((ledger.draft(SHORTLIST) or {}).get(rocket, ()))
-
-
-def keep_shortlist(ledger: Ledger, rocket: str, labels: frozenset[str]) -> None:
-    """Keep these motors as the shortlist of a rocket."""
-    ledger.keep_draft(SHORTLIST, (ledger.draft(SHORTLIST) or {}) | {rocket: sorted(labels)})

@@ -15,8 +15,8 @@ import numpy as np
 from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.ledger.sites import Site
 from fieldkit.motors.motor import Motor
 from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import Fall, landing, landing_mass

@@ -4,8 +4,8 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.start import Start, start_among
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.ledger import Start
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
@@ -14,7 +14,6 @@ from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.safety import length, speed
 from fieldkit.quantities import measure
-from fieldkit.services.forecasts import start_among
 from fieldkit.units import FOOT
 
 ACTING = ("wind", "rail_length", "rail_angle")

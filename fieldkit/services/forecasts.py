@@ -9,10 +9,11 @@ import numpy as np
 
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import kept_surprises, stretch
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction, quantiles
-from fieldkit.ledger import Ledger, Start
+from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
 from fieldkit.presentation.forecast_text import forecast_document
 from fieldkit.selection.candidates import Place
@@ -24,8 +25,6 @@ if TYPE_CHECKING:
 LIKELY = 40
 """Equally likely apogees that a kept prediction is known by: enough to tell how it fared, to 2.5 %. [1]"""
 Which = Literal["before", "after"]
-INHERITED = ("dry_mass", "diameter", "rail_length")
-"""What a plan takes over from the last flight of its rocket and configuration where it says nothing."""
 
 
 def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
@@ -88,38 +87,9 @@ def accepted_widening(ledger: Ledger, rocket: str, which: Which = "after") -> fl
     return float(version.payload.get("unexplained", {}).get("widened", 1.0)) if version else 1.0
 
 
-def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
-    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
-
-    A configuration that has not flown takes them from how it starts, if that is known.
-    """
-    if start is not None and all(flight.config != plan.config for flight in history):
-        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
-        plan = plan.with_changes(**known)
-    alike = [flight for flight in history if flight.config == plan.config] or list(history)
-    missing: dict[str, Any] = {}
-    for name in INHERITED:
-        value = next((v for flight in reversed(alike) if (v := flight.number(name)) is not None), None)
-        if plan.number(name) is None and value is not None:
-            missing[name] = value
-    return plan.with_changes(**missing)
-
-
 def start_of(ledger: Ledger, plan: Flight) -> Start | None:
     """How the configuration of a plan starts; where the rocket has only one that is kept, that one."""
     return start_among(ledger.starts(plan.rocket), plan)
-
-
-def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
-    """Of the starting configurations of a rocket, that of a plan; where only one is kept, that one."""
-    named = [one for one in known if one.config == plan.config]
-    return (named or list(known))[0] if named or len(known) == 1 else None
-
-
-def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
-    """The Cd that each configuration of some flights of a rocket starts from, where a design tells one. [1]"""
-    starts = {flight.config: start_among(known, flight) for flight in flights}
-    return {config: start.cd for config, start in starts.items() if start and start.cd}
 
 
 def predict_plans(

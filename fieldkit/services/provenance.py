@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from fieldkit import __version__
 from fieldkit.flight import BY_NAME, CHECKED, COLUMNS, CONDITIONS, Column, Flight
-from fieldkit.ledger import Start
+from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
 from fieldkit.quantities import spelled
 from fieldkit.units import unit

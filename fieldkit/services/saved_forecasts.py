@@ -7,9 +7,10 @@ from datetime import UTC, datetime
 from typing import Any, Literal
 
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Past, Prediction, Start
+from fieldkit.flight.start import Start, start_among
+from fieldkit.ledger import Ledger, Past, Prediction
 from fieldkit.motors import Catalogue
-from fieldkit.services.forecasts import followed, start_among, used_version
+from fieldkit.services.forecasts import followed, used_version
 from fieldkit.services.match_forecasts import LAPSES, made_for, residual, resolved
 from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
 

@@ -13,8 +13,8 @@ from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import Site
 from fieldkit.motors import Catalogue, Motor, catalogue
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import outlook, season

@@ -17,7 +17,8 @@ from sqlalchemy import create_engine, event
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Start, backups, opening, schema, whereabouts
+from fieldkit.flight.start import Start
+from fieldkit.ledger import Ledger, backups, opening, schema, whereabouts
 from fieldkit.ledger.tables import metadata
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -340,7 +341,7 @@ def test_the_ledger_is_where_the_environment_says(tmp_path: Path, monkeypatch: p
 def test_opening_a_current_ledger_leaves_alembic_asleep(tmp_path: Path) -> None:
     Ledger.open(tmp_path / "ledger.db").close()
     code = (
-        "import sys; from fieldkit.ledger import Ledger, Start\n"
+        "import sys; from fieldkit.flight.start import Start; from fieldkit.ledger import Ledger\n"
         f"with Ledger.open({str(tmp_path / 'ledger.db')!r}) as ledger: ledger.flights()\n"
         "print([name for name in ('alembic', 'sqlalchemy.orm', 'torch', 'scipy') if name in sys.modules])"
     )

@@ -16,14 +16,16 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
-from fieldkit.ledger import Ledger, Start
-from fieldkit.ledger.sites import Site
+from fieldkit.flight.site import Site
+from fieldkit.flight.start import Start
+from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.openrocket import archive, read_design
+from fieldkit.planning.forecasts import forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.planning import begun, forecasts, rocket_of
+from fieldkit.services.planning import begun, rocket_of
 from fieldkit.services.saved_forecasts import kept
 from fieldkit.settings import Settings
 

@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
+from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.linearization import coast_and_lean, lean_of_apogee, lean_slope
-from fieldkit.ledger.sites import Site
 from fieldkit.model.rocket_model import COARSE, shown
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.physics.flight import fly
@@ -16,11 +16,11 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.descent import durations
+from fieldkit.planning.forecasts import Rocket, forecasts, learnt_of
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, fitting, guide
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.safety import thrust_to_weight
-from fieldkit.services.planning import Rocket, forecasts, learnt_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 
 NEW = Rocket((), (), 1.0, None, 0)

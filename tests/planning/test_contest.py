@@ -15,9 +15,10 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import allowed, copy_season, declared_score, outlook, score, season, seasons
-from fieldkit.planning.contest_day import Day, day_of, keep_day, read_window
+from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
-from fieldkit.services.planning import Rocket
+from fieldkit.planning.forecasts import Rocket
+from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.studies.paper.reference import TABLE
 from fieldkit.units import FOOT
 

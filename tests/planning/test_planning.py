@@ -21,6 +21,7 @@ from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered, tolerance
 from fieldkit.planning.descent import Fall
+from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, fitting, guide, mount_of
 from fieldkit.planning.safety import Line, first_thrust, safety_lines
@@ -28,7 +29,7 @@ from fieldkit.presentation.planning_text import ballast_in_words, delays_in_word
 from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer
-from fieldkit.services.planning import Rocket, begun, forecasts, rocket_of
+from fieldkit.services.planning import begun, rocket_of
 from fieldkit.settings import Settings
 from fieldkit.studies.paper.reference import TABLE
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
-from fieldkit.ledger.sites import Site
 from fieldkit.motors import catalogue
 from fieldkit.tui.flights import logged
 from fieldkit.tui.next import motor_facts

@@ -18,8 +18,8 @@ from fieldkit.tui.widgets.bars import shortened
 from fieldkit.tui.widgets.hanging import Hanging
 
 if TYPE_CHECKING:
+    from fieldkit.flight.start import Start
     from fieldkit.importing.reading import Choice
-    from fieldkit.ledger import Start
     from fieldkit.services.imports import Receipt
     from fieldkit.tui.next.desk import Desk
 

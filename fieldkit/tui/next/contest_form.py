@@ -8,7 +8,7 @@ from fieldkit.tui.setup import site_form
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
-    from fieldkit.ledger.sites import Site
+    from fieldkit.flight.site import Site
     from fieldkit.planning.contest_day import Day
 
 DAY = (

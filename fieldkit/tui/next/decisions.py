@@ -12,16 +12,16 @@ from fieldkit.tui.next.answer import Answer
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
+    from fieldkit.flight.site import Site
     from fieldkit.forecast.evaluation.rivals import Report
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
-    from fieldkit.ledger.sites import Site
     from fieldkit.motors import Catalogue, Motor
     from fieldkit.planning.contest import Season
     from fieldkit.planning.contest_day import Day
+    from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
     from fieldkit.planning.safety import Line
-    from fieldkit.services.planning import Rocket
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")

@@ -12,12 +12,12 @@ from fieldkit.settings import Settings
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
+    from fieldkit.flight.site import Site
     from fieldkit.ledger import Ledger
-    from fieldkit.ledger.sites import Site
     from fieldkit.motors import Motor
+    from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
     from fieldkit.planning.motor_guide import Wanted
-    from fieldkit.services.planning import Rocket
     from fieldkit.tui.next.desk import Desk
 
 DRAFT = "plan"

@@ -23,7 +23,7 @@ from fieldkit.tui.widgets.hanging import hanging
 from fieldkit.tui.widgets.tabs import TabLine
 
 if TYPE_CHECKING:
-    from fieldkit.ledger.sites import Site
+    from fieldkit.flight.site import Site
     from fieldkit.planning.contest_day import Day
 
 VIEWS = ("Delay", "Ballast", "Contest", "Kept", "Score")
@@ -151,7 +151,7 @@ class PlanScreen(PageScreen):
 
     def _answer(self, view: int, settings: Settings) -> Answer:
         from fieldkit.ledger.sites import site_of
-        from fieldkit.planning.contest_day import day_of
+        from fieldkit.services.contest_day import day_of
 
         ledger, plan = self.desk.ledger, self._decision.plan
         day = day_of(ledger, self._season)
@@ -197,7 +197,7 @@ class PlanScreen(PageScreen):
     def action_day(self) -> None:
         """Type what was announced and declared, and how large the field is."""
         from fieldkit.ledger.sites import site_of
-        from fieldkit.planning.contest_day import day_of
+        from fieldkit.services.contest_day import day_of
 
         ledger, season, name = self.desk.ledger, self._season, self._decision.plan.site
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
@@ -219,7 +219,7 @@ class PlanScreen(PageScreen):
 
         def work() -> None:
             from fieldkit.ledger.sites import put_site
-            from fieldkit.planning.contest_day import keep_day
+            from fieldkit.services.contest_day import keep_day
 
             keep_day(self.desk.ledger, season, day)
             if site != known[1]:

@@ -9,7 +9,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure
 
 if TYPE_CHECKING:
-    from fieldkit.ledger import Start
+    from fieldkit.flight.start import Start
     from fieldkit.openrocket import Design
 
 SUFFIX = ".ork"
@@ -20,7 +20,7 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
 
     Rocket and configuration are those `given`, the rocket else by its name in the file. Raises FieldkitError.
     """
-    from fieldkit.ledger import Start
+    from fieldkit.flight.start import Start
     from fieldkit.openrocket import read_design
     from fieldkit.services.imports import read_file
 

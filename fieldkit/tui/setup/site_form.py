@@ -9,7 +9,7 @@ from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
-    from fieldkit.ledger.sites import Site
+    from fieldkit.flight.site import Site
 
 ROOM = (
     Question("size", "Field size", "The shorter side of the field, for its safety line: 400m. Empty: not known."),

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from fieldkit.flight import Flight
 
 if TYPE_CHECKING:
-    from fieldkit.ledger.sites import Site
+    from fieldkit.flight.site import Site
 
 NUMBERS = ("dry_mass", "diameter", "site_elevation")
 
@@ -59,7 +59,7 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
 
 def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[Place, ...]:
     """The sites of some flights, each with what was saved of it, and those that were saved alone."""
-    from fieldkit.ledger.sites import Site
+    from fieldkit.flight.site import Site
 
     saved = {site.name: site for site in known}
     flown = {group.names[0]: group for group in groups}

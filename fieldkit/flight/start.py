@@ -1,0 +1,52 @@
+"""What a flight that is planned starts from: its design, and the flight before."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fieldkit.flight.flight import Flight
+
+INHERITED = ("dry_mass", "diameter", "rail_length")
+"""What a plan takes over from the last flight of its rocket and configuration where it says nothing."""
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """What is known of a rocket's configuration before it has flown, and from which file; None where it is not. SI."""
+
+    rocket: str
+    config: str
+    dry_mass: float | None = None
+    diameter: float | None = None
+    length: float | None = None
+    cd: float | None = None
+    source: str = ""
+
+
+def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
+    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
+
+    A configuration that has not flown takes them from how it starts, if that is known.
+    """
+    if start is not None and all(flight.config != plan.config for flight in history):
+        known = {name: getattr(start, name) for name in ("dry_mass", "diameter") if plan.number(name) is None}
+        plan = plan.with_changes(**known)
+    alike = [flight for flight in history if flight.config == plan.config] or list(history)
+    missing: dict[str, Any] = {}
+    for name in INHERITED:
+        value = next((v for flight in reversed(alike) if (v := flight.number(name)) is not None), None)
+        if plan.number(name) is None and value is not None:
+            missing[name] = value
+    return plan.with_changes(**missing)
+
+
+def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
+    """Of the starting configurations of a rocket, that of a plan; where only one is kept, that one."""
+    named = [one for one in known if one.config == plan.config]
+    return (named or list(known))[0] if named or len(known) == 1 else None
+
+
+def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
+    """The Cd that each configuration of some flights of a rocket starts from, where a design tells one. [1]"""
+    starts = {flight.config: start_among(known, flight) for flight in flights}
+    return {config: start.cd for config, start in starts.items() if start and start.cd}

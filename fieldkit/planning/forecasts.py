@@ -1,0 +1,79 @@
+"""Forecasts of plans that a flyer chooses among, from what is known of a rocket."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.flight import Flight
+from fieldkit.flight.start import Start, design_cds
+from fieldkit.forecast.kinds import by_kind
+from fieldkit.forecast.predict import Learnt, fly_ahead, learn
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Found
+from fieldkit.selection.candidates import Place
+from fieldkit.shapes import Array, Float
+
+Planned = Sequence[tuple[Flight, Found]]
+
+
+@dataclass(frozen=True, slots=True)
+class Rocket:
+    """What is known of a rocket that forecasts rest on: its flights, the effects in its model, by how much
+    intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared, and the
+    designs it starts from."""
+
+    history: tuple[tuple[Flight, Found], ...]
+    places: tuple[Place, ...]
+    widened: float
+    stretched: float | None
+    earlier: int
+    starts: tuple[Start, ...] = ()
+
+    @property
+    def flights(self) -> list[Flight]:
+        """The flights that physics can follow, in order."""
+        return [flight for flight, _ in self.history]
+
+    @property
+    def motors(self) -> list[Found]:
+        """The motors of these flights."""
+        return [found for _, found in self.history]
+
+
+def forecasts(
+    rocket: Rocket,
+    planned: Planned,
+    *,
+    draws: int,
+    paired: bool = True,
+    delay_sd: Float[Array, "flight"] | None = None,
+) -> list[Prediction]:
+    """Forecasts of plans that a flyer chooses among, each as the next flight, as `predict` would make them, in the
+    order given; nothing is kept.
+
+    `paired` and `delay_sd` as in `fieldkit.forecast.predict.fly_ahead`. Raises ImpossibleFlight for a plan without a
+    mass.
+    """
+
+    def said(rows: Sequence[int]) -> list[Prediction]:
+        learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
+        return flown_ahead(rocket, learnt, paired, None if delay_sd is None else delay_sd[list(rows)])
+
+    return by_kind(rocket.history, planned, said)
+
+
+def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
+    """What a rocket's flights taught of plans of a kind, each as the next flight, from the Cd of its design."""
+    cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
+    return learn(rocket.history, planned, rocket.places, cds=cds, draws=draws)
+
+
+def flown_ahead(
+    rocket: Rocket,
+    learnt: Learnt,
+    paired: bool = True,
+    delay_sd: Float[Array, "flight"] | None = None,
+    lean: Float[Array, "flight"] | None = None,
+) -> list[Prediction]:
+    """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
+    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd, lean=lean)
+    return [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]

@@ -1,0 +1,21 @@
+"""The day of a contest as a ledger keeps it, by season."""
+
+from dataclasses import asdict, replace
+
+from fieldkit.ledger import Ledger
+from fieldkit.planning.contest_day import Day
+
+DAYS = "contest"
+"""Name under which the ledger keeps them, by season."""
+
+
+def day_of(ledger: Ledger, year: int) -> Day:
+    """What was kept of the day of a season; nothing at first."""
+    kept = (ledger.draft(DAYS) or {}).get(str(year), {})
+    window = kept.get("window")
+    return replace(Day(**kept), window=tuple(window) if window else None, declared=tuple(kept.get("declared", ())))
+
+
+def keep_day(ledger: Ledger, year: int, day: Day) -> None:
+    """Keep what is known of the day of a season."""
+    ledger.change_draft(DAYS, (ledger.draft(DAYS) or {}) | {str(year): asdict(day)}, "day", f"of season {year}")
