@@ -20,12 +20,12 @@ from fieldkit.inference.laplace.linearization import lean_of_apogee
 from fieldkit.inference.laplace.outliers import fitting
 from fieldkit.inference.laplace.posterior import Fit, apogee_scale, scale_grid, term_sds
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import EXTRAS, SCATTER, Model, base_model, bent, doubted, shown
+from fieldkit.model.rocket_model import EXTRAS, SCATTER, Model, bent, doubted, shown
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.physics.setups import recorded
-from fieldkit.selection.candidates import Place, effect_terms
-from fieldkit.selection.patterns import pattern_terms
+from fieldkit.selection.candidates import Place
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 1000
@@ -35,27 +35,6 @@ FORECAST_SLACK = 3.0
 DESIGN_CD_SD = 0.2
 """Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
 for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
-
-
-def rocket_model(
-    flights: Sequence[Flight],
-    found: Sequence[Found],
-    accepted: Sequence[Place] = (),
-    slack: float = 1.0,
-    flown: int | None = None,
-    turns: Sequence[int] | None = None,
-) -> Model:
-    """The model of a rocket with the effects and patterns that were accepted into it; `slack` and `turns` as in
-    `base_model`.
-
-    Patterns are those of the first `flown` flights, by default of all.
-    """
-    model = base_model(flights, found, slack, flown, turns)
-    known = [place for place in accepted if place.effect in effects()]
-    odd = [place for place in accepted if not place.effect]
-    past = len(flights) if flown is None else flown
-    terms = [*(effect_terms(place, model) for place in known), *(pattern_terms(place, model, past) for place in odd)]
-    return model.with_terms(*(term for some in terms for term in some))
 
 
 def forecast_model(

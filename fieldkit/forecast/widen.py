@@ -12,6 +12,8 @@ from fieldkit.model.readout_data import Data
 from fieldkit.motors import Found
 from fieldkit.scoring.score import forecasts_of
 from fieldkit.selection.candidates import Place
+from fieldkit.selection.diagnose import Diagnosis
+from fieldkit.selection.unexplained import Leftover, leftover
 
 FURTHEST = 4.0
 """Standard deviations beyond which a flight left out counts no more: it may be an accident. [1]"""
@@ -29,3 +31,9 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, patt
     below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
     distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
     return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0
+
+
+def widened_leftover(diagnosis: Diagnosis) -> Leftover:
+    """What a diagnosis leaves unexplained, and how much wider forecasts are for it."""
+    model = diagnosis.model
+    return leftover(diagnosis, widening(model.flights, model.found, diagnosis.data, diagnosis.pattern))

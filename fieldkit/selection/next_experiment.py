@@ -12,7 +12,6 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.forecast.predict import rocket_model
 from fieldkit.inference.laplace.linearization import Tangent, lean_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit, scale_grid
 from fieldkit.model.readout_data import OBSERVED, reading_sd
@@ -22,6 +21,7 @@ from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import delays, recorded
 from fieldkit.selection.candidates import EACH, Place
 from fieldkit.selection.diagnose import SEARCH_SLACK
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
 Normal = tuple[Float[Array, "readout"], Float[Array, "readout readout"]]

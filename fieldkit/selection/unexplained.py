@@ -4,7 +4,6 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.forecast.widen import widening
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.residual import columns_of, kinds_of, patterns
 from fieldkit.shapes import Array, Flags, Float
@@ -39,11 +38,10 @@ class Leftover:
         return f"{who} {self.name} {verb} {abs(self.amount):.0%} {way} than the others (± {self.sd:.0%})"
 
 
-def leftover(diagnosis: Diagnosis) -> Leftover:
-    """What is left unexplained, and how much wider forecasts are for it."""
-    factor = widening(diagnosis.model.flights, diagnosis.model.found, diagnosis.data, diagnosis.pattern)
+def leftover(diagnosis: Diagnosis, widened: float = 1.0) -> Leftover:
+    """What is left unexplained; `widened` is how much wider forecasts are for it. [1]"""
     nothing = Leftover("nothing that was written down", np.zeros(len(diagnosis.model.flights), bool), 0.0, 0.0)
-    return replace(_goes_with(diagnosis) or nothing, widened=factor)
+    return replace(_goes_with(diagnosis) or nothing, widened=widened)
 
 
 def _goes_with(diagnosis: Diagnosis) -> Leftover | None:

@@ -9,14 +9,15 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import NoFlights
-from fieldkit.forecast.predict import rocket_model
+from fieldkit.forecast.widen import widened_leftover
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, part, untold
 from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.force.logs import kept_logs
-from fieldkit.selection.unexplained import Leftover, leftover
+from fieldkit.selection.unexplained import Leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.forecasts import accepted_places, accepted_widening, flown
 
@@ -71,7 +72,7 @@ def look(
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
     """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
     places = diagnosis.places
-    left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
+    left = widened_leftover(diagnosis) if diagnosis.effect == "unexplained" else None
     same = places == accepted_places(ledger, rocket)
     if same and np.isclose(accepted_widening(ledger, rocket), left.widened if left else 1.0, atol=0.005):
         return

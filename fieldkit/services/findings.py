@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fieldkit.analysis import Recorded
+from fieldkit.forecast.widen import widened_leftover
 from fieldkit.progress import Tell, untold
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.diagnose import Diagnosis
@@ -13,7 +14,7 @@ from fieldkit.selection.forward_choice import Ahead, ahead
 from fieldkit.selection.next_experiment import Advice, Explanation, telling
 from fieldkit.selection.residual import Pattern, Spread, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
-from fieldkit.selection.unexplained import Leftover, leftover
+from fieldkit.selection.unexplained import Leftover
 
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
 FORWARD = (
@@ -87,7 +88,7 @@ def findings(
         spreads=tuple(spreads(diagnosis)),
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
-        unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
+        unexplained=widened_leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
         testimony=testify(diagnosis, logs or {}),
     )
 

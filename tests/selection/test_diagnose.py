@@ -10,11 +10,12 @@ from bench.make import make
 from bench.rockets import Needs
 from bench.scenarios import SCENARIOS, Part, Scenario
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found, catalogue
 from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.residual import fingerprint, patterns, readout_residuals, spreads
 
 CHECK_SHAPES = False

@@ -6,9 +6,10 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import model_name, predict, rocket_model
+from fieldkit.forecast.predict import model_name, predict
 from fieldkit.motors import catalogue
 from fieldkit.selection.candidates import Place
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.patterns import known_patterns, pattern_terms
 from tests.forecast.test_predict import PLAN, Flown, season
 

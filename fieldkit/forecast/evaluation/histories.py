@@ -12,13 +12,15 @@ import numpy as np
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, tally
-from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.forecast.predict import predict
+from fieldkit.forecast.widen import widened_leftover
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found
 from fieldkit.progress import Tell, untold
 from fieldkit.safe_text import as_markdown
 from fieldkit.scoring.bootstrap import LEVELS, resampled
 from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import leftover
 from fieldkit.shapes import Array, Float
 
@@ -89,7 +91,7 @@ def _forecast(
     assert flight.apogee is not None
     plan = (flight.with_changes(**dict.fromkeys(flight.readouts())), motor)
     diagnosis = _close(before)
-    wider = leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
+    wider = widened_leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
     (plain,) = predict(before, [plan], draws=DRAWS)
     (closed,) = predict(before, [plan], diagnosis.places, draws=DRAWS)
     one, other = (forecast.apogee_quantiles() for forecast in (plain, closed.widened(wider)))

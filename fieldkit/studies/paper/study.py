@@ -6,12 +6,12 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import rocket_model
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import apogees, fly
 from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resampled
 from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 from fieldkit.studies.paper.assumption_steps import Step, step, worlds
 from fieldkit.studies.paper.reference import Reference, reference

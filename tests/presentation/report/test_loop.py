@@ -13,7 +13,8 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import predict, rocket_model
+from fieldkit.forecast import widen
+from fieldkit.forecast.predict import predict
 from fieldkit.forecast.widen import widening
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
@@ -26,8 +27,8 @@ from fieldkit.presentation.report.style import styled
 from fieldkit.presentation.report.write import write_report
 from fieldkit.scoring.bootstrap import gain, judge
 from fieldkit.scoring.score import Forecasts
-from fieldkit.selection import unexplained as leftover_module
 from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
 from fieldkit.selection.forward_choice import FEWEST
 from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, options, telling
@@ -230,7 +231,7 @@ def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add(windy())
         monkeypatch.setattr(close_loop, "diagnose", lambda *_: unexplained)
-        monkeypatch.setattr(leftover_module, "widening", lambda *_: 1.4)
+        monkeypatch.setattr(widen, "widening", lambda *_: 1.4)
         close_loop.close_loop(ledger, motors, HOSTILE)
         assert forecasts.accepted_widening(ledger, HOSTILE) == 1.4
         assert forecasts.accepted_widening(ledger, HOSTILE, "before") == 1.0

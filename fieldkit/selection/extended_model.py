@@ -1,0 +1,31 @@
+"""The model of a rocket with the effects and patterns that were accepted into it."""
+
+from collections.abc import Sequence
+
+from fieldkit.flight import Flight
+from fieldkit.model.rocket_model import Model, base_model
+from fieldkit.motors import Found
+from fieldkit.physics.effect import effects
+from fieldkit.selection.candidates import Place, effect_terms
+from fieldkit.selection.patterns import pattern_terms
+
+
+def rocket_model(
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    accepted: Sequence[Place] = (),
+    slack: float = 1.0,
+    flown: int | None = None,
+    turns: Sequence[int] | None = None,
+) -> Model:
+    """The model of a rocket with the effects and patterns that were accepted into it; `slack` and `turns` as in
+    `base_model`.
+
+    Patterns are those of the first `flown` flights, by default of all.
+    """
+    model = base_model(flights, found, slack, flown, turns)
+    known = [place for place in accepted if place.effect in effects()]
+    odd = [place for place in accepted if not place.effect]
+    past = len(flights) if flown is None else flown
+    terms = [*(effect_terms(place, model) for place in known), *(pattern_terms(place, model, past) for place in odd)]
+    return model.with_terms(*(term for some in terms for term in some))
