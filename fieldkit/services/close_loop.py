@@ -16,9 +16,9 @@ from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, part, untold
 from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.force.logs import kept_logs
 from fieldkit.selection.unexplained import Leftover
 from fieldkit.services.findings import Findings, findings
+from fieldkit.services.flight_logs import kept_logs
 from fieldkit.services.forecasts import accepted_places, accepted_widening, flown
 
 

@@ -66,7 +66,7 @@ def findings(
     tell: Tell = untold,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
-    """Everything that is reported of a diagnosis; `logs` as `fieldkit.selection.force.logs.kept_logs` has them."""
+    """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
     forward = ahead(diagnosis, tell)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after

@@ -12,7 +12,6 @@ from fieldkit.analysis import Recorded
 from fieldkit.cli.main import main
 from fieldkit.model.rocket_model import SCATTER
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
-from fieldkit.selection.force import logs
 from fieldkit.selection.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
 from fieldkit.selection.force.log_evidence import Witness, _says, document
 from fieldkit.selection.force.one_flight import missing_force
@@ -20,6 +19,7 @@ from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.several_flights import Common, common_law
 from fieldkit.selection.force.terms import library
 from fieldkit.selection.force.text import climbs_in_words
+from fieldkit.services.flight_logs import OLDER
 from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
 FLIGHTS = 6
@@ -146,9 +146,9 @@ def test_without_a_log_nothing_is_said() -> None:
 
 
 def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
-    silent = Witness((), (("F1", logs.OLDER), ("F2", logs.OLDER), ("F3", "no heights")), (), "")
+    silent = Witness((), (("F1", OLDER), ("F2", OLDER), ("F3", "no heights")), (), "")
     assert list(climbs_in_words(silent)) == [
-        f"2 logs without a missing force, F1 and 1 more: {logs.OLDER}",
+        f"2 logs without a missing force, F1 and 1 more: {OLDER}",
         "1 log without a missing force, F3: no heights",
     ]
 
@@ -201,7 +201,7 @@ def test_the_loop_reports_the_missing_force_of_the_latest_logs(
     assert main([*command, "loop", "--look", "--json", "--report", str(page)]) == 0
     said = json.loads(capsys.readouterr().out)["missing_force"]
     assert [flight["flight_id"] for flight in said["flights"]] == ["F1", "F2", "F3"]
-    assert said["silent"] == [{"flight_id": "F0", "why": logs.OLDER}]
+    assert said["silent"] == [{"flight_id": "F0", "why": OLDER}]
     assert said["law"][0]["effect"] == "base_drag"
     assert said["law"][0]["flights"] == 3
     assert {point["phase"] for point in said["flights"][0]["points"]} == {"boost", "coast"}
