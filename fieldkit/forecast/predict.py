@@ -13,14 +13,14 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.inference.laplace.apogee_scatter import tails
 from fieldkit.inference.laplace.fit import fit_robustly
-from fieldkit.inference.laplace.leave_one_out import leave_one_out, own_reading_sd
-from fieldkit.inference.laplace.linearization import lean_of_apogee
+from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import fitting
-from fieldkit.inference.laplace.posterior import Fit, apogee_scale, scale_grid, term_sds
+from fieldkit.inference.laplace.posterior import Fit, term_sds
+from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import observe
-from fieldkit.model.rocket_model import EXTRAS, SCATTER, Model, bent, doubted, shown
+from fieldkit.model.rocket_model import EXTRAS, Model, apogee_scatter, bent, fleet_term, shown
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.physics.setups import recorded
@@ -30,8 +30,8 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
-FORECAST_SLACK = 3.0
-"""How far motors are taken to be from their certificate, and masses from the scales, in a forecast. [1]"""
+LARGEST = 1.5
+"""Of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
 DESIGN_CD_SD = 0.2
 """Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
 for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
@@ -43,9 +43,10 @@ def forecast_model(
     accepted: Sequence[Place] = (),
     flown: int | None = None,
     turns: Sequence[int] | None = None,
+    shared: SharedPrior | None = None,
 ) -> Model:
-    """The model of a rocket that its next flight is forecast with; `flown` and `turns` as in `rocket_model`."""
-    return doubted(rocket_model(flights, found, accepted, FORECAST_SLACK, flown, turns))
+    """The model of a rocket that its next flight is forecast with; arguments as in `rocket_model`."""
+    return rocket_model(flights, found, accepted, learned(), flown, turns, shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -78,6 +79,7 @@ def predict(
     *,
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
+    shared: SharedPrior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
@@ -87,12 +89,12 @@ def predict(
     Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
     that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
     are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
-    Raises ImpossibleFlight for a flight without a dry mass.
+    `shared` is what the flyer's other rockets show. Raises ImpossibleFlight for a flight without a dry mass.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
         own, turns = [planned[row] for row in rows], [len(flown) + row for row in rows]
-        taught = learn(flown, own, accepted, turns, declared=declared, cds=cds, draws=draws, seed=seed)
+        taught = learn(flown, own, accepted, turns, declared=declared, cds=cds, shared=shared, draws=draws, seed=seed)
         return fly_ahead(taught, paired=True)
 
     return by_kind(flown, planned, said)
@@ -106,6 +108,7 @@ def learn(
     *,
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
+    shared: SharedPrior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> Learnt:
@@ -117,14 +120,17 @@ def learn(
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     order = [*range(len(flown)), *(turns or [len(flown)] * len(planned))]
-    model = forecast_model(flights, found, acting, len(flown), order)
     own = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
+    if own and shared:  # a design takes the place of what other rockets show of drag
+        shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
+    model = forecast_model(flights, found, acting, len(flown), order, shared)
     model = _designed(model, own) if own else model
-    acted = [i for i, term in enumerate(model.terms) if np.any(term.weight[: len(flown)] != 0)]
+    known = set(model.shared.names) if model.shared else set()
+    acted = [i for i, term in enumerate(model.terms) if term.name in known or np.any(term.weight[: len(flown)] != 0)]
     taught = acted or [0]  # of a rocket never flown, one prior stands in for what was learned
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
     teaching = replace(model.part(past).only(taught), coarse=True)
-    result = fit_robustly(teaching, observe(flights[past], teach[past]))
+    result = fit_robustly(teaching, observe(flights[past], teach[past], model.hyperprior))
     rng = np.random.default_rng(seed)
     values, scales = _drawn(model, taught, result, draws, rng)
     at = np.array([term.mean for term in model.terms])
@@ -137,54 +143,59 @@ def learn(
 
 def _designed(model: Model, cds: Mapping[str, float]) -> Model:
     """The model of a rocket with designs: each configuration starts from its own Cd, and what flights of one show of
-    how far the design is off serves the others."""
+    how far the design is off serves the others. What the fleet's drag is off does not matter then."""
     logs = {config: float(np.log(cd)) for config, cd in cds.items()}
     middle = float(np.mean(list(logs.values())))
-    model = model.with_prior("drag", middle, DESIGN_CD_SD)
+    fleet = fleet_term("drag")
+    terms = tuple(
+        replace(term, mean=0.0, weight=np.zeros_like(term.weight)) if term.name == fleet else term
+        for term in model.terms
+    )
+    model = replace(model, terms=terms).with_prior("drag", middle, DESIGN_CD_SD)
     for config, log in logs.items():
         model = model.with_prior(f"drag of {config}", log - middle)
     return model
 
 
 def fly_ahead(
-    learnt: Learnt,
-    *,
-    paired: bool = False,
-    delay_sd: Float[Array, "flight"] | None = None,
-    lean: Float[Array, "flight"] | None = None,
+    learnt: Learnt, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
 ) -> list[Prediction]:
-    """Fly the planned flights on what was learnt, each a batch of draws.
+    """Fly the planned flights on what was learned, each a batch of draws.
 
-    With `paired` all flights share the luck of the day, so that they differ by what is planned alone. `delay_sd` is
-    how far delays stray from what is printed, as a ratio, in place of what the model takes; `lean` what a lean does to
-    the apogee, where that is known already.
+    With `paired` all flights share the random draw of the day, so that they differ by what is planned alone. `delay_sd`
+    is how far delays stray from what is printed, as a ratio, in place of what the model takes.
     """
-    part, values, scales, rng = learnt.model, learnt.values, learnt.scales, learnt.rng
+    part, values, rng = learnt.model, learnt.values, learnt.rng
+    scatter_scale = learnt.scales[:, :1]
     shape = (len(values), len(part.flights))
 
-    def luck() -> Array:
+    def draw() -> Array:
         drawn = rng.normal(size=(shape[0], 1) if paired else shape)
         return np.broadcast_to(drawn, shape)
 
-    scatter: dict[str, Array] = {
-        kind.bends: luck() * kind.sd * scales[:, :1] for kind in SCATTER if kind.bends != "tilt"
-    }
+    def tailed() -> Array:
+        """Student t, as every residual of the model."""
+        freedom = part.hyperprior.tail
+        mixed = np.sqrt(freedom / rng.chisquare(freedom, (shape[0], 1) if paired else shape))
+        return np.broadcast_to(draw() * mixed, shape)
+
+    kinds = {kind.bends: kind.sd for kind in part.scatter}
+    scatter: dict[str, Array] = {name: draw() * sd * scatter_scale for name, sd in kinds.items()}
     if delay_sd is not None:
-        scatter["delay"] = luck() * delay_sd
+        scatter["delay"] = draw() * delay_sd
     readings = shown(part, values, scatter)
-    lean = lean_of_apogee(part, learnt.at) if lean is None else lean
-    leaning = luck() * scales[:, :1]
-    leant = np.exp(lean * leaning)
-    apogee = readings["apogee"] * leant
-    # of a hop of a metre the reading's error in ratio knows no bounds
-    reading = np.clip(own_reading_sd(apogee) * scales[:, 1:] * luck(), -1.0, 1.0)
+    # of a hop of a meter the reading's error in ratio knows no bounds
+    own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -LARGEST, LARGEST)
+    higher = np.exp(own)
+    apogee = readings["apogee"] * higher
+    reading = np.clip(own_reading_sd(apogee, part.hyperprior) * draw(), -1.0, 1.0)
     figures = {
         "apogee": np.nan_to_num(apogee * np.exp(reading)),
-        "true_apogee": np.nan_to_num(readings["true"] * leant),
+        "true_apogee": np.nan_to_num(readings["true"] * higher),
         "eject": readings["apogee_to_eject"],
         "coast": readings["coast_to_apogee"],
-        "cd": np.exp(bent(part, values, "drag") + scatter["drag"]),
-        "alpha": np.exp(bent(part, values, "thrust") + scatter["thrust"]),
+        "cd": np.exp(bent(part, values, "drag") + scatter.get("drag", 0.0)),
+        "alpha": np.exp(bent(part, values, "thrust") + scatter.get("thrust", 0.0)),
         **{name: readings[name] for name in ("top_speed", "duration", *EXTRAS)},
     }
     return [
@@ -194,7 +205,7 @@ def fly_ahead(
             rests_on=learnt.rests_on,
             model=learnt.name,
             left_out=learnt.left_out,
-            luck=tuple(drawn[:, i] for drawn in (*scatter.values(), leaning, reading)),
+            luck=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
             **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
@@ -226,10 +237,18 @@ def _drawn(
     luck: dict[str, Float[Array, "draw"]] = {}
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
-        kind = term.name.partition(" of ")[0]
+        kind = _level(term.name)
         luck[kind] = luck[kind] if kind in luck else rng.normal(size=draws)
         values[:, i] = np.clip(term.mean + sds[:, i] * luck[kind], term.low, term.high)
-    return values, _scales(result, which, rng)
+    return values, _scales(result, which)
+
+
+def _level(name: str) -> str:
+    """What terms of one random effect have in common: `thrust of` for that of every motor."""
+    if name == fleet_term(name.partition(" of ")[0]):
+        return name
+    first, between, _ = name.partition(" on " if " on " in name else " of ")
+    return first + between
 
 
 def sample(
@@ -237,7 +256,7 @@ def sample(
 ) -> tuple[Float[Array, "draw term"], Float[Array, "draw 2"]]:
     """Draws of a model's terms within their bounds, and by what scatter and reading of a flight to come are scaled."""
     values, which = _sampled(result, draws, rng)
-    return values, _scales(result, which, rng)
+    return values, _scales(result, which)
 
 
 def _sampled(
@@ -251,8 +270,7 @@ def _sampled(
     return np.clip(values, lows, highs), which
 
 
-def _scales(result: Fit, which: Int[Integers, "draw"], rng: np.random.Generator) -> Float[Array, "draw 2"]:
-    """By what scatter and the reading of an apogee are scaled for a flight to come, with its tails."""
-    scales = np.stack([scale_grid(result.model.doubtful)[0], apogee_scale(result.model)], axis=-1)
-    apart = leave_one_out(result).spread.draw(len(which), rng) * tails(len(which), rng)
-    return np.asarray(scales[which] * apart[:, None])
+def _scales(result: Fit, which: Int[Integers, "draw"]) -> Float[Array, "draw 2"]:
+    """By what the scatter and the readings of a flight to come are scaled."""
+    scatter, reading, _ = result.model.hyperprior.scales()
+    return np.stack([scatter[which], reading[which]], axis=-1)

@@ -8,7 +8,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import declared_places, forecast_model
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
-from fieldkit.model.readout_data import Data
+from fieldkit.model.readout_data import Data, observe
 from fieldkit.motors import Found
 from fieldkit.scoring.score import forecasts_of
 from fieldkit.selection.candidates import Place
@@ -27,7 +27,8 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, patt
     """
     from scipy.special import ndtri
 
-    result = fit_robustly(forecast_model(flights, found, (*pattern, *declared_places(flights, pattern))), data)
+    model = forecast_model(flights, found, (*pattern, *declared_places(flights, pattern)))
+    result = fit_robustly(model, observe(flights, data.seen.any(axis=1).tolist(), model.hyperprior))
     below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
     distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
     return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0

@@ -6,12 +6,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.model.hyperprior import CERTIFIED, READOUTS, Hyperprior
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
 
-OBSERVED = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
-"""Readouts that say something of the ascent. Average acceleration is top speed over burn time and says
-nothing of its own; the rest belongs to the descent."""
+OBSERVED = READOUTS
 LOGARITHMIC = np.array([True, True, True, True, True, False])
 """Which of them are compared by ratio rather than by difference."""
 
@@ -20,24 +19,24 @@ LOGARITHMIC = np.array([True, True, True, True, True, False])
 class Data:
     """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
 
-    `sd` is the expected error of reading one off the altimeter; `seen` marks what was recorded on flights
-    that teach, and `trust` is how much each flight counts.
+    `sd` is the expected error of each readout; `seen` marks what was recorded on flights used in the fit. `trust` is
+    the expected precision of each residual over that of an ordinary one: less than 1 for an outlier.
     """
 
     values: Float[Array, "flight readout"]
     sd: Float[Array, "flight readout"]
     seen: Flags
-    trust: Float[Array, "flight"]
+    trust: Float[Array, "flight readout"]
 
 
-def observe(flights: Sequence[Flight], teach: Sequence[bool]) -> Data:
+def observe(flights: Sequence[Flight], teach: Sequence[bool], hyperprior: Hyperprior = CERTIFIED) -> Data:
     """The observed readouts of flights, those that `teach` marked as seen."""
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED], axis=-1)
         raw = _speed_from_average(raw, flights)
         seen = np.isfinite(raw) & (~LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
-    return Data(values, np.where(seen, reading_sd(raw), 1.0), seen, np.ones(len(flights)))
+    return Data(values, np.where(seen, reading_sd(raw, hyperprior), 1.0), seen, np.ones(seen.shape))
 
 
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:
@@ -47,16 +46,13 @@ def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readou
     return result
 
 
-def reading_sd(raw: Float[Array, "*draw flight readout"]) -> Float[Array, "*draw flight readout"]:
-    """Expected error of each readout as compared: resolution, noise and what the device makes of a flight.
-
-    Apogee 1.5 m and 0.5 %; speed 0.7 m/s and 1.5 %; burn time 0.07 s and 2 %; peak 0.5 m/s^2 and 4 %; coast
-    0.08 s and 1 %; apogee to ejection 0.15 s.
-    """
-    fixed = np.array([1.5, 0.7, 0.07, 0.5, 0.08, 0.15])
-    share = np.array([0.005, 0.015, 0.02, 0.04, 0.01, 0.0])
+def reading_sd(
+    raw: Float[Array, "*draw flight readout"], hyperprior: Hyperprior = CERTIFIED
+) -> Float[Array, "*draw flight readout"]:
+    """Expected error of each readout as compared: a fixed part, and one that grows with the readout. [1] or [s]"""
+    fixed, ratio = np.array(hyperprior.fixed), np.array(hyperprior.ratio)
     safe = np.where(np.isfinite(raw) & (raw > 0), raw, 1.0)
-    return np.where(LOGARITHMIC, np.hypot(fixed / safe, share), fixed)
+    return np.where(LOGARITHMIC, np.hypot(fixed / safe, ratio), fixed)
 
 
 def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:

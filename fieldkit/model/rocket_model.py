@@ -5,14 +5,16 @@ flight. Terms that act on many flights are shared (drag of the rocket, thrust of
 of an effect); what differs from flight to flight is scatter, drawn anew for each.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.model.hyperprior import CERTIFIED, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.flight import apogees
@@ -21,23 +23,10 @@ from fieldkit.physics.state import Setup
 from fieldkit.physics.unique import fly_alike
 from fieldkit.shapes import Array, Float
 
-CD = (np.log(0.6), 0.35)
-"""Prior of log Cd: typical models lie between 0.35 and 1.1 (Mandell et al., 1973; Hoerner, 1965)."""
-UNKNOWN_AREA_SD = 0.45
-"""Of log area where the diameter was not recorded and follows from the mass. [1]"""
-
-DOUBT_OF = {"top_speed": 0.03, "coast_to_apogee": 0.02}
-"""Least standard deviation of what is alike in all readings of a device, where it is doubted, by ratio: speed is
-integrated from when the device noticed the launch, the coast ends when it notices apogee. [1]"""
-
 EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
 """Figures of a flight that the altimeter does not show and a plan asks for."""
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
-
-DISCREPANCY = 0.05
-"""By what share of an apogee a rocket disagrees with its model on one motor and not on another, in units of
-scatter: as much as single flights disagree. [1]"""
 
 PER = ("motor", "config", "site", "day")
 """What flights are grouped by."""
@@ -50,8 +39,8 @@ class Term:
     """One unknown number: what it bends, its prior, and how strongly it acts on each flight.
 
     `bends` is a property of the flight, the name of a readout (a bias of the reading, by ratio), or an
-    effect. `low` and `high` cut the prior off. `rough` names the scale that multiplies its standard deviation,
-    where it has one: a rocket whose flights scatter is less well known, a device that reads roughly reads askew.
+    effect. `low` and `high` cut the prior off. `scaled_by` names the scale that multiplies its standard deviation,
+    where it has one: a rocket whose flights scatter is less well known, a device that is noisy is biased.
     """
 
     name: str
@@ -61,26 +50,17 @@ class Term:
     weight: Float[Array, "flight"]
     low: float = -np.inf
     high: float = np.inf
-    rough: Literal["", "scatter", "reading"] = ""
+    scaled_by: Literal["", "scatter", "reading"] = ""
 
 
 @dataclass(frozen=True, slots=True)
 class Scatter:
-    """What differs from flight to flight: a standard deviation about zero."""
+    """A random effect of single flights: what it bends, and its standard deviation about zero."""
 
-    bends: Bends
+    bends: Bends | Literal["apogee"]
     sd: float
 
 
-SCATTER = (
-    Scatter("thrust", 0.025),
-    Scatter("drag", 0.03),
-    Scatter("stretch", 0.02),
-    Scatter("delay", 0.08),
-    Scatter("tilt", 1.0),
-)
-"""Ordinary scatter of single flights: certified motors vary by 2 to 3 % within a lot, drag with the angle of
-attack, delays by a tenth; `tilt` is in units of a lean of 5 degrees, squared."""
 TILT = np.radians(5.0)
 """The lean that scatter in tilt is measured in. [rad]"""
 COARSE: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
@@ -92,9 +72,10 @@ than 2 % for nineteen motors in twenty, in wind by twice as much, which are a sm
 class Model:
     """A rocket's flights, in the order flown, and the unknowns they share.
 
-    A `doubtful` one takes neither the simulator nor what the device shows beside the apogee on trust. A `coarse` one
-    flies by `COARSE` curves and steps: to learn from flights, or for hundreds of motors at once. `turns` are the places
-    of the flights in the order flown, from 0; plans that a flyer chooses among share one.
+    `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms they
+    have in common with this one. A `coarse` one flies by `COARSE` curves and steps: to fit flights, or for hundreds of
+    motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer chooses among
+    share one.
     """
 
     flights: tuple[Flight, ...]
@@ -102,13 +83,19 @@ class Model:
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
     turns: tuple[int, ...]
-    doubtful: bool = False
+    hyperprior: Hyperprior = CERTIFIED
+    shared: SharedPrior | None = None
     coarse: bool = False
 
     @property
     def names(self) -> list[str]:
         """Names of the terms, in order."""
         return [term.name for term in self.terms]
+
+    @property
+    def scatter(self) -> tuple[Scatter, ...]:
+        """The random effects of single flights."""
+        return scatter_of(self.hyperprior)
 
     def with_terms(self, *terms: Term) -> "Model":
         """The same model with more unknowns."""
@@ -159,63 +146,92 @@ def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[
 def base_model(
     flights: Sequence[Flight],
     found: Sequence[Found],
-    slack: float = 1.0,
+    hyperprior: Hyperprior = CERTIFIED,
     flown: int | None = None,
     turns: Sequence[int] | None = None,
+    shared: SharedPrior | None = None,
 ) -> Model:
-    """The plain model: one drag for the rocket, certified motors, and the small print of both.
+    """The model of a rocket without effects: every random effect that the hyperprior has, for the groups there are.
 
-    `slack` scales how far motors may be from their certificate and configurations from each other. Forecasts
-    take it as it is; a search for effects takes less, for what it leaves to chance it cannot find. `flown` as in
-    `reference_area`, `turns` as in `Model`, by default one after the other.
+    `flown` as in `reference_area`, `turns` and `shared` as in `Model`, the turns by default one after the other.
     """
     area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
-    several = flown != 0  # of a rocket never flown each plan stands for itself
-    every = np.ones(len(flights))
-    terms = [
-        Term("drag", "drag", CD[0], float(np.hypot(CD[1], UNKNOWN_AREA_SD * unknown)), every),
-        Term("thrust", "thrust", 0.0, 0.02 * slack, every),
-        Term("mass", "mass", 0.0, 0.02 * slack, every),
-        *(_per_group("drag", "drag", 0.03 * slack, groups(flights, found, "config")) if several else []),
-        *(_per_group("thrust", "thrust", 0.02 * slack, groups(flights, found, "motor")) if several else []),
-        *_per_group("burn", "stretch", 0.04 * slack, groups(flights, found, "motor"), alone=True),
-        *_per_group("delay", "delay", 0.08, groups(flights, found, "motor"), alone=True),
-        Term(OPENING, "opening", 0.6, 0.4, every, low=0.0),
-        Term("top speed read", "top_speed", 0.0, 0.01, every),
-        Term("burn time read", "burn_time", 0.0, 0.05, every),
-        Term("peak read", "peak_accel", 0.0, 0.06, every),
-        Term("coast read", "coast_to_apogee", 0.0, 0.01, every),
-        Term("ejection read", "apogee_to_eject", 0.0, 0.1, every),
-    ]
-    return Model(tuple(flights), tuple(found), area, tuple(terms), tuple(turns or range(len(flights))))
+    past = len(flights) if flown is None else flown
+    terms = [term for quantity in QUANTITIES for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
+    if unknown:
+        terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
+    terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
+    order = tuple(turns or range(len(flights)))
+    return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
 
 
-def doubted(model: Model) -> Model:
-    """The model as forecasts take it: neither the simulator nor the device is exact, and by how much is unknown.
-
-    On each motor a rocket disagrees with the simulator by a share of its own, which its flights on that motor show
-    (model discrepancy: Kennedy and O'Hagan, J. R. Stat. Soc. B 63, 2001). What the device shows beside the apogee
-    has errors that are alike in all flights and grow with those that are not.
-    """
-    motor = groups(model.flights, model.found, "motor")
-    terms = tuple(
-        replace(term, sd=max(term.sd, DOUBT_OF.get(str(term.bends), 0.0)), rough="reading")
-        if term.bends in OBSERVED
-        else term
-        for term in model.terms
-    )
-    alone = _per_group("apogee", "apogee", DISCREPANCY, motor, alone=True)
-    own = (replace(term, rough="scatter") for term in alone)
-    return replace(model, terms=(*terms, *own), doubtful=True)
+def with_shared(model: Model, shared: SharedPrior | None) -> Model:
+    """The model with what other rockets show of the terms that it shares with them."""
+    own = shared.only(model.names) if shared else None
+    if own is None or not own.names:
+        return replace(model, shared=None)
+    means = dict(zip(own.names, own.mean.tolist(), strict=True))
+    terms = tuple(replace(term, mean=means.get(term.name, term.mean)) for term in model.terms)
+    return replace(model, terms=terms, shared=own)
 
 
-def _per_group(name: str, bends: Bends | str, sd: float, group: Sequence[str], *, alone: bool = False) -> list[Term]:
-    """A term a group where there are several (or `alone`: even where there is one)."""
-    kinds = list(dict.fromkeys(group))
-    if len(kinds) < 2 and not alone:
-        return []
-    return [Term(f"{name} of {kind}", bends, 0.0, sd, np.array([g == kind for g in group], float)) for kind in kinds]
+def _with_unknown_area(term: Term, hyperprior: Hyperprior) -> Term:
+    return replace(term, sd=float(np.hypot(term.sd, hyperprior.unknown_area)))
+
+
+def _quantity_terms(
+    quantity: str, flights: Sequence[Flight], found: Sequence[Found], hyperprior: Hyperprior, flown: int
+) -> Iterator[Term]:
+    """The random effects of one quantity, widest group first; the widest holds the mean."""
+    every, mean = np.ones(len(flights)), hyperprior.mean(quantity)
+    scaled: Literal["", "scatter", "reading"] = "reading" if quantity in READOUTS and quantity != "apogee" else ""
+    scaled = scaled if hyperprior.kind == "learned" else ""
+    if sd := hyperprior.sd(quantity, "fleet"):
+        yield Term(fleet_term(quantity), quantity, mean, sd, every)
+        mean = 0.0
+    if sd := hyperprior.sd(quantity, "rocket"):
+        yield Term(quantity, quantity, mean, sd, every, scaled_by=scaled)
+    for level in ("config", "motor", "rocket_motor", "day"):
+        if not (sd := hyperprior.sd(quantity, level)):
+            continue
+        group = groups(flights, found, "motor" if level == "rocket_motor" else level)
+        for kind in _shared_days(group, flown) if level == "day" else dict.fromkeys(group):
+            weight = np.array([own == kind for own in group], float)
+            name = f"{quantity} on {kind}" if level in ("rocket_motor", "day") else f"{quantity} of {kind}"
+            yield Term(name, quantity, 0.0, sd, weight, scaled_by="" if level in ("config", "motor") else "scatter")
+
+
+def _shared_days(days: Sequence[str], flown: int) -> list[str]:
+    """Days that one of the first `flown` flights shares with another; that of a single flight is part of its scatter."""
+    return [day for day in dict.fromkeys(days[:flown]) if day and days.count(day) > 1]
+
+
+def fleet_term(quantity: str) -> str:
+    """The name of the term for what all rockets of a flyer have in common in a quantity."""
+    return f"{quantity} of the fleet"
+
+
+def shared_names(model: Model) -> list[str]:
+    """The terms of a model that other rockets of the same ledger have too: of the fleet, and of motor types."""
+    motors = dict.fromkeys(groups(model.flights, model.found, "motor"))
+    known = {f"{quantity} of {motor}" for quantity in QUANTITIES for motor in motors}
+    known |= {fleet_term(quantity) for quantity in QUANTITIES}
+    return [name for name in model.names if name in known]
+
+
+def scatter_of(hyperprior: Hyperprior) -> tuple[Scatter, ...]:
+    """The random effects of single flights; those of days of a single flight are part of them."""
+    kinds: tuple[Bends | Literal["apogee"], ...] = ("thrust", "drag", "stretch", "delay", "tilt")
+    return tuple(Scatter(kind, sd) for kind in kinds if (sd := hyperprior.sd(kind, "flight")))
+
+
+def apogee_scatter(model: Model) -> Float[Array, "flight"]:
+    """Standard deviation of the log apogee of single flights beside what scatter in thrust and drag makes of it. [1]"""
+    flight, day = model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day")
+    names = set(model.names)
+    alone = np.array([f"apogee on {own}" not in names for own in groups(model.flights, model.found, "day")])
+    return np.asarray(np.hypot(flight, day * alone))
 
 
 def shown(

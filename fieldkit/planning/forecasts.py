@@ -64,7 +64,7 @@ def forecasts(
 def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
     """What a rocket's flights taught of plans of a kind, each as the next flight, from the Cd of its design."""
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
-    return learn(rocket.history, planned, rocket.places, cds=cds, draws=draws)
+    return learn(rocket.history, planned, rocket.places, cds=cds, shared=rocket.shared, draws=draws)
 
 
 def flown_ahead(
@@ -72,8 +72,7 @@ def flown_ahead(
     learnt: Learnt,
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
-    lean: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
     """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
-    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd, lean=lean)
+    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd)
     return [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]

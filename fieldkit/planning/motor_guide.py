@@ -13,7 +13,7 @@ from fieldkit.flight.site import Site
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.predict import Learnt
 from fieldkit.forecast.prediction import Prediction, median
-from fieldkit.inference.laplace.linearization import coast_and_lean
+from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED, Motor
 from fieldkit.planning.delay import tolerance
@@ -188,10 +188,10 @@ Flown = tuple[float | None, Prediction]
 
 def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
     """Each motor of what was learnt, with the delay that suits it."""
-    coasts, lean = coast_and_lean(learnt.model, learnt.at)
+    coasts = coast_times(learnt.model, learnt.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(learnt.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))
-    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd, lean=lean)
+    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd)
     return list(zip(delays, made, strict=True))
 
 

@@ -21,8 +21,6 @@ from fieldkit.selection.choice import Ranked, choose, choose_in_folds, confidenc
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.trial import Trial, by_effect, plain_again, plain_trial, try_all
 
-SEARCH_SLACK = 0.35
-"""How far a search lets motors be from their certificate, and configurations from each other, unexplained."""
 TURNS = 2
 """Times everything is tried, where trying it shows that the plain model had not found its best fit."""
 APART = 2.0

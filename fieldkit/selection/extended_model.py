@@ -3,7 +3,9 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
+from fieldkit.model.hyperprior import CERTIFIED, Hyperprior
 from fieldkit.model.rocket_model import Model, base_model
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.selection.candidates import Place, effect_terms
@@ -14,16 +16,16 @@ def rocket_model(
     flights: Sequence[Flight],
     found: Sequence[Found],
     accepted: Sequence[Place] = (),
-    slack: float = 1.0,
+    hyperprior: Hyperprior = CERTIFIED,
     flown: int | None = None,
     turns: Sequence[int] | None = None,
+    shared: SharedPrior | None = None,
 ) -> Model:
-    """The model of a rocket with the effects and patterns that were accepted into it; `slack` and `turns` as in
-    `base_model`.
+    """The model of a rocket with the effects and patterns that were accepted into it; the rest as in `base_model`.
 
     Patterns are those of the first `flown` flights, by default of all.
     """
-    model = base_model(flights, found, slack, flown, turns)
+    model = base_model(flights, found, hyperprior, flown, turns, shared)
     known = [place for place in accepted if place.effect in effects()]
     odd = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown

@@ -13,14 +13,13 @@ import numpy as np
 
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.inference.laplace.linearization import Tangent, lean_slope, tangents
-from fieldkit.inference.laplace.posterior import Fit, scale_grid
-from fieldkit.model.readout_data import OBSERVED, reading_sd
+from fieldkit.inference.laplace.posterior import Fit, residual_variance
+from fieldkit.model.readout_data import OBSERVED, Data, reading_sd
 from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import delays, recorded
 from fieldkit.selection.candidates import EACH, Place
-from fieldkit.selection.diagnose import SEARCH_SLACK
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
@@ -166,22 +165,26 @@ def _forecast(
     best = int(np.argmax(side.fit.log_weight))
     mean = near.values + near.slope @ (side.fit.mean[best] - at)
     shared = near.slope @ np.linalg.solve(side.fit.precision[best], np.swapaxes(near.slope, 1, 2))
-    return mean, shared + _own(near, best)
+    return mean, shared + _own(ahead, near, best)
 
 
-def _own(near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
+def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
     """Covariance of the readouts of single flights about their expectation, scatter and reading."""
-    scatter, reading, _ = (values[scale] for values in scale_grid())
+    scatter = ahead.hyperprior.scales()[0][scale]
     raw = np.where(np.arange(len(OBSERVED)) == OBSERVED.index("apogee_to_eject"), 1.0, np.exp(near.values))
-    spread = scatter**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
-    return np.asarray(spread + ((reading * reading_sd(raw)) ** 2)[..., None] * np.eye(len(OBSERVED)))
+    every = np.ones(raw.shape, bool)
+    expected = Data(near.values, reading_sd(raw, ahead.hyperprior), every, np.ones(raw.shape))
+    own = residual_variance(ahead, expected)[scale]
+    return np.asarray(
+        scatter**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2) + own[..., None] * np.eye(len(OBSERVED))
+    )
 
 
 def _planned(model: Model, side: Explanation, plans: Sequence[Planned]) -> Model:
     """The fitted model on flights that are planned: the same unknowns, acting there as they would."""
     flights = [*model.flights, *(flight for _, flight, _ in plans)]
     found = [*model.found, *(motor for *_, motor in plans)]
-    wide = rocket_model(flights, found, side.places, slack=SEARCH_SLACK)
+    wide = rocket_model(flights, found, side.places)
     area = {flight.config: own for flight, own in zip(model.flights, model.area, strict=True)}
     own = np.array([*model.area, *(area[flight.config] for _, flight, _ in plans)])
     return replace(wide, area=own).part(slice(len(model.flights), None))

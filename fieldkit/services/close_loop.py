@@ -14,7 +14,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, part, untold
-from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import Leftover
 from fieldkit.services.findings import Findings, findings
@@ -44,7 +44,7 @@ def close_loop(
             f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
         )
     flights = [flight for flight, _ in history]
-    model = rocket_model(flights, [motor for _, motor in history], slack=SEARCH_SLACK)
+    model = rocket_model(flights, [motor for _, motor in history])
     diagnosis = diagnose(model, observe(flights, teach), tell, given)
     if accept:
         adopt(ledger, rocket, diagnosis)

@@ -17,7 +17,7 @@ from fieldkit.model.rocket_model import Model, base_model, shown
 from fieldkit.motors import catalogue
 from fieldkit.selection.candidates import EACH, Place, effect_candidates, effect_terms
 from fieldkit.selection.choice import MOST, may_leave, steady_evidence
-from fieldkit.selection.diagnose import SEARCH_SLACK, diagnose
+from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import pattern_candidates
 
 CHECK_SHAPES = False
@@ -65,7 +65,7 @@ def season(**columns: list[Any]) -> Model:
         ).with_changes(**{name: values[number] for name, values in columns.items()})
         for number in range(16)
     ]
-    return base_model(flights, [catalogue().resolve(flight.motor) for flight in flights], SEARCH_SLACK)
+    return base_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
 
 
 def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
@@ -87,7 +87,7 @@ def test_hot_and_cold_days_are_air_and_move_the_altimeter_with_it() -> None:
     kelvin = [288.15 + (-10.0, 14.0, 2.0, 22.0)[number // 4] for number in range(16)]
     flown = measured(season(temperature=kelvin))
     forgotten = [flight.with_changes(temperature=None) for flight in flown.flights]
-    model = base_model(forgotten, flown.found, SEARCH_SLACK)
+    model = base_model(forgotten, flown.found)
     diagnosis = diagnose(model, observe(forgotten, [True] * 16))
     assert diagnosis.effect == "air_density"
     (trial,) = diagnosis.accepted

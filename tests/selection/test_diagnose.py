@@ -14,7 +14,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found, catalogue
-from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.residual import fingerprint, patterns, readout_residuals, spreads
 
@@ -39,7 +39,7 @@ def diagnoses(folder: Path) -> dict[str, tuple[Diagnosis, dict[str, object], lis
     found = {}
     for label in json.loads((folder / "labels.json").read_text()):
         flights = _flights(folder / f"{label['set']}.csv")
-        model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+        model = rocket_model([f for f, _ in flights], [m for _, m in flights])
         diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
         later = [f for f, _ in _flights(folder / f"{label['set']}_future.csv")]
         found[str(label["scenario"])] = (diagnosis, label, later)
@@ -110,7 +110,7 @@ def test_an_early_ejection_has_the_fingerprint_of_one(diagnoses: dict) -> None:
 def test_a_diagnosis_does_not_depend_on_the_order_of_the_candidates_or_the_run(folder: Path, diagnoses: dict) -> None:
     diagnosis, label, _ = diagnoses["wind"]
     flights = _flights(folder / f"{label['set']}.csv")
-    model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+    model = rocket_model([f for f, _ in flights], [m for _, m in flights])
     again = diagnose(model, diagnosis.data)
     assert [item.log_bayes for item in again.ranking] == [item.log_bayes for item in diagnosis.ranking]
 
@@ -123,7 +123,7 @@ def test_three_effects_at_once_are_named(tmp_path: Path, monkeypatch: pytest.Mon
     monkeypatch.setitem(SCENARIOS, "three", three)  # type: ignore[misc]
     make(tmp_path, ["three"], 1, SEED, "fast")
     flights = _flights(tmp_path / "set_001.csv")
-    model = rocket_model([f for f, _ in flights], [m for _, m in flights], slack=SEARCH_SLACK)
+    model = rocket_model([f for f, _ in flights], [m for _, m in flights])
     diagnosis = diagnose(model, observe([f for f, _ in flights], [True] * len(flights)))
     assert set(diagnosis.effect.split("+")) == {part.effect for part in parts}
     assert diagnosis.confidence > 0.5
@@ -135,7 +135,7 @@ def test_an_effect_that_flights_left_out_do_not_show_yet_is_said_to_be_one(effec
     table = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.csv"
     flown = [pair for pair in _flights(table) if pair[0].clean]
     flights = [flight for flight, _ in flown]
-    model = rocket_model(flights, [found for _, found in flown], slack=SEARCH_SLACK)
+    model = rocket_model(flights, [found for _, found in flown])
     diagnosis = diagnose(model, observe(flights, [True] * len(flights)), given=[effect])
     assert (diagnosis.after.mae < diagnosis.before.mae) is shown
     assert ("flights left out do not show it yet" in diagnosis.why) is not shown

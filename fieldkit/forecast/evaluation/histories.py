@@ -19,7 +19,7 @@ from fieldkit.motors import Found
 from fieldkit.progress import Tell, untold
 from fieldkit.safe_text import as_markdown
 from fieldkit.scoring.bootstrap import LEVELS, resampled
-from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import leftover
 from fieldkit.shapes import Array, Float
@@ -80,7 +80,7 @@ def _close(flown: Sequence[tuple[Flight, Found]]) -> Diagnosis:
     """The loop on these flights."""
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     teach = [flight.clean and flight.apogee is not None for flight in flights]
-    return diagnose(rocket_model(flights, found, slack=SEARCH_SLACK), observe(flights, teach))
+    return diagnose(rocket_model(flights, found), observe(flights, teach))
 
 
 def _forecast(

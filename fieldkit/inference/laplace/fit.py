@@ -9,10 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.apogee_scatter import TAIL
-from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import lean_slope, tangents
-from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
 from fieldkit.model.readout_data import OBSERVED, Data
 from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float
@@ -30,11 +28,9 @@ SAME = 1e-4
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is begun. [s]"""
 ROBUST_ROUNDS = 2
-"""Times the point is moved after trust in single flights has settled."""
-TRUST_ROUNDS = 2
-"""Times trust in single flights is weighed anew about one point."""
-FEWEST = 3
-"""Flights from which on one may be contradicted by the others."""
+"""Times the point is moved after the weights of outliers have settled."""
+TRUST_ROUNDS = 4
+"""Times the weights of outliers are updated about one point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,11 +50,13 @@ def fit(
     data: Data,
     start: Float[Array, "term"] | None = None,
     rounds: int = ROUNDS,
+    *,
+    near: bool = False,
 ) -> Fit:
     """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
 
     Without a start it is begun from several opening times of the parachute, for what that does has a kink
-    where ejection meets apogee, and the best is kept.
+    where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
@@ -66,7 +64,8 @@ def fit(
     if start is None and OPENING in model.names:
         place = model.names.index(OPENING)
         starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
-    fits = fit_lanes(model, data, [Lane(every, begin) for begin in starts], lean_slope(model, at), rounds)
+    lanes = [Lane(every, begin) for begin in starts]
+    fits = fit_lanes(model, data, lanes, lean_slope(model, at), rounds, near=near)
     return max(fits, key=lambda result: result.log_evidence)
 
 
@@ -78,6 +77,8 @@ def fit_lanes(
     rounds: int = ROUNDS,
     worth: float = -np.inf,
     tell: Callable[[float], None] | None = None,
+    *,
+    near: bool = False,
 ) -> list[Fit]:
     """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
 
@@ -89,8 +90,8 @@ def fit_lanes(
     moving = list(range(len(lanes)))
     joined: dict[int, int] = {}
     for turn in range(rounds):
-        near = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], lean)
-        for number, (i, tangent) in enumerate(zip(moving, near, strict=True)):
+        along = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], lean)
+        for number, (i, tangent) in enumerate(zip(moving, along, strict=True)):
             if tell:
                 tell((turn + (number + 1) / len(moving)) / rounds)
             results[i] = solve(parts[i], data, tangent)
@@ -100,7 +101,7 @@ def fit_lanes(
             for i in moving
             if (turn == 0 or _above(results[i], best[lanes[i].kind] - HOPELESS))
             and _above(results[i], worth)
-            and walks[i].goes_on(results[i])
+            and walks[i].goes_on(results[i], near=near)
         ]
         joined |= _joined(lanes, walks, moving)
         moving = [i for i in moving if i not in joined]
@@ -143,7 +144,7 @@ class _Walk:
         self.at = at
         self._last, self._share = np.zeros_like(at), np.ones_like(at)
 
-    def goes_on(self, result: Fit | None) -> bool:
+    def goes_on(self, result: Fit | None, *, near: bool = False) -> bool:
         """Move the point towards the posterior mean; False where it is there already."""
         assert result is not None
         terms = result.model.terms
@@ -152,7 +153,7 @@ class _Walk:
         wanted = result.mean[best]
         target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
         bent = np.array([term.bends not in OBSERVED for term in terms])
-        close = NEAR * np.sqrt(np.diagonal(result.covariance[best])) if result.model.doubtful else SETTLED * sds
+        close = NEAR * np.sqrt(np.diagonal(result.covariance[best])) if near else SETTLED * sds
         move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
         turned = np.sign(move * self._last)
         self._share = np.minimum(self._share * 2.0**turned, 1.0)
@@ -164,34 +165,50 @@ class _Walk:
 
 
 def fit_robustly(model: Model, data: Data) -> Fit:
-    """As `fit`, with less trust in flights that the others contradict.
+    """As `fit`, each residual a Student t and not a normal, so that outliers count for less.
 
-    Each flight is trusted as a Student t distribution with `TAIL` degrees of freedom would: by the expected
-    weight (nu + k) / (nu + d^2) of a flight with k readouts at distance d (Lange, Little and Taylor, 1989).
-    Fewer than `FEWEST` flights cannot outvote one, and all are trusted.
+    A Student t is a normal whose precision is Gamma distributed; the factors are integrated by variational Bayes, for
+    each residual apart from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] / variance)
+    (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is what scatter and terms leave of a
+    readout, so that a peak that is misread says nothing against its flight's apogee.
     """
-    result = fit(model, data)
-    if np.count_nonzero(data.seen.any(axis=1)) < FEWEST:
-        return result
+    result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
         for _ in range(TRUST_ROUNDS):
-            result = solve(model, _trusted(result), result.tangent)
+            result = solve(model, replace(data, trust=_trust(result)), result.tangent)
         result = _followed(result)
     return result
 
 
-def _trusted(result: Fit) -> Data:
-    """The data with every flight trusted by how well the others foretell it."""
-    readouts = result.data.seen.sum(axis=1)
-    distance = result.weights @ leave_one_out(result).distance
-    trust = np.where(readouts > 0, (TAIL + readouts) / (TAIL + distance), 1.0)
-    return replace(result.data, trust=np.clip(trust, 0.02, 1.2))
+def _trust(result: Fit) -> Float[Array, "flight readout"]:
+    """Expected precision of every residual over that of an ordinary one, as the fit has it. [1]"""
+    nu = result.model.hyperprior.tail
+    square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
+    return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
+
+
+def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
+    """Posterior mean square of every residual, over its variance before outliers count for less. [1]
+
+    With N = S S' + D the noise of a flight's readouts, D the part of the residuals, and r the miss of the terms: a
+    residual is D N^-1 r, and what scatter and terms leave open of it is D - D N^-1 D + D N^-1 A C A' N^-1 D.
+    """
+    told, data, variance = result.told, result.data, residual_variance(result.model, result.data)
+    own = np.where(data.seen, variance / data.trust, 0.0)
+    offset = result.mean - np.array([term.mean for term in result.model.terms])
+    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    gain = own[..., None] * told.sharpness  # D N^-1
+    mean = (gain @ left[..., None])[..., 0]
+    spread = gain @ told.slope
+    known = np.einsum("sfot,stu,sfou->sfo", spread, result.covariance, spread, optimize=True)
+    unexplained = own - np.diagonal(gain, axis1=-2, axis2=-1) * own
+    return np.asarray((mean**2 + unexplained + known) / variance)
 
 
 def _followed(result: Fit) -> Fit:
     """The fit linearised anew where its posterior lies; itself where that is where it was linearised."""
     walk, lean = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
-    if not walk.goes_on(result):
+    if not walk.goes_on(result, near=True):
         return result
     (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], lean)
     return solve(result.model, result.data, near)

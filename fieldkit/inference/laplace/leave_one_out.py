@@ -1,13 +1,14 @@
 """What a fit predicts for flights left out of it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from fieldkit.inference.laplace.apogee_scatter import Spread, apogee_spread
 from fieldkit.inference.laplace.batched_inverse import inverses
-from fieldkit.inference.laplace.posterior import Fit, apogee_scale, scale_grid
-from fieldkit.model.readout_data import OBSERVED, Data, reading_sd
+from fieldkit.inference.laplace.posterior import Fit, residual_variance
+from fieldkit.model.hyperprior import CERTIFIED, Hyperprior
+from fieldkit.model.readout_data import OBSERVED, reading_sd
 from fieldkit.shapes import Array, Float
 
 
@@ -26,7 +27,7 @@ class LeftOut:
     log_weight: Float[Array, "scale flight"]
     distance: Float[Array, "scale flight"]
     residual: Float[Array, "scale flight readout"]
-    spread: Spread
+    spread: Spread | None
 
 
 def leave_one_out(result: Fit) -> LeftOut:
@@ -55,8 +56,8 @@ def leave_one_out(result: Fit) -> LeftOut:
     mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - (ties * weighed).sum(axis=-1)
     known = ((apogee @ covariance) * apogee).sum(axis=-1) + (ties * _applied(sharper, ties)).sum(axis=-1)
     scattered = _own_variance(result)
-    lies = _apogee_spread(result.data, mean, known, scattered, log_weight)
-    variance = known + lies.mean_square_without * scattered
+    lies = _apogee_spread(result, mean, known, scattered, log_weight)
+    variance = known + (1.0 if lies is None else lies.mean_square_without) * scattered
     return LeftOut(mean, variance, log_weight, distance, residual, lies)
 
 
@@ -64,8 +65,11 @@ def _applied(matrix: Array, vector: Array) -> Array:
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
-def _apogee_spread(data: Data, mean: Array, known: Array, own: Array, log_weight: Array) -> Spread:
-    """The scatter of apogees beside what the scales make of it, by flights left out."""
+def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weight: Array) -> Spread | None:
+    """The scatter of apogees beside what the scales make of it, by flights left out; none where the model has it."""
+    if result.model.hyperprior.sd("apogee", "flight"):
+        return None
+    data = result.data
     weight = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
     middle = (weight * mean).sum(axis=0)
     between = (weight * (mean - middle) ** 2).sum(axis=0)
@@ -76,14 +80,23 @@ def _apogee_spread(data: Data, mean: Array, known: Array, own: Array, log_weight
 
 def _own_variance(result: Fit) -> Float[Array, "scale flight"]:
     """Variance of a flight's compared apogee about its expectation: scatter and reading."""
-    scatter_scale, reading_scale = scale_grid(result.model.doubtful)[0], apogee_scale(result.model)
+    scatter = result.model.hyperprior.scales()[0]
     spread = result.tangent.scatter_slope[:, 0]
-    reading = own_reading_sd(np.exp(result.tangent.values[:, 0]))
-    return np.asarray(scatter_scale[:, None] ** 2 * (spread**2).sum(axis=-1) + (reading_scale[:, None] * reading) ** 2)
+    expected = replace(result.data, sd=_expected_sd(result))
+    return np.asarray(
+        scatter[:, None] ** 2 * (spread**2).sum(axis=-1) + residual_variance(result.model, expected)[..., 0]
+    )
 
 
-def own_reading_sd(apogee: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
+def _expected_sd(result: Fit) -> Float[Array, "flight readout"]:
+    """Expected error of each readout, of an apogee as the model and not the flight has it."""
+    sd = result.data.sd.copy()
+    sd[:, 0] = own_reading_sd(np.exp(result.tangent.values[:, 0]), result.model.hyperprior)
+    return sd
+
+
+def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED) -> Float[Array, "*draw"]:
     """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
     raw = np.full((*apogee.shape, len(OBSERVED)), 1.0)
     raw[..., 0] = apogee
-    return reading_sd(raw)[..., 0]
+    return reading_sd(raw, hyperprior)[..., 0]

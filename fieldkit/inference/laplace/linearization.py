@@ -1,12 +1,12 @@
 """Readouts near a point: their values and how they change with each unknown, all from one batch of flights."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from fieldkit.model.readout_data import OBSERVED, compared
-from fieldkit.model.rocket_model import SCATTER, Model, Term, shown, tops
+from fieldkit.model.rocket_model import Model, Term, shown
 from fieldkit.physics.effect import Effect
 from fieldkit.shapes import Array, Flags, Float
 
@@ -32,26 +32,17 @@ class Tangent:
 
 
 def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
-    """What a lean of one unit does to the readouts; it needs the planar flight and is flown apart."""
+    """What a lean of one unit does to the readouts, zero if the model has none; it needs the planar flight and is flown
+    separately."""
+    if all(kind.bends != "tilt" for kind in model.scatter):
+        return np.zeros((len(model.flights), len(OBSERVED)))
     upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
     return np.asarray(leaning - upright)
 
 
-def lean_of_apogee(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
-    """What a lean of one unit does to the logarithm of the apogee: as `lean_slope` of a coarse model, and quicker."""
-    return _ratio(tops(replace(model, coarse=True), np.stack([at, at]), {"tilt": _lean(model)}))
-
-
-def coast_and_lean(model: Model, at: Float[Array, "term"]) -> tuple[Float[Array, "flight"], Float[Array, "flight"]]:
-    """The time from burnout to apogee of flights at a point [s], and their `lean_of_apogee`, from the same flights."""
-    readings = shown(model, np.stack([at, at]), {"tilt": _lean(model)})
-    return readings["coast_time"][0], _ratio(readings["true"])
-
-
-def _ratio(heights: Float[Array, "2 flight"]) -> Float[Array, "flight"]:
-    """The logarithm of the second over the first."""
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(np.log(heights[1]) - np.log(heights[0]))
+def coast_times(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight"]:
+    """The time from burnout to apogee of flights at a point. [s]"""
+    return np.asarray(shown(model, at[None], {})["coast_time"][0])
 
 
 def _lean(model: Model) -> Float[Array, "2 flight"]:
@@ -118,8 +109,7 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) 
         there, back = moved[1 + len(STEPS) + 2 * number :][:2]
         per_kind[kind] = (there - back) / (2 * step)
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
-    scattered = {kind.bends: per_kind[kind.bends] * kind.sd for kind in SCATTER if kind.bends in per_kind}
-    scatter = [scattered.get(kind.bends, lean) for kind in SCATTER]
+    scatter = [per_kind.get(kind.bends, lean) * kind.sd for kind in model.scatter]
     slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
     return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
 

@@ -2,11 +2,11 @@
 
 Scatter of single flights integrates out exactly, and the posterior is normal (Laplace; Bishop, Pattern Recognition
 and Machine Learning, 2006, chapters 3 and 4). How large scatter and reading errors are is not known beforehand: both
-are scaled by factors on a grid, weighed by the evidence for each.
+are scaled by factors on a grid, weighted by the evidence for each.
 """
 
 from dataclasses import dataclass
-from functools import cache, lru_cache
+from functools import lru_cache
 from math import erf, log, sqrt
 
 import numpy as np
@@ -14,18 +14,9 @@ import numpy as np
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.model.readout_data import OBSERVED, Data
-from fieldkit.model.rocket_model import Model
+from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float
 
-SCATTER_SCALES = np.array([0.5, 1.0, 1.6, 2.5, 4.0, 6.5])
-"""Scatter of single flights in units of ordinary scatter. [1]"""
-READING_SCALES = np.array([0.7, 1.2, 2.0])
-"""Reading errors in units of the expected. [1]"""
-DOUBTED_SCALES = np.array([1.0, 3.0, 9.0])
-"""The same of all but the apogee, where the device is doubted. [1]"""
-_LOG_SCATTER_PRIOR = -0.5 * (np.log(SCATTER_SCALES / 2.0) / 0.7) ** 2
-_LOG_READING_PRIOR = -0.5 * (np.log(READING_SCALES / 1.0) / 0.4) ** 2
-_LOG_DOUBTED_PRIOR = -0.5 * (np.log(DOUBTED_SCALES / 1.0) / 1.0) ** 2
 UNSEEN = 1e3
 """Standard deviation given to what was not observed."""
 
@@ -34,30 +25,36 @@ CERTAIN = 7.0
 """Standard deviations inside a bound from which on nothing lies beyond it, to the last digit. [1]"""
 
 
-@cache
-def scale_grid(doubtful: bool = False) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
-    """Scatter scale, reading scale and log prior of every pair; `doubtful` as in `Model`."""
-    scales = DOUBTED_SCALES if doubtful else READING_SCALES
-    scatter, reading = np.meshgrid(SCATTER_SCALES, scales, indexing="ij")
-    prior = _LOG_SCATTER_PRIOR[:, None] + (_LOG_DOUBTED_PRIOR if doubtful else _LOG_READING_PRIOR)
-    grid = scatter.ravel(), reading.ravel(), (prior - np.logaddexp.reduce(prior.ravel())).ravel()
-    for values in grid:
-        values.setflags(write=False)
-    return grid
-
-
-def apogee_scale(model: Model) -> Float[Array, "scale"]:
-    """Errors of reading the apogee, in units of the expected: those of a doubted device are of the rest alone."""
-    reading = scale_grid(model.doubtful)[1]
-    return np.ones_like(reading) if model.doubtful else reading
-
-
 def term_sds(model: Model) -> Float[Array, "scale term"]:
-    """Standard deviation of every term before anything was flown, for every pair of scales."""
-    scatter, reading, _ = scale_grid(model.doubtful)
+    """Prior standard deviation of every term by itself, for every pair of scales."""
+    scatter, reading, _ = model.hyperprior.scales()
     by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
-    sds = [term.sd * by[term.rough] for term in model.terms]
+    sds = [term.sd * by[term.scaled_by] for term in model.terms]
     return np.stack(sds, axis=-1) if sds else np.empty((len(scatter), 0))
+
+
+def prior_precision(model: Model) -> tuple[Float[Array, "scale term term"], Float[Array, "scale"]]:
+    """Prior precision of the terms for every pair of scales, and the logarithm of its determinant."""
+    sds = term_sds(model)
+    precision = np.zeros((*sds.shape, sds.shape[-1]))
+    diagonal = np.arange(sds.shape[-1])
+    precision[:, diagonal, diagonal] = 1 / sds**2
+    log_det = -2 * np.log(sds)
+    if model.shared is None:
+        return precision, log_det.sum(axis=1)
+    rows = [model.names.index(name) for name in model.shared.names]
+    block = np.linalg.inv(model.shared.covariance)
+    precision[:, np.array(rows)[:, None], rows] = block
+    alone = np.setdiff1d(diagonal, rows)
+    return precision, log_det[:, alone].sum(axis=1) + np.linalg.slogdet(block)[1]
+
+
+def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight readout"]:
+    """Variance of each readout beside what terms and scatter make of it, before any is taken for an outlier."""
+    scatter, reading, _ = model.hyperprior.scales()
+    variance = reading[:, None, None] ** 2 * data.sd**2
+    variance[..., 0] = data.sd[:, 0] ** 2 + (scatter[:, None] * apogee_scatter(model)) ** 2
+    return np.asarray(variance)
 
 
 @dataclass(frozen=True, slots=True)
@@ -133,17 +130,15 @@ def _concluded(
     """The posterior from what all flights together say of the terms: their information, its pull from the prior
     means, and how far the flights lie from those."""
     prior_mean = np.array([term.mean for term in model.terms])
-    prior_precision = 1 / term_sds(model) ** 2
-    diagonal = np.arange(len(model.terms))
-    precision = np.array(information)
-    precision[:, diagonal, diagonal] += prior_precision
+    prior, log_det_prior = prior_precision(model)
+    precision = information + prior
     covariance = np.asarray(np.linalg.inv(precision), float)
     offset = (covariance @ gain[..., None])[..., 0]
-    log_terms = np.linalg.slogdet(precision)[1] - np.log(prior_precision).sum(axis=1)
+    log_terms = np.linalg.slogdet(precision)[1] - log_det_prior
     left = misfit - (gain * offset).sum(axis=1)
     log_likelihood = -0.5 * (left + told.log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
-    log_weight = log_likelihood + scale_grid(model.doubtful)[2] + _log_inside(model, mean, covariance)
+    log_weight = log_likelihood + model.hyperprior.scales()[2] + _log_inside(model, mean, covariance)
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
 
 
@@ -158,14 +153,12 @@ def _told(model: Model, data: Data, near: Tangent) -> Told:
 
 def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Array, "scale flight readout readout"]:
     """Covariance of each flight's readouts for every pair of scales."""
-    scatter_scale, reading_scale, _ = scale_grid(model.doubtful)
+    scatter_scale = model.hyperprior.scales()[0]
     spread = np.where(usable[..., None], near.scatter_slope, 0.0)
     noise = scatter_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
-    scale = np.repeat(reading_scale[:, None] ** 2, len(OBSERVED), axis=1)
-    scale[:, 0] = apogee_scale(model) ** 2
     diagonal = np.arange(len(OBSERVED))
-    noise[..., diagonal, diagonal] += np.where(usable, scale[:, None] * data.sd**2, UNSEEN**2)
-    return np.asarray(noise / data.trust[:, None, None])
+    noise[..., diagonal, diagonal] += np.where(usable, residual_variance(model, data) / data.trust, UNSEEN**2)
+    return np.asarray(noise)
 
 
 def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "scale"]:

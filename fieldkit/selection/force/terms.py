@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.rocket_model import SCATTER
+from fieldkit.model.hyperprior import certified
 from fieldkit.physics.effect import effects
 from fieldkit.physics.state import State
 from fieldkit.selection.force.climb import Missing
@@ -28,7 +28,7 @@ class Term:
 
 def library() -> list[Term]:
     """Terms that a climb could show: those below, and the effects of the shelf that act as a force."""
-    luck = {kind.bends: kind.sd for kind in SCATTER}
+    luck = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
     fixed = [
         Term("drag", "", "share of Cd", lambda m: -m.drag, luck["drag"]),
         Term("thrust", "motor_thrust", "share of the thrust", lambda m: m.thrust, luck["thrust"]),

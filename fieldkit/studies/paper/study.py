@@ -10,7 +10,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.physics.flight import apogees, fly
 from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resampled
-from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 from fieldkit.studies.paper.assumption_steps import Step, step, worlds
@@ -93,7 +93,7 @@ def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[Part, ...]:
 def _loop(flights: tuple[Flight, ...]) -> Diagnosis:
     """What `fieldkit loop` says on these flights."""
     found = [catalogue().resolve(flight.motor) for flight in flights]
-    model = rocket_model(flights, found, slack=SEARCH_SLACK)
+    model = rocket_model(flights, found)
     return diagnose(model, observe(flights, [flight.clean for flight in flights]))
 
 

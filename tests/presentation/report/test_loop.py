@@ -27,7 +27,7 @@ from fieldkit.presentation.report.style import styled
 from fieldkit.presentation.report.write import write_report
 from fieldkit.scoring.bootstrap import gain, judge
 from fieldkit.scoring.score import Forecasts
-from fieldkit.selection.diagnose import SEARCH_SLACK, Diagnosis, diagnose
+from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
 from fieldkit.selection.forward_choice import FEWEST
@@ -69,7 +69,7 @@ def windy() -> list[Flight]:
 @pytest.fixture(scope="module")
 def diagnosis() -> Diagnosis:
     flights = windy()
-    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights], slack=SEARCH_SLACK)
+    model = rocket_model(flights, [catalogue().resolve(flight.motor) for flight in flights])
     return diagnose(model, observe(flights, [True] * len(flights)))
 
 

@@ -1,0 +1,265 @@
+"""Learn the hyperprior from real flights: the marginal likelihood's maximum by expectation-maximization.
+
+The flights of several flyers are independent given the hyperprior. Each step takes every rocket's posterior given all
+flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the posterior
+mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few groups can
+tell is held near a stated start: each variance has a scaled inverse chi squared prior at the start, worth `WORTH` groups.
+Readouts are linear about the last fits, which are made again in every round.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.inference.laplace.fit import fit_robustly, standardized_squares
+from fieldkit.inference.laplace.fleet import Flown, independent_prior, joint_evidence, merged, message_of
+from fieldkit.inference.laplace.fleet import RocketFit as Alone
+from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
+from fieldkit.model.readout_data import Data, observe
+from fieldkit.model.rocket_model import Model, base_model, fleet_term, with_shared
+from fieldkit.model.shared_prior import SharedPrior, combined
+from fieldkit.progress import Tell, untold
+from fieldkit.shapes import Array, Float
+
+Fleet = Sequence[Flown]
+"""The flights of one flyer, rocket by rocket."""
+WORTH = 4.0
+"""Groups that the start of a variance counts for: with three flyers what they differ by stays near it. [1]"""
+MEAN_SD = 0.2
+"""How far the mean of a quantity over all flyers may lie from its start. [1]"""
+ROUNDS = 3
+"""Times readouts are linearized."""
+STEPS = 25
+"""Steps of expectation-maximization in a round."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Linear:
+    """One rocket's flights, linear about its last fit."""
+
+    flown: Flown
+    tangent: Tangent
+    unit_scatter: Float[Array, "flight readout scatter"]
+    trust: Float[Array, "flight readout"]
+
+
+class _Sums:
+    """Sums of squares and counts by name of a variance."""
+
+    def __init__(self) -> None:
+        self.square: dict[str, float] = {}
+        self.count: dict[str, float] = {}
+
+    def add(self, name: str, square: float, count: float) -> None:
+        """Count some groups."""
+        self.square[name] = self.square.get(name, 0.0) + square
+        self.count[name] = self.count.get(name, 0.0) + count
+
+    def variance(self, name: str, start: float) -> float:
+        """Posterior mode of a variance whose prior is at `start`."""
+        count = self.count.get(name, 0.0)
+        return (self.square.get(name, 0.0) + WORTH * start) / (count + WORTH)
+
+
+def learn_hyperprior(
+    fleets: Sequence[Fleet],
+    start: Hyperprior,
+    rounds: int = ROUNDS,
+    steps: int = STEPS,
+    *,
+    begin: Hyperprior | None = None,
+    tell: Tell = untold,
+) -> Hyperprior:
+    """The hyperprior that makes the flights of some flyers most likely, near a start.
+
+    Effects that the start does not have stay out; so does the standard deviation of the reading scale, which one device
+    cannot show. `begin` is where to begin, by default at the start.
+    """
+    found = begin or start
+    for round_ in range(rounds):
+        linear = [[_linearized(flown, found) for flown in fleet] for fleet in fleets]
+        for step in range(steps):
+            tell("learning", (round_ + step / steps) / rounds)
+            found, linear = _step(linear, found, start)
+    return found
+
+
+def evidence(fleets: Sequence[Fleet], hyperprior: Hyperprior) -> float:
+    """Log marginal likelihood of all flights, near the mode of each rocket's terms. [nat]"""
+    return float(sum(joint_evidence([_alone(_fitted(flown, hyperprior)) for flown in fleet]) for fleet in fleets))
+
+
+def _alone(result: Fit) -> Alone:
+    return Alone(result.log_evidence, message_of(result), independent_prior([result.model]))
+
+
+def _model(flown: Flown, hyperprior: Hyperprior) -> Model:
+    return replace(base_model([flight for flight, _ in flown], [found for _, found in flown], hyperprior), coarse=True)
+
+
+def _data(flown: Flown, hyperprior: Hyperprior) -> Data:
+    flights = [flight for flight, _ in flown]
+    return observe(flights, [flight.clean for flight in flights], hyperprior)
+
+
+def _fitted(flown: Flown, hyperprior: Hyperprior) -> Fit:
+    return fit_robustly(_model(flown, hyperprior), _data(flown, hyperprior))
+
+
+def _linearized(flown: Flown, hyperprior: Hyperprior) -> _Linear:
+    result = _fitted(flown, hyperprior)
+    sds = np.array([kind.sd for kind in result.model.scatter])
+    return _Linear(flown, result.tangent, result.tangent.scatter_slope / sds, result.data.trust)
+
+
+def _step(
+    fleets: Sequence[Sequence[_Linear]], hyperprior: Hyperprior, start: Hyperprior
+) -> tuple[Hyperprior, list[list[_Linear]]]:
+    """One step of expectation-maximization, and the rockets with the weights of their outliers updated."""
+    sums, means = _Sums(), _Sums()
+    updated = []
+    for fleet in fleets:
+        fits, together = _posteriors(fleet, hyperprior)
+        for result in fits:
+            _count_rocket(result, sums)
+        _count_shared(together, hyperprior, sums, means)
+        updated.append([replace(one, trust=_trust(result)) for one, result in zip(fleet, fits, strict=True)])
+    return _maximized(hyperprior, start, sums, means), updated
+
+
+def _posteriors(fleet: Sequence[_Linear], hyperprior: Hyperprior) -> tuple[list[Fit], SharedPrior]:
+    """The fit of every rocket given all flights of the fleet, and the posterior of the shared terms."""
+    alone = [_solved(one, hyperprior, None) for one in fleet]
+    prior = merged([independent_prior([result.model]) for result in alone])
+    messages = [message_of(result) for result in alone]
+    together = combined(prior, messages)
+    fits = [
+        _solved(one, hyperprior, combined(prior, [m for j, m in enumerate(messages) if j != i]))
+        for i, one in enumerate(fleet)
+    ]
+    return fits, together
+
+
+def _solved(one: _Linear, hyperprior: Hyperprior, shared: SharedPrior | None) -> Fit:
+    model = with_shared(_model(one.flown, hyperprior), shared)
+    data = replace(_data(one.flown, hyperprior), trust=one.trust)
+    sds = np.array([kind.sd for kind in model.scatter])
+    return solve(model, data, replace(one.tangent, scatter_slope=one.unit_scatter * sds))
+
+
+def _trust(result: Fit) -> Float[Array, "flight readout"]:
+    nu = result.model.hyperprior.tail
+    square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
+    return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
+
+
+def _count_rocket(result: Fit, sums: _Sums) -> None:
+    """What one rocket shows of the variances that are its own: its terms, its scatter and its residuals."""
+    model, weights = result.model, result.weights
+    scatter, reading, _ = model.hyperprior.scales()
+    by = {"": np.ones_like(scatter), "scatter": scatter, "reading": reading}
+    shared = set(model.shared.names) if model.shared else set()
+    square = result.mean**2 + np.diagonal(result.covariance, axis1=1, axis2=2)
+    for i, term in enumerate(model.terms):
+        name = _variance_name(term.name)
+        if term.name == "drag":  # with the unknown area of rockets whose diameter nobody wrote down
+            sums.add("drag", float(weights @ square[:, i]) / term.sd**2, 1.0)
+        elif name and term.name not in shared:
+            sums.add(name, float(weights @ (square[:, i] / by[term.scaled_by] ** 2)), 1.0)
+    for name, value in _scatter_squares(result).items():
+        sums.add(f"{name}.flight", value, float(result.data.seen.any(axis=1).sum()))
+    left = np.einsum("s,sfo->fo", weights, standardized_squares(result)) * result.data.trust
+    for column, readout in enumerate(READOUTS):
+        seen = result.data.seen[:, column]
+        sums.add(f"residual.{readout}", float(left[seen, column].sum()), float(seen.sum()))
+    if result.data.seen[:, 0].any():
+        sums.add("scale.scatter", float(weights @ np.log(scatter) ** 2), 1.0)
+
+
+def _variance_name(term: str) -> str:
+    """The variance that a term of a single rocket belongs to; empty for one that is not learned."""
+    if term in QUANTITIES:
+        return "" if term == "drag" else f"{term}.rocket"
+    quantity, between, group = term.partition(" on ")
+    if between:
+        return f"{quantity}.day" if group[:4].isdigit() and group.count("-") == 2 else f"{quantity}.rocket_motor"
+    return ""
+
+
+def _scatter_squares(result: Fit) -> Mapping[str, float]:
+    """Posterior mean squares of the standardized random effects of single flights, summed over the flights.
+
+    With S = U diag(s) their slopes and N the noise, z = S' N^-1 r for the miss r that terms leave, and what stays open of
+    z is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
+    """
+    model, told = result.model, result.told
+    scale = model.hyperprior.scales()[0]
+    offset = result.mean - np.array([term.mean for term in model.terms])
+    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    usable = (np.abs(told.slope).sum(axis=-1) > 0) | (np.abs(told.miss) > 0)
+    slope = np.where(usable[..., None], result.tangent.scatter_slope, 0.0)[None] * scale[:, None, None, None]
+    gain = np.swapaxes(slope, -1, -2) @ told.sharpness
+    mean = (gain @ left[..., None])[..., 0]
+    spread = gain @ told.slope
+    known = np.einsum("sfzt,stu,sfzu->sfz", spread, result.covariance, spread, optimize=True)
+    unexplained = 1 - np.einsum("sfzo,sfoz->sfz", gain, slope)
+    flown = result.data.seen.any(axis=1)
+    square = np.einsum("s,sfz->fz", result.weights, mean**2 + unexplained + known)[flown].sum(axis=0)
+    return {str(kind.bends): float(value) for kind, value in zip(model.scatter, square, strict=True)}
+
+
+def _count_shared(together: SharedPrior, hyperprior: Hyperprior, sums: _Sums, means: _Sums) -> None:
+    """What one flyer shows of the variances of shared terms, and of the means over flyers."""
+    variances = np.diag(together.covariance)
+    for name, mean, variance in zip(together.names, together.mean, variances, strict=True):
+        quantity = name.partition(" of ")[0]
+        if name == fleet_term(quantity):
+            sums.add(f"{quantity}.fleet", float((mean - hyperprior.mean(quantity)) ** 2 + variance), 1.0)
+            means.add(quantity, float(mean), 1.0)
+        else:
+            sums.add(f"{quantity}.motor", float(mean**2 + variance), 1.0)
+
+
+def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) -> Hyperprior:
+    """The hyperprior that the sums ask for."""
+    sds = dict(now.sds)
+    for name in now.sds:
+        quantity, _, level = name.partition(".")
+        if name == "drag.rocket":
+            sds[name] = now.sds[name] * _factor(sums, "drag", now.sds[name], start.sds[name])
+        elif level == "flight":
+            kind = "residual.apogee" if quantity == "apogee" else name
+            factor = _factor(sums, kind, now.sds[name], start.sds[name])
+            sds[name] = now.sds[name] * factor
+        elif name in sums.count:
+            sds[name] = float(np.sqrt(sums.variance(name, start.sds[name] ** 2)))
+    ratio = tuple(
+        value * _factor(sums, f"residual.{readout}", value, start.ratio[i]) if i and value else value
+        for i, (readout, value) in enumerate(zip(READOUTS, now.ratio, strict=True))
+    )
+    fixed = tuple(
+        value * _factor(sums, f"residual.{readout}", value, start.fixed[i]) if not now.ratio[i] else value
+        for i, (readout, value) in enumerate(zip(READOUTS, now.fixed, strict=True))
+    )
+    log_sd = float(np.sqrt(sums.variance("scale.scatter", start.scatter.log_sd**2)))
+    centers = {name: _center(means, name, now, start) for name in now.means}
+    area = now.unknown_area * sds["drag.rocket"] / now.sds["drag.rocket"]
+    found = replace(now, means=centers, sds=sds, ratio=ratio, fixed=fixed, unknown_area=area)
+    return replace(found, scatter=replace(now.scatter, log_sd=log_sd))
+
+
+def _factor(sums: _Sums, name: str, now: float, start: float) -> float:
+    """By what a standard deviation grows, given standardized squares about it."""
+    count = sums.count.get(name, 0.0)
+    return float(np.sqrt((sums.square.get(name, 0.0) + WORTH * (start / now) ** 2) / (count + WORTH)))
+
+
+def _center(means: _Sums, quantity: str, now: Hyperprior, start: Hyperprior) -> float:
+    variance = now.sd(quantity, "fleet") ** 2
+    if not variance or quantity not in means.count:
+        return now.mean(quantity)
+    precision = means.count[quantity] / variance
+    return float((means.square[quantity] / variance + start.mean(quantity) / MEAN_SD**2) / (precision + 1 / MEAN_SD**2))

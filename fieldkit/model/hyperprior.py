@@ -1,0 +1,197 @@
+"""The hyperprior: how far rockets, motors, days and single flights differ, and what a device makes of each readout.
+
+Every quantity of the model (drag, thrust, mass, burn, delay, and each readout's own discrepancy) is a mean plus random
+effects: of the flyer's whole fleet, the rocket, its configuration, the motor type, the rocket on that motor, the day and
+the single flight. All but delay and the time to ejection are logarithms of ratios [1]; these two are in the units named
+below. This module is the one place where their standard deviations are stated.
+
+`learned` is the card that `fieldkit learn` wrote: marginal likelihood of real flights. `certified` is the same model
+given that motors, masses and devices are what their papers say, as the search for effects needs it: there an effect and
+not the plain model has to stand for a motor that is off its certificate.
+"""
+
+import json
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cache
+from importlib.resources import files
+from types import MappingProxyType
+from typing import Any, Literal
+
+import numpy as np
+
+from fieldkit.errors import DamagedModel
+from fieldkit.shapes import Array, Float
+
+READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+"""Readouts that the model compares. Average acceleration is top speed over burn time and says nothing of its own; the
+rest belongs to the descent."""
+QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
+"""What random effects act on: `stretch` is the burn, the delay is by ratio, `apogee_to_eject` in seconds."""
+LEVELS = ("fleet", "rocket", "config", "motor", "rocket_motor", "day", "flight")
+"""Groups of flights that share a random effect, widest first."""
+CARD = "hyperprior.json"
+
+Kind = Literal["learned", "certified"]
+
+
+@dataclass(frozen=True, slots=True)
+class Scale:
+    """A factor on standard deviations that differs from rocket to rocket: log-normal, integrated on a grid. [1]"""
+
+    grid: tuple[float, ...]
+    median: float
+    log_sd: float
+
+    @property
+    def values(self) -> Float[Array, "scale"]:
+        """The grid. [1]"""
+        return np.array(self.grid)
+
+    @property
+    def log_prior(self) -> Float[Array, "scale"]:
+        """Log prior weight of each value of the grid, not normalized."""
+        return np.asarray(-0.5 * (np.log(self.values / self.median) / self.log_sd) ** 2)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Hyperprior:
+    """Means and standard deviations of every random effect, and the noise of each readout.
+
+    `means` are by quantity; `drag` is that of log Cd. `sds` are by `quantity.level`; one that is missing or zero is an
+    effect the model does not have. `fixed` is the noise of a readout in its unit (m, m/s, s, m/s^2, s, s), `ratio` that
+    which grows with it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose diameter
+    was not recorded. `opening` is mean and standard deviation of the parachute's opening time [s]. `scatter` scales the
+    random effects of single flights, `reading` the noise of every readout but the apogee. `tail` is the degrees of
+    freedom of the Student t that single flights and readings follow.
+    """
+
+    kind: Kind
+    means: Mapping[str, float]
+    sds: Mapping[str, float]
+    fixed: tuple[float, ...]
+    ratio: tuple[float, ...]
+    unknown_area: float
+    scatter: Scale
+    reading: Scale
+    opening: tuple[float, float] = (0.6, 0.4)
+    tail: float = 4.0
+    about: Mapping[str, Any] = field(default_factory=dict)
+
+    def sd(self, quantity: str, level: str) -> float:
+        """Standard deviation of one random effect, 0 for one that the model does not have."""
+        return self.sds.get(f"{quantity}.{level}", 0.0)
+
+    def mean(self, quantity: str) -> float:
+        """Mean of a quantity over all flyers."""
+        return self.means.get(quantity, 0.0)
+
+    def with_sds(self, **sds: float) -> "Hyperprior":
+        """The same with other standard deviations, `quantity__level` for `quantity.level`."""
+        return replace(self, sds={**self.sds, **{name.replace("__", "."): sd for name, sd in sds.items()}})
+
+    def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
+        """Scatter scale, reading scale and normalized log prior of every pair on the grid."""
+        scatter, reading = np.meshgrid(self.scatter.values, self.reading.values, indexing="ij")
+        prior = self.scatter.log_prior[:, None] + self.reading.log_prior
+        return scatter.ravel(), reading.ravel(), (prior - np.logaddexp.reduce(prior.ravel())).ravel()
+
+    def json(self) -> dict[str, Any]:
+        """The card, as `learned` reads it."""
+        return {
+            **self.about,
+            "means": dict(self.means),
+            "sds": dict(self.sds),
+            "noise": {
+                name: {"fixed": fixed, "ratio": ratio}
+                for name, fixed, ratio in zip(READOUTS, self.fixed, self.ratio, strict=True)
+            },
+            "unknown_area": self.unknown_area,
+            "scatter": {"median": self.scatter.median, "log_sd": self.scatter.log_sd},
+            "reading": {"median": self.reading.median, "log_sd": self.reading.log_sd},
+            "opening_s": list(self.opening),
+            "tail": self.tail,
+        }
+
+
+SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))
+READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
+"""Five and seven values per factor: finer grids move forecasts by less than a hundredth of their interval."""
+
+CERTIFIED = Hyperprior(
+    kind="certified",
+    means=MappingProxyType({"drag": float(np.log(0.6))}),
+    sds=MappingProxyType(
+        {
+            "drag.rocket": 0.35,
+            "drag.config": 0.0105,
+            "drag.flight": 0.03,
+            "thrust.rocket": 0.007,
+            "thrust.motor": 0.007,
+            "thrust.flight": 0.025,
+            "mass.rocket": 0.02,
+            "stretch.motor": 0.014,
+            "stretch.flight": 0.02,
+            "delay.motor": 0.08,
+            "delay.flight": 0.08,
+            "tilt.flight": 1.0,
+            "top_speed.rocket": 0.01,
+            "burn_time.rocket": 0.05,
+            "peak_accel.rocket": 0.06,
+            "coast_to_apogee.rocket": 0.01,
+            "apogee_to_eject.rocket": 0.1,
+        }
+    ),
+    fixed=(1.5, 0.7, 0.07, 0.5, 0.08, 0.15),
+    ratio=(0.005, 0.015, 0.02, 0.04, 0.01, 0.0),
+    unknown_area=0.45,
+    scatter=Scale((0.5, 1.0, 1.6, 2.5, 4.0, 6.5), 2.0, 0.7),
+    reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
+)
+"""Motors within their certificate (2 to 3 % within a lot), Cd from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965),
+masses as weighed, devices as specified. `tilt` is in units of a launch angle of 5 degrees, squared."""
+
+
+def certified() -> Hyperprior:
+    """The hyperprior given that motors, masses and devices are what their papers say."""
+    return CERTIFIED
+
+
+@cache
+def learned() -> Hyperprior:
+    """The hyperprior that was learned from real flights and ships with fieldkit. Raises DamagedModel."""
+    return read_card(files("fieldkit.data").joinpath(CARD).read_text("utf-8"), CARD)
+
+
+def read_card(text: str, name: str) -> Hyperprior:
+    """A hyperprior from its card. Raises DamagedModel, naming the card, for one that cannot be."""
+    try:
+        card = json.loads(text)
+        noise = [card["noise"][readout] for readout in READOUTS]
+        found = Hyperprior(
+            kind="learned",
+            means=MappingProxyType({key: float(x) for key, x in card["means"].items()}),
+            sds=MappingProxyType({key: float(x) for key, x in card["sds"].items()}),
+            fixed=tuple(float(one["fixed"]) for one in noise),
+            ratio=tuple(float(one["ratio"]) for one in noise),
+            unknown_area=float(card["unknown_area"]),
+            scatter=Scale(SCATTER_GRID, float(card["scatter"]["median"]), float(card["scatter"]["log_sd"])),
+            reading=Scale(READING_GRID, float(card["reading"]["median"]), float(card["reading"]["log_sd"])),
+            opening=(float(card["opening_s"][0]), float(card["opening_s"][1])),
+            tail=float(card["tail"]),
+        )
+    except (ValueError, KeyError, TypeError, AttributeError, IndexError) as error:
+        raise DamagedModel(f"{name}: found {error!r}, expected a hyperprior as `fieldkit learn` writes it") from error
+    values = [*found.means.values(), *found.sds.values(), *found.fixed, *found.ratio, found.unknown_area, found.tail]
+    positive = [*found.sds.values(), *found.fixed, *found.ratio, found.unknown_area, found.tail]
+    unknown = [key for key in found.sds if not _known(key)]
+    if unknown or not np.isfinite(values).all() or min(positive) < 0:
+        wrong = f"the unknown effect {unknown[0]!r}" if unknown else "a figure that is negative or not finite"
+        raise DamagedModel(f"{name}: found {wrong}, expected standard deviations of {', '.join(QUANTITIES)}")
+    about = {key: value for key, value in card.items() if key not in found.json()}
+    return replace(found, about=MappingProxyType(about))
+
+
+def _known(key: str) -> bool:
+    quantity, _, level = key.partition(".")
+    return quantity in (*QUANTITIES, "tilt") and level in LEVELS
