@@ -8,6 +8,7 @@ from fieldkit.flight.start import Start, design_cds
 from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.predict import Learnt, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.selection.candidates import Place
 from fieldkit.shapes import Array, Float
@@ -19,7 +20,7 @@ Planned = Sequence[tuple[Flight, Found]]
 class Rocket:
     """What is known of a rocket that forecasts rest on: its flights, the effects in its model, by how much
     intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared, and the
-    designs it starts from."""
+    designs it starts from, and what the flyer's other rockets show."""
 
     history: tuple[tuple[Flight, Found], ...]
     places: tuple[Place, ...]
@@ -27,6 +28,7 @@ class Rocket:
     stretched: float | None
     earlier: int
     starts: tuple[Start, ...] = ()
+    shared: SharedPrior | None = None
 
     @property
     def flights(self) -> list[Flight]:

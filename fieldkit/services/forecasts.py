@@ -17,6 +17,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
 from fieldkit.presentation.forecast_text import forecast_document
 from fieldkit.selection.candidates import Place
+from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
 if TYPE_CHECKING:
@@ -110,7 +111,9 @@ def predict_plans(
         planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
         places = accepted_places(ledger, rocket, which)
         cds = design_cds(starts, [*before, *own])
-        made = predict(history, planned, places, declared=which == "after", cds=cds)
+        made = predict(
+            history, planned, places, declared=which == "after", cds=cds, shared=fleet_prior(ledger, motors, rocket)
+        )
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]
         if keep:
@@ -157,5 +160,6 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     """
     history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
-    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], accepted_places(ledger, flight.rocket))
+    places, shared = accepted_places(ledger, flight.rocket), fleet_prior(ledger, motors, flight.rocket)
+    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], places, shared=shared)
     return made.widened(accepted_widening(ledger, flight.rocket))

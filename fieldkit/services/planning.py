@@ -9,6 +9,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
+from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_places, accepted_widening, flown, start_of
 from fieldkit.settings import Settings
 
@@ -26,6 +27,7 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
         stretched=stretch(surprises),
         earlier=len(surprises),
         starts=tuple(ledger.starts(name)),
+        shared=fleet_prior(ledger, motors, name),
     )
 
 

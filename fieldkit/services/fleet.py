@@ -1,0 +1,99 @@
+"""What the other rockets of a ledger show of what they share with one: the fleet's level, and motor types.
+
+Each rocket's message is kept in the ledger, with a digest of what it was computed from, and computed again when its
+flights, its motors or the hyperprior change.
+"""
+
+import hashlib
+import json
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.errors import LedgerError, UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.motors import Catalogue, Found
+from fieldkit.services.provenance import flight_digest, motor_digest
+
+if TYPE_CHECKING:
+    from fieldkit.inference.laplace.fleet import RocketFit
+    from fieldkit.model.shared_prior import SharedPrior
+
+KEPT = "fleet: "
+"""Before the name of a rocket: where the ledger keeps its message."""
+DIGITS = 7
+"""Significant digits of a kept figure: far more than a forecast shows. [1]"""
+
+Flown = Sequence[tuple[Flight, Found]]
+
+
+def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str) -> "SharedPrior | None":
+    """What the clean flights of all other rockets of a ledger show of the terms shared with one; None without any."""
+    from fieldkit.inference.laplace.fleet import shared_prior
+
+    own = learned()
+    others = _by_rocket(ledger, motors, rocket)
+    return shared_prior([_rocket_fit(ledger, name, flown, own) for name, flown in others.items()])
+
+
+def _by_rocket(ledger: Ledger, motors: Catalogue, rocket: str) -> dict[str, list[tuple[Flight, Found]]]:
+    """The flights of all other rockets that show something, rocket by rocket."""
+    found: dict[str, list[tuple[Flight, Found]]] = {}
+    for flight in ledger.flights():
+        if flight.rocket == rocket or not flight.clean or flight.dry_mass is None or not flight.readouts():
+            continue
+        try:
+            found.setdefault(flight.rocket, []).append((flight, motors.resolve(flight.motor)))
+        except UnknownMotor:
+            continue
+    return found
+
+
+def _rocket_fit(ledger: Ledger, rocket: str, flown: Flown, hyperprior: Hyperprior) -> "RocketFit":
+    """A rocket's fit by itself, from the ledger where that is up to date."""
+    from fieldkit.inference.laplace.fleet import rocket_fit
+
+    digest = _digest(flown, hyperprior)
+    kept = ledger.draft(KEPT + rocket)
+    if kept is not None and kept.get("digest") == digest:
+        return _read(kept)
+    made = rocket_fit(flown, hyperprior)
+    try:
+        ledger.keep_draft(KEPT + rocket, {"digest": digest, **_written(made)})
+    except LedgerError:  # one that cannot be written to is slower and no less right
+        return made
+    return made
+
+
+def _digest(flown: Flown, hyperprior: Hyperprior) -> str:
+    motors = {id(found.motor): motor_digest(found.motor) for _, found in flown}
+    parts = [hyperprior.json(), [(flight_digest(flight), motors[id(found.motor)]) for flight, found in flown]]
+    return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]
+
+
+def _written(made: "RocketFit") -> dict[str, Any]:
+    def rounded(values: Any) -> list[float]:
+        return [float(f"{value:.{DIGITS}g}") for value in values]
+
+    message, prior = made.message, made.prior
+    return {
+        "log_evidence": made.log_evidence,
+        "names": list(message.names),
+        "precision": [rounded(row) for row in message.precision],
+        "shift": rounded(message.shift),
+        "prior_mean": rounded(prior.mean),
+        "prior_variance": rounded(prior.covariance.diagonal()),
+    }
+
+
+def _read(kept: Mapping[str, Any]) -> "RocketFit":
+    import numpy as np
+
+    from fieldkit.inference.laplace.fleet import RocketFit
+    from fieldkit.model.shared_prior import Message, SharedPrior
+
+    names = tuple(kept["names"])
+    message = Message(names, np.array(kept["precision"]), np.array(kept["shift"]))
+    prior = SharedPrior(names, np.array(kept["prior_mean"]), np.diag(kept["prior_variance"]))
+    return RocketFit(kept["log_evidence"], message, prior)
