@@ -11,9 +11,10 @@ MOTORS = ("F24", "F39", "E35")
 
 
 def season(
-    rng: np.random.Generator, kept: tuple[str, ...], count: int = 12, wind: float | None = None
+    rng: np.random.Generator, kept: tuple[str, ...], count: int = 12, wind: float | None = None, scatter: float = 0.0
 ) -> list[tuple[Flight, Found]]:
-    """Flights of a draggy rocket on three motors, of which some readouts were kept."""
+    """Flights of a draggy rocket on three motors, of which some readouts were kept; `scatter` is that of log apogees
+    beside what drag and thrust make of it."""
     plans = [
         Flight(
             str(i), "Test", "A", MOTORS[i % 3], dry_mass=0.322, diameter=0.066, delay=10.0, rail_length=1.2, wind=wind
@@ -23,9 +24,11 @@ def season(
     found = [catalogue().resolve(plan.motor) for plan in plans]
     model = forecast_model(plans, found)
     truth = np.array([[term.mean + 0.7 * term.sd * (term.bends == "drag") for term in model.terms]])
-    scatter = {"drag": 0.03 * rng.normal(size=(1, count)), "thrust": 0.025 * rng.normal(size=(1, count))}
-    readings = shown(model, truth, scatter)
+    single = {"drag": 0.03 * rng.normal(size=(1, count)), "thrust": 0.025 * rng.normal(size=(1, count))}
+    readings = shown(model, truth, single)
     noisy = {name: readings[name][0] * np.exp(0.01 * rng.normal(size=count)) for name in kept}
+    if scatter:
+        noisy["apogee"] = noisy["apogee"] * np.exp(scatter * rng.normal(size=count))
     rows = [
         plan.with_changes(**{name: float(values[i]) for name, values in noisy.items()}) for i, plan in enumerate(plans)
     ]

@@ -17,7 +17,7 @@ from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import fitting
 from fieldkit.inference.laplace.posterior import Fit, term_sds
-from fieldkit.model.hyperprior import learned
+from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import EXTRAS, Model, apogee_scatter, bent, fleet_term, shown
 from fieldkit.model.shared_prior import SharedPrior
@@ -44,9 +44,11 @@ def forecast_model(
     flown: int | None = None,
     turns: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
 ) -> Model:
-    """The model of a rocket that its next flight is forecast with; arguments as in `rocket_model`."""
-    return rocket_model(flights, found, accepted, learned(), flown, turns, shared)
+    """The model of a rocket that its next flight is forecast with, by default with the learned hyperprior; arguments as
+    in `rocket_model`."""
+    return rocket_model(flights, found, accepted, hyperprior or learned(), flown, turns, shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -80,6 +82,7 @@ def predict(
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
     shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> list[Prediction]:
@@ -89,12 +92,15 @@ def predict(
     Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
     that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
     are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
-    `shared` is what the flyer's other rockets show. Raises ImpossibleFlight for a flight without a dry mass.
+    `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
         own, turns = [planned[row] for row in rows], [len(flown) + row for row in rows]
-        taught = learn(flown, own, accepted, turns, declared=declared, cds=cds, shared=shared, draws=draws, seed=seed)
+        taught = learn(
+            flown, own, accepted, turns, declared=declared, cds=cds, shared=shared, hyperprior=hyperprior, draws=draws,
+            seed=seed,
+        )
         return fly_ahead(taught, paired=True)
 
     return by_kind(flown, planned, said)
@@ -109,6 +115,7 @@ def learn(
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
     shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
 ) -> Learnt:
@@ -123,7 +130,7 @@ def learn(
     own = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
     if own and shared:  # a design takes the place of what other rockets show of drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
-    model = forecast_model(flights, found, acting, len(flown), order, shared)
+    model = forecast_model(flights, found, acting, len(flown), order, shared, hyperprior)
     model = _designed(model, own) if own else model
     known = set(model.shared.names) if model.shared else set()
     acted = [i for i, term in enumerate(model.terms) if term.name in known or np.any(term.weight[: len(flown)] != 0)]

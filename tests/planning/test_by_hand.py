@@ -8,7 +8,7 @@ import pytest
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
-from fieldkit.inference.laplace.linearization import coast_and_lean, lean_of_apogee, lean_slope
+from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.model.rocket_model import COARSE, shown
 from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.physics.flight import fly
@@ -107,19 +107,10 @@ def test_coarse_flights_say_what_fine_ones_do(motors: Catalogue, wind: float, li
         assert error.max() < 0.05
 
 
-def test_the_quick_lean_of_the_apogee_is_the_whole_one(motors: Catalogue) -> None:
-    learnt = learnt_of(NEW, [(PLAN, motors.resolve(name)) for name in ("F39T", "E16W")], 4)
-    model, at = replace(learnt.model, coarse=True), learnt.at
-    assert lean_of_apogee(learnt.model, at) == pytest.approx(lean_slope(model, at)[:, 0], rel=1e-9)
-    assert (lean_of_apogee(model, at) < 0).all()
-
-
-def test_coast_and_lean_are_those_flown_apart(motors: Catalogue) -> None:
+def test_coast_times_are_those_flown(motors: Catalogue) -> None:
     learnt = learnt_of(NEW, [(PLAN.with_changes(wind=4.0), motors.resolve(name)) for name in ("F39T", "E16W")], 4)
     model, at = replace(learnt.model, coarse=True), learnt.at
-    coasts, lean = coast_and_lean(model, at)
-    assert coasts == pytest.approx(shown(model, at[None], {})["coast_time"][0], rel=1e-12)
-    assert lean == pytest.approx(lean_of_apogee(model, at), rel=1e-9)
+    assert coast_times(model, at) == pytest.approx(shown(model, at[None], {})["coast_time"][0], rel=1e-12)
 
 
 def test_the_guide_says_what_a_forecast_does(said: Prediction, motors: Catalogue) -> None:

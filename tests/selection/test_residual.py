@@ -7,9 +7,11 @@ import pytest
 from scipy.stats import chi2, kstest, rankdata, spearmanr, ttest_1samp
 from scipy.stats import kruskal as scipys_kruskal
 
+from fieldkit.flight import Flight
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.inference.laplace.posterior import scale_grid, solve
+from fieldkit.inference.laplace.posterior import solve
+from fieldkit.model.hyperprior import CERTIFIED
 from fieldkit.model.readout_data import OBSERVED, Data
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.selection.rank_tests import kruskal, ranks, spearman, spread_p, student_p
@@ -38,16 +40,17 @@ def near() -> Tangent:
 def null_residuals() -> Float[Array, "set flight readout"]:
     """Residuals of histories in which the model is right."""
     rng = np.random.default_rng(4)
-    scatter, reading, _ = (values[SCALE] for values in scale_grid())
+    scatter, reading, _ = (values[SCALE] for values in CERTIFIED.scales())
     terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
-    model, tangent = Model((), (), np.zeros(FLIGHTS), terms, tuple(range(FLIGHTS))), near()
+    model, tangent = Model((Flight(),) * FLIGHTS, (), np.zeros(FLIGHTS), terms, tuple(range(FLIGHTS))), near()
     sd = np.full(tangent.values.shape, 0.3)
     seen = np.ones(sd.shape, bool)
+    scales = np.array([1.0, *[reading] * (len(OBSERVED) - 1)])
     found = []
     for _ in range(SETS):
-        values = tangent.slope @ rng.normal(size=TERMS) + rng.normal(size=sd.shape) * sd * reading
+        values = tangent.slope @ rng.normal(size=TERMS) + rng.normal(size=sd.shape) * sd * scales
         values += (tangent.scatter_slope * (scatter * rng.normal(size=(FLIGHTS, 1, 2)))).sum(axis=-1)
-        result = solve(model, Data(values, sd, seen, np.ones(FLIGHTS)), tangent)
+        result = solve(model, Data(values, sd, seen, np.ones(seen.shape)), tangent)
         found.append(standardised(leave_one_out(result), seen))
     return np.array(found)
 

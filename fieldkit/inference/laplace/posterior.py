@@ -196,14 +196,11 @@ class Growing:
         self._misfit = _upto((told.miss * missed).sum(axis=-1))
 
     def before(self, flight: int, data: Data) -> Fit:
-        """The posterior when that many had flown; `data` are those up to the flight, whose own are not seen.
-
-        Its model stays that of all the flights.
-        """
+        """The posterior when that many had flown; `data` are those up to the flight, whose own are not seen."""
         near, upto = self._whole.tangent, slice(flight + 1)
         part = Tangent(near.at, near.values[upto], near.slope[upto], near.scatter_slope[upto])
         sums = (cumulated[:, flight] for cumulated in (self._information, self._gain, self._misfit))
-        return _concluded(self._whole.model, data, part, _last_unseen(self._whole.told, flight), *sums)
+        return _concluded(self._whole.model.part(upto), data, part, _last_unseen(self._whole.told, flight), *sums)
 
 
 def _upto(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale one_more *rest"]:

@@ -13,9 +13,11 @@ from fieldkit.flight import Flight
 from fieldkit.inference.laplace.fit import _Walk, fit
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.inference.laplace.posterior import Fit, Growing, _log_inside, scale_grid, solve, term_sds
+from fieldkit.inference.laplace.posterior import Fit, Growing, _log_inside, solve, term_sds
+from fieldkit.model.hyperprior import CERTIFIED, Hyperprior, learned
 from fieldkit.model.readout_data import LOGARITHMIC, OBSERVED, Data, compared, observe, reading_sd
-from fieldkit.model.rocket_model import SCATTER, Model, Term, base_model, shown
+from fieldkit.model.rocket_model import Model, Term, base_model, shown, with_shared
+from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import catalogue
 
 SETS = 40
@@ -51,10 +53,10 @@ def seasons() -> tuple[Data, ...]:
     A lean can but lower a flight; the fit takes it as a normal scatter like any other, and so do these.
     """
     rng = np.random.default_rng(22)
-    scatter_scale, reading_scale, log_prior = scale_grid()
+    scatter_scale, reading_scale, log_prior = CERTIFIED.scales()
     pair = rng.choice(len(log_prior), SETS, p=np.exp(log_prior))
     size = (SETS, len(PLANS))
-    scatter = {s.bends: rng.normal(size=size) * s.sd * scatter_scale[pair, None] for s in SCATTER}
+    scatter = {s.bends: rng.normal(size=size) * s.sd * scatter_scale[pair, None] for s in model().scatter}
     lean = scatter.pop("tilt")
     raw, upright, leaning = (
         np.stack([readings[name] for name in OBSERVED], axis=-1)
@@ -64,7 +66,9 @@ def seasons() -> tuple[Data, ...]:
             shown(model(), truths(), {"tilt": np.ones(size)}),
         )
     )
-    noise = rng.normal(size=raw.shape) * reading_scale[pair, None, None] * np.stack([reading_sd(part) for part in raw])
+    scales = np.repeat(reading_scale[pair, None, None], len(OBSERVED), axis=-1)
+    scales[..., 0] = 1.0
+    noise = rng.normal(size=raw.shape) * scales * np.stack([reading_sd(part) for part in raw])
     noisy = compared(raw) + noise + lean[..., None] * (compared(leaning) - compared(upright))
     seen = np.where(LOGARITHMIC, np.exp(noisy), noisy)
     return tuple(observe(flights(part), [True] * len(PLANS)) for part in seen)
@@ -103,7 +107,7 @@ def kinked(seed: int) -> tuple[Model, Data]:
     terms = model().terms
     drawn = np.array([term.mean for term in terms]) + 0.5 * rng.normal(size=len(terms)) * [term.sd for term in terms]
     truth = np.clip(drawn, [term.low for term in terms], [term.high for term in terms])[None]
-    scatter = {kind.bends: rng.normal(size=(1, len(PLANS))) * kind.sd for kind in SCATTER}
+    scatter = {kind.bends: rng.normal(size=(1, len(PLANS))) * kind.sd for kind in model().scatter}
     coast = shown(model(), truth, {})["coast_time"][0]
     plans = [plan.with_changes(delay=float(time) - 0.6) for plan, time in zip(PLANS, coast, strict=True)]
     early = base_model(plans, [catalogue().resolve(plan.motor) for plan in plans])
@@ -173,9 +177,9 @@ def test_a_distorted_posterior_is_noticed(distort: Callable[[Any], Any]) -> None
 
 def test_scatter_that_is_there_is_seen() -> None:
     """Sets of much scatter get more of their weight on large scales than sets of little."""
-    pair = np.random.default_rng(22).choice(len(scale_grid()[2]), SETS, p=np.exp(scale_grid()[2]))
-    true = np.log(scale_grid()[0][pair])
-    found = np.array([result.weights @ np.log(scale_grid()[0]) for result in fits()])
+    pair = np.random.default_rng(22).choice(len(CERTIFIED.scales()[2]), SETS, p=np.exp(CERTIFIED.scales()[2]))
+    true = np.log(CERTIFIED.scales()[0][pair])
+    found = np.array([result.weights @ np.log(CERTIFIED.scales()[0]) for result in fits()])
     assert np.corrcoef(true, found)[0, 1] > 0.5
 
 
@@ -250,27 +254,30 @@ def test_a_growing_fit_is_that_of_the_flights_before(flight: int) -> None:
 # Evidence
 
 
-def toy(rng: np.random.Generator, *, doubtful: bool = False) -> tuple[Model, Data, Tangent]:
+def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED) -> tuple[Model, Data, Tangent]:
     """A linear model of three terms and five flights, one readout not seen."""
-    rough: tuple[Literal["", "scatter", "reading"], ...] = ("", "scatter", "reading") if doubtful else ("", "", "")
+    doubtful = hyperprior.kind == "learned"
+    scaled: tuple[Literal["", "scatter", "reading"], ...] = ("", "scatter", "reading") if doubtful else ("", "", "")
     terms = tuple(
-        Term(str(i), "drag", mean, sd, np.ones(5), rough=rough[i])
+        Term(str(i), "drag", mean, sd, np.ones(5), scaled_by=scaled[i])
         for i, (mean, sd) in enumerate([(0, 1), (2, 0.3), (-1, 2)])
     )
     shape = (5, len(OBSERVED))
     seen = np.ones(shape, bool)
     seen[2, 3] = False
-    data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), seen, np.ones(5))
+    data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), seen, rng.uniform(0.2, 1.0, shape) if doubtful else np.ones(shape))
     near = Tangent(
         rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
     )
-    return Model((), (), np.zeros(0), terms, (), doubtful), data, near
+    return Model((Flight(),) * 5, (), np.zeros(0), terms, (), hyperprior), data, near
 
 
 def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any, Any]:
     """Expectation, covariance and slope of everything seen, written out in full for one pair of scales."""
-    scatter, reading = (values[scale] for values in scale_grid(model.doubtful)[:2])
-    every = np.array([1.0 if model.doubtful else reading, *[reading] * (len(OBSERVED) - 1)])
+    scatter, reading = (values[scale] for values in model.hyperprior.scales()[:2])
+    single = np.hypot(model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day"))
+    own = np.array([scatter * single, *[0.0] * (len(OBSERVED) - 1)])
+    every = np.array([1.0, *[reading] * (len(OBSERVED) - 1)])
     seen = data.seen.ravel()
     slope = near.slope.reshape(len(seen), -1)
     prior = np.array([term.mean for term in model.terms])
@@ -279,23 +286,40 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
         spread = near.scatter_slope[flight]
-        noise[block, block] = scatter**2 * spread @ spread.T + np.diag((every * data.sd[flight]) ** 2)
+        noise[block, block] = scatter**2 * spread @ spread.T + np.diag(((every * data.sd[flight]) ** 2 + own**2) / data.trust[flight])
     mean = near.values.ravel() + slope @ (prior - near.at)
-    covariance = slope @ np.diag(term_sds(model)[scale] ** 2) @ slope.T + noise
+    covariance = slope @ prior_covariance(model, scale) @ slope.T + noise
     return mean[seen], covariance[np.ix_(seen, seen)], slope[seen]
 
 
-@pytest.mark.parametrize("doubtful", [False, True])
+def prior_covariance(model: Model, scale: int) -> Any:
+    """Of the terms, for one pair of scales."""
+    covariance = np.diag(term_sds(model)[scale] ** 2)
+    if model.shared is not None:
+        rows = [model.names.index(name) for name in model.shared.names]
+        covariance[np.ix_(rows, rows)] = model.shared.covariance
+    return covariance
+
+
+SHARED = SharedPrior(("1", "0"), np.array([0.3, -0.4]), np.array([[0.5, 0.2], [0.2, 0.4]]))
+"""Of two terms of the toy, in another order."""
+
+
+@pytest.mark.parametrize("shared", [None, SHARED], ids=["alone", "with other rockets"])
+@pytest.mark.parametrize("kind", ["certified", "learned"])
 @pytest.mark.parametrize("scale", [0, 7, 17])
-def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(scale: int, doubtful: bool) -> None:
-    model, data, near = toy(np.random.default_rng(5), doubtful=doubtful)
+def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(
+    scale: int, kind: str, shared: SharedPrior | None
+) -> None:
+    model, data, near = toy(np.random.default_rng(5), CERTIFIED if kind == "certified" else learned())
+    model = with_shared(model, shared)
     result = solve(model, data, near)
     mean, covariance, slope = dense(model, data, near, scale)
     seen = data.values.ravel()[data.seen.ravel()]
     exact = multivariate_normal(mean, covariance).logpdf(seen) + 0.5 * len(seen) * np.log(2 * np.pi)
     unseen = 0.5 * 2 * np.log(1e3)
-    assert result.log_weight[scale] - scale_grid(doubtful)[2][scale] + unseen == pytest.approx(exact, abs=1e-7)
-    prior = np.diag(term_sds(model)[scale] ** 2)
+    assert result.log_weight[scale] - model.hyperprior.scales()[2][scale] + unseen == pytest.approx(exact, abs=1e-7)
+    prior = prior_covariance(model, scale)
     gain = prior @ slope.T @ np.linalg.inv(covariance)
     expected = np.array([term.mean for term in model.terms]) + gain @ (seen - mean)
     np.testing.assert_allclose(result.mean[scale], expected, atol=1e-9)

@@ -10,7 +10,7 @@ import pytest
 
 from fieldkit.analysis import Recorded
 from fieldkit.cli.main import main
-from fieldkit.model.rocket_model import SCATTER
+from fieldkit.model.hyperprior import CERTIFIED
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from fieldkit.selection.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
 from fieldkit.selection.force.log_evidence import Witness, _says, document
@@ -23,7 +23,7 @@ from fieldkit.services.flight_logs import OLDER
 from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
 FLIGHTS = 6
-LUCK = [kind.sd for name in ("thrust", "drag", "stretch") for kind in SCATTER if kind.bends == name]
+LUCK = [CERTIFIED.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
 """Of single flights, as the model has it: in thrust, drag and burn time. [1]"""
 
 
