@@ -1,8 +1,10 @@
-"""Where a flyer's own files are on this computer: the ledger, the motors they added, captures from loggers."""
+"""Where files are: a flyer's own on this computer (ledger, motors, captures), and the flights that come along."""
 
 import os
 from pathlib import Path
 
+REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
+"""Twelve flights of one rocket, to try things on."""
 HOME = "FIELDKIT_HOME"
 """The variable of the environment that names another folder for all of these."""
 

@@ -30,7 +30,7 @@ CHECKED = (
     "fieldkit.planning",
     "fieldkit.services",
     "fieldkit.presentation",
-    "fieldkit.studies",
+    "studies",
 )
 
 if os.environ["FIELDKIT_CHECK_SHAPES"]:

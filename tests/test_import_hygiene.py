@@ -11,6 +11,8 @@ from pathlib import Path
 
 import pytest
 
+from fieldkit.flight import BY_NAME, KNOWN_TAGS
+
 ROOT = Path(__file__).parents[1]
 
 NEVER = {"torch", "textual", "pandas", "matplotlib", "serial"}
@@ -91,6 +93,15 @@ def test_plug_ins_know_the_engine_and_not_each_other(shelf: str) -> None:
     for file in files:
         strange = [name for name in imports(file) if not any(f"{name}.".startswith(f"{a}.") for a in ALLOWED[shelf])]
         assert not strange, file.name
+
+
+def test_the_engine_names_no_effect() -> None:
+    """By its registry alone; names that are also those of a column or a tag are left out."""
+    names = {file.stem for file in (ROOT / "models" / "effects").glob("*.py")} - BY_NAME.keys() - KNOWN_TAGS.keys()
+    assert len(names) > 8
+    for file in (ROOT / "fieldkit").rglob("*.py"):
+        nodes = ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        assert not names & {node.value for node in nodes if isinstance(node, ast.Constant)}, file
 
 
 def test_no_modules_import_each_other_in_a_circle() -> None:

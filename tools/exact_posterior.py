@@ -1,7 +1,7 @@
 """The field ensemble beside the exact posterior of its own problem: `python tools/exact_posterior.py OUT.json`.
 
 Everything random in a simulated flight is integrated out by importance sampling
-(`fieldkit.inference.validation.integrated`), for some fresh flights, readouts by readouts: the least error that any
+(`studies.exact.integrated`), for some fresh flights, readouts by readouts: the least error that any
 method can have, and how far the ensemble's densities are from the exact ones. `--held-out` takes the maker that no
 member saw. About a second of one core a flight and set of readouts. A second run with the same numbers takes the
 integrals from the first, so that another ensemble can be put beside them.
@@ -19,13 +19,13 @@ from scipy.stats import norm
 from fieldkit.inference.network.ensemble import Ensemble, load_folder
 from fieldkit.inference.network.field_ensemble import posterior
 from fieldkit.inference.network.mixture import Mixture
-from fieldkit.inference.validation.integrated import Draws, integrate
-from fieldkit.inference.validation.likelihood import Problem, normals_of, parameters, problem
 from fieldkit.model.observation_noise import SUBSETS, measure
 from fieldkit.model.observations import ALPHA_RANGE, ALPHA_SD, CD_RANGE, disc
 from fieldkit.model.prior_predictive import Truth, flown_motors, motors_apart, simulate
 from fieldkit.motors import catalogue
 from fieldkit.plugins import trained_folder
+from studies.exact.integrated import Draws, integrate
+from studies.exact.likelihood import Problem, normals_of, parameters, problem
 
 NAMES = ("apogee", "apogee, speed", "all ten")
 ENOUGH = 50.0

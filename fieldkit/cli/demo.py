@@ -8,10 +8,13 @@ from typing import TYPE_CHECKING
 import typer
 
 from fieldkit.cli.screen import print_table, progress, say, say_report, say_wrapped
+from fieldkit.cli.studies import HOW, studies_are_here
+from fieldkit.progress import Tell, part
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
     from fieldkit.services.demo import Demo
+    from studies.paper.report import Report
 
 app = typer.Typer()
 
@@ -32,12 +35,13 @@ def demo(context: typer.Context) -> None:
         folder = stack.enter_context(TemporaryDirectory(prefix="fieldkit-"))
         ledger = stack.enter_context(Ledger.open(named or Path(folder) / "demo.db"))
         with progress("demo") as tell:
-            found = demo(ledger, catalogue(), tell)
+            found = demo(ledger, catalogue(), part(tell, 0.0, 0.7))
+            paper = _paper(part(tell, 0.7, 0.3))
     _import(found)
     _infer(found)
     _predict(found)
     _loop(found)
-    _profile(found)
+    _profile(paper)
     if named is None:
         say("The flights were kept in a temporary ledger. To keep them and go on from here:")
         say("  fieldkit --ledger demo.db demo")
@@ -118,11 +122,25 @@ def _loop(found: "Demo") -> None:
     say()
 
 
-def _profile(found: "Demo") -> None:
-    profile, bias = found.paper.thrust_profile, found.paper.thrust_profile["exact_posterior_bias_m"]
-    count = found.paper.reconstruction["n"]
+def _paper(tell: Tell) -> "Report | None":
+    """The reference paper put to the test, where the studies are here."""
+    if not studies_are_here():
+        return None
+    from studies.paper.report import report
+
+    tell("flying the published thrust", 0.0)
+    return report()
+
+
+def _profile(paper: "Report | None") -> None:
     say("5. What the thrust profile costs that the reference paper published")
     say()
+    if paper is None:
+        say_wrapped(f"   Computed by the studies, which are not part of the installed program; {HOW}")
+        say()
+        return
+    profile, bias = paper.thrust_profile, paper.thrust_profile["exact_posterior_bias_m"]
+    count = paper.reconstruction["n"]
     headers = ("motor", "certified", "profile delivers", "too much")
     rows = [
         (
@@ -142,7 +160,7 @@ def _profile(found: "Demo") -> None:
         f"lowest apogee that its prior can make, {below['certified']} with certified curves."
     )
     say()
-    missed = {rule["rule"]: rule for rule in found.paper.rules}
+    missed = {rule["rule"]: rule for rule in paper.rules}
     before, after = missed["published_carried_over"], missed["hierarchical_certified"]
     say_wrapped(
         f"   Each clean flight forecast from the others, left out: {before['mae_m']:.1f} m off in the mean (bias "

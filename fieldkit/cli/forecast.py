@@ -37,7 +37,7 @@ def predict(
     **given: str | None,
 ) -> None:
     """Predict the apogee of the next flight, from the rocket's clean flights so far."""
-    from fieldkit.presentation.forecast_text import forecast_document
+    from fieldkit.services.forecast_record import forecast_record
     from fieldkit.services.forecasts import predict_plans
 
     check = MotorCheck()
@@ -49,7 +49,7 @@ def predict(
         lines = safety_of(ledger, check.catalogue, predictions, given)
         starts = ledger.starts(plans[0].rocket) if flights is None else []
     if json:
-        documents = [forecast_document(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
+        documents = [forecast_record(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
         print_json({"predictions": documents})
     elif flights is None:
         _print_one(predictions[0])

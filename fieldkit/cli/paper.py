@@ -5,9 +5,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
+from fieldkit.cli.studies import need_studies
 
 if TYPE_CHECKING:
-    from fieldkit.studies.paper.report import Report
+    from studies.paper.report import Report
 
 app = typer.Typer()
 
@@ -15,8 +16,9 @@ app = typer.Typer()
 @app.command()
 def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False) -> None:
     """Put the reference paper to the test on its own twelve flights."""
-    from fieldkit.studies.paper.report import report
-    from fieldkit.studies.paper.text import findings
+    need_studies()
+    from studies.paper.report import report
+    from studies.paper.text import findings
 
     found = report()
     if json:

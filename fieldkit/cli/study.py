@@ -6,6 +6,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.studies import need_studies
 
 app = typer.Typer()
 study = typer.Typer(no_args_is_help=True, help="Compute a page about the reference flights, or about your own.")
@@ -19,8 +20,9 @@ Out = Annotated[
 @study.command()
 def reference(out: Out = None) -> None:
     """Trace the reference paper's bias in parts, and say what remains."""
-    from fieldkit.studies.paper.study import study
-    from fieldkit.studies.paper.study_page import page
+    need_studies()
+    from studies.paper.study import study
+    from studies.paper.study_page import page
 
     _hand_out(page(study()), out)
 
@@ -32,11 +34,12 @@ def rockets(
     unnamed: Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")] = False,
 ) -> None:
     """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
+    need_studies()
     from fieldkit.cli.screen import progress
     from fieldkit.forecast.evaluation.forward_in_time import forward
-    from fieldkit.forecast.evaluation.histories import histories, page
     from fieldkit.progress import part
     from fieldkit.services.forecasts import flown
+    from studies.histories import histories, page
 
     with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
         motors = known_motors()

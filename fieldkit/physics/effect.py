@@ -31,6 +31,33 @@ class Prior:
     high: float = np.inf
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Climb:
+    """A climb as a log shows it, sample by sample, beside the model's forces per mass there. SI.
+
+    Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3].
+    """
+
+    time_from_liftoff: Float[Array, "time"]
+    height: Float[Array, "time"]
+    thrust: Float[Array, "time"]
+    steepness: Float[Array, "time"]
+    rail_length: float
+
+
+@dataclass(frozen=True, slots=True)
+class LoggedForce:
+    """What an effect that bends the set-up adds to the force along a logged climb.
+
+    `name` is that of the term, `per_mass` the force at a strength of one [m/s^2]. `scatter` says what of the set-up
+    single flights differ in anyway (`SCATTER` of the model, by what it bends) that looks the same; empty for nothing.
+    """
+
+    name: str
+    per_mass: Callable[[Climb], Float[Array, "time"]]
+    scatter: str = ""
+
+
 @dataclass(frozen=True, slots=True)
 class Effect:
     """One bend of the flight model.
@@ -45,7 +72,8 @@ class Effect:
     some flight on, as with a new lot of motors or a new altimeter. `starts` are strengths from which a fit is
     begun, several where what the effect does is far from linear. `explains` tells a flyer what it is, `tell_apart`
     what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
-    ground gives the fitted value, 0 where it cannot.
+    ground gives the fitted value, 0 where it cannot. One that `needs_delay` acts on motors that have a delay alone.
+    `logged` is how an effect on the set-up shows in the force that a log measures, None where it does not.
     """
 
     title: str
@@ -68,6 +96,8 @@ class Effect:
     starts: tuple[float, ...] = ()
     squared: bool = False
     measured: float = 0.0
+    needs_delay: bool = False
+    logged: LoggedForce | None = None
 
     def strength(self, fitted: Strength) -> Strength:
         """The strength that belongs to a fitted value."""

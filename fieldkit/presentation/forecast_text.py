@@ -1,11 +1,10 @@
-"""A prediction as lines for a flyer, and as JSON under the keys of the contract: what, how sure, what it rests on."""
+"""A prediction as lines for a flyer: what, how sure, what it rests on."""
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
-from fieldkit.forecast.prediction import Prediction, median
+from fieldkit.forecast.prediction import Prediction
 from fieldkit.units import FOOT
 
 
@@ -48,37 +47,3 @@ def narrows(prediction: Prediction) -> str:
     """What more flights would do to the interval, and what they would not."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))
     return f"by {one:.0%} after one more clean flight like it, by {many:.0%} after many"
-
-
-def forecast_document(prediction: Prediction) -> dict[str, Any]:
-    """A prediction under the contract's keys, and what it rests on."""
-    p05, p50, p95 = prediction.apogee_quantiles()
-    document: dict[str, Any] = {"flight_id": prediction.plan.flight_id} if prediction.plan.flight_id else {}
-    document |= {
-        "rocket": prediction.plan.rocket,
-        "config": prediction.plan.config,
-        "motor": prediction.plan.motor,
-        "apogee_m": {
-            "mean": float(prediction.apogee.mean()),
-            "sd": float(prediction.apogee.std()),
-            "p05": float(p05),
-            "p50": float(p50),
-            "p95": float(p95),
-        },
-        "true_apogee_m": median(prediction.true_apogee),
-        "ejection_s": prediction.median_eject,
-        "coast_s": median(prediction.coast),
-        "top_speed_mps": median(prediction.top_speed),
-        "rail_speed_mps": median(prediction.rail_speed),
-        "cd": {"mean": float(prediction.cd.mean()), "sd": float(prediction.cd.std())},
-        "alpha": {"mean": float(prediction.alpha.mean()), "sd": float(prediction.alpha.std())},
-        "flights": prediction.rests_on,
-        "model": prediction.model,
-        "left_out": list(prediction.left_out),
-        "interval": {
-            "stretched_by": prediction.stretched_by,
-            "earlier_forecasts": prediction.earlier_forecasts,
-            "narrowed_by_flights": {str(more): prediction.narrowed(more) for more in (1, 3, 10)},
-        },
-    }
-    return document

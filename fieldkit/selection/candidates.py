@@ -77,7 +77,7 @@ def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
 
     `teach` marks the flights that teach: a beginning is only looked for between them.
     """
-    acting = {name: effect for name, effect in effects().items() if _can_act(name, effect, model)}
+    acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
     places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
     forms = Counter(spoken(name) for name in acting if places[name])
     for name, effect in acting.items():
@@ -91,8 +91,8 @@ def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
             yield Candidate(place, effect_terms(place, model), starts, np.log(share / len(since) / form))
 
 
-def _can_act(name: str, effect: Effect, model: Model) -> bool:
-    if name == "early_ejection" and not np.isfinite(delays(model.flights, model.found)).any():
+def _can_act(effect: Effect, model: Model) -> bool:
+    if effect.needs_delay and not np.isfinite(delays(model.flights, model.found)).any():
         return False
     if effect.lacks and np.isfinite(recorded(model.flights, effect.lacks)).all():
         return False

@@ -15,9 +15,9 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
-from fieldkit.presentation.forecast_text import forecast_document
 from fieldkit.selection.candidates import Place
 from fieldkit.services.fleet import fleet_prior
+from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
 if TYPE_CHECKING:
@@ -129,7 +129,7 @@ def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[F
         decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
         parts = decided | model_parts(history, one.model, version)
         likely = quantiles(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
-        payload = forecast_document(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
+        payload = forecast_record(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
         ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
 
 

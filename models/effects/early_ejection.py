@@ -25,5 +25,6 @@ EFFECT = Effect(
     tell_apart="write down apogee to ejection, or fly the same motor with a longer delay",
     setup=setup,
     per="motor",
+    needs_delay=True,
     starts=(0.12, 0.25, 0.45, 0.65),
 )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.effect import Climb, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -11,6 +11,11 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
     """Thrust and impulse, more by this share."""
     return setup.with_changes(thrust_factor=setup.thrust_factor * (1 + strength))
+
+
+def force(climb: Climb) -> Float[Array, "time"]:
+    """The thrust itself. [m/s^2]"""
+    return climb.thrust
 
 
 EFFECT = Effect(
@@ -23,4 +28,5 @@ EFFECT = Effect(
     setup=setup,
     per="motor",
     starts_anywhere=True,
+    logged=LoggedForce("thrust", force, scatter="thrust"),
 )

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 
+import numpy as np
+
 from fieldkit.flight import Flight
-from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.effect import Climb, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -11,6 +13,11 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
     """The rail slows the rocket by this acceleration until it leaves. [m/s^2]"""
     return setup.with_changes(rail_friction=setup.rail_friction + strength)
+
+
+def force(climb: Climb) -> Float[Array, "time"]:
+    """The acceleration against the rocket while it is on the rail. [m/s^2]"""
+    return np.where(climb.height < climb.rail_length, -1.0, 0.0)
 
 
 EFFECT = Effect(
@@ -21,4 +28,5 @@ EFFECT = Effect(
     source="Coulomb friction of a side load, an acceleration of the order of g",
     tell_apart="polish or change the rail and fly the same motor again",
     setup=setup,
+    logged=LoggedForce("rail", force),
 )

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.effect import Climb, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -11,6 +11,11 @@ from fieldkit.shapes import Array, Float
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
     """The burn, longer by this share at the same impulse."""
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
+
+
+def force(climb: Climb) -> Float[Array, "time"]:
+    """What is less for the same thrust later: to first order in the stretch, at the same impulse. [m/s^2]"""
+    return -(climb.thrust + climb.time_from_liftoff * climb.steepness)
 
 
 EFFECT = Effect(
@@ -22,4 +27,5 @@ EFFECT = Effect(
     tell_apart="write down burn time and peak acceleration",
     setup=setup,
     per="motor",
+    logged=LoggedForce("longer burn", force, scatter="stretch"),
 )

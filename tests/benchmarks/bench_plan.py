@@ -16,6 +16,7 @@ from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Motor, catalogue
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import outlook, season
 from fieldkit.planning.delay import delays
@@ -24,7 +25,6 @@ from fieldkit.planning.motor_guide import Wanted, fitting, guide
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.planning import begun, rocket_of
 from fieldkit.settings import Settings
-from fieldkit.studies.paper.reference import TABLE
 from tests.benchmarks.timing import beside, measured
 
 pytestmark = pytest.mark.benchmark(timer=time.process_time)
@@ -35,7 +35,7 @@ CATALOGUE = 1.0
 @pytest.fixture(scope="module")
 def ledger(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Ledger]:
     path = str(tmp_path_factory.mktemp("plans") / "ledger.db")
-    assert main(["--ledger", path, "import", str(TABLE)]) == 0
+    assert main(["--ledger", path, "import", str(REFERENCE_FLIGHTS)]) == 0
     with Ledger.open(path) as ledger:
         yield ledger
 

@@ -15,7 +15,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from fieldkit.importing.read import read_recordings
 from fieldkit.inference.network.flights import infer
 from fieldkit.motors import catalogue
-from fieldkit.studies.paper.reference import TABLE
+from fieldkit.paths import REFERENCE_FLIGHTS
 from tests.benchmarks.timing import beside, measured
 from tests.importing.test_bad_input import write_waiting
 from tests.samples import any_motor
@@ -53,7 +53,7 @@ def test_flights_inferred_together(benchmark: BenchmarkFixture, count: int, tmp_
     from fieldkit.importing.read import read
 
     motors = catalogue()
-    known = read(TABLE.read_bytes(), TABLE.name, any_motor).flights
+    known = read(REFERENCE_FLIGHTS.read_bytes(), REFERENCE_FLIGHTS.name, any_motor).flights
     flights = [known[n % len(known)].with_changes(flight_id=str(n)) for n in range(count)]
     took = measured(benchmark, infer, flights, motors)
     benchmark.extra_info["flights_per_second"] = round(count / took, 1)

@@ -11,7 +11,8 @@ from fieldkit.forecast.conformal import FEWEST, kept_surprises, stretch, stretch
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_by_earlier
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
-from fieldkit.presentation.forecast_text import forecast_document, in_words
+from fieldkit.presentation.forecast_text import in_words
+from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.forecasts import keep_forecasts, predict_plans
 
 INTERVAL = (80.0, 100.0, 130.0)
@@ -73,9 +74,9 @@ def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Pa
         (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     assert own.stretched_by == 1
     assert not any("earlier forecasts" in line for line in in_words(own))
-    said = forecast_document(wide)["interval"]
+    said = forecast_record(wide)["interval"]
     assert (said["stretched_by"], said["earlier_forecasts"]) == (pytest.approx(2.0), FEWEST)
-    assert said["narrowed_by_flights"] == pytest.approx(forecast_document(own)["interval"]["narrowed_by_flights"])
+    assert said["narrowed_by_flights"] == pytest.approx(forecast_record(own)["interval"]["narrowed_by_flights"])
     assert any(f"2.00 times the model's own, as {FEWEST} earlier forecasts" in line for line in in_words(wide))
     spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]
     assert spans[1] == pytest.approx(2 * spans[0], rel=1e-6)

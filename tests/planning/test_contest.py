@@ -11,6 +11,7 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Found, catalogue
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.air import air_of
@@ -19,7 +20,6 @@ from fieldkit.planning.contest_day import Day, read_window
 from fieldkit.planning.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.contest_day import day_of, keep_day
-from fieldkit.studies.paper.reference import TABLE
 from fieldkit.units import FOOT
 
 CHECK_SHAPES = False
@@ -172,7 +172,7 @@ def test_points_of_a_plan_fall_to_the_best_parachute_and_the_chance_is_that_of_s
 
 def test_the_command_scores_flights_and_a_plan(tmp_path: object, capsys: pytest.CaptureFixture[str]) -> None:
     ledger = ["--ledger", f"{tmp_path}/ledger.db"]
-    assert main([*ledger, "import", str(TABLE)]) == 0
+    assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0
     capsys.readouterr()
     plan = ["--motor", "F24", "--cut", "60", "--declared", "2,3,9", "--json"]
     assert main([*ledger, "contest", "--season", "2027", *plan]) == 0

@@ -16,6 +16,7 @@ from fieldkit.importing.manual_entry import QUESTIONS
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import Site, keep_site, site_of
 from fieldkit.motors import Catalogue, Found, catalogue
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import season
@@ -31,7 +32,6 @@ from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer
 from fieldkit.services.planning import begun, rocket_of
 from fieldkit.settings import Settings
-from fieldkit.studies.paper.reference import TABLE
 
 CHECK_SHAPES = False
 
@@ -55,7 +55,7 @@ PLAN = Flight(rocket="Astra", config="A", motor="F24-4W")
 def path(tmp_path_factory: pytest.TempPathFactory) -> str:
     """The path of a ledger that holds the reference flights."""
     path = str(tmp_path_factory.mktemp("plan") / "ledger.db")
-    assert main(["--ledger", path, "import", str(TABLE)]) == 0
+    assert main(["--ledger", path, "import", str(REFERENCE_FLIGHTS)]) == 0
     return path
 
 

@@ -1,6 +1,7 @@
 """The reference paper, reproduced: each figure of the report against what is known of it."""
 
 import json
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -13,11 +14,11 @@ from fieldkit.flight import Flight
 from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE, paper_draws
 from fieldkit.physics import paper
 from fieldkit.physics.single import paper_flight
-from fieldkit.studies.paper.exact import bayes_limit, lowest, reconstructions
-from fieldkit.studies.paper.next_flight import leave_one_out, rules, scatter
-from fieldkit.studies.paper.reference import Reference, certified, heights, normalised, reference
-from fieldkit.studies.paper.report import Report, report
-from fieldkit.studies.paper.text import findings
+from studies.paper.exact import bayes_limit, lowest, reconstructions
+from studies.paper.next_flight import leave_one_out, rules, scatter
+from studies.paper.reference import Reference, certified, heights, normalised, reference
+from studies.paper.report import Report, report
+from studies.paper.text import findings
 
 CHECK_SHAPES = False
 
@@ -210,7 +211,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 @pytest.fixture
 def computed(found: Report, monkeypatch: pytest.MonkeyPatch) -> None:
     """The report as already computed."""
-    monkeypatch.setattr("fieldkit.studies.paper.report.report", lambda: found)
+    monkeypatch.setattr("studies.paper.report.report", lambda: found)
 
 
 @pytest.mark.usefixtures("computed")
@@ -225,6 +226,19 @@ def test_the_report_as_json_has_the_promised_keys(run: Run) -> None:
     document = json.loads(run("paper", "--json"))
     assert len(document["flights"]) == 12
     assert {"mae_m", "rmse_m", "bias_m", "published", "next_flight", "rules", "findings"} <= set(document)
+
+
+@pytest.mark.parametrize("command", [("paper",), ("study", "reference"), ("study", "rockets")])
+def test_where_the_studies_are_missing_their_commands_say_what_to_install(
+    run: Run, command: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    for name in [name for name in sys.modules if name.split(".")[0] == "studies"]:
+        monkeypatch.delitem(sys.modules, name)
+    monkeypatch.setitem(sys.modules, "studies", None)  # as in a plain wheel: the import finds nothing
+    (line,) = run(*command, status=1).splitlines()
+    assert line.endswith(
+        "the studies are not part of the installed program; from a checkout of fieldkit: pip install -e ."
+    )
 
 
 SIMULATE = ("simulate", "--motor", "E35-5W", "--dry-mass-g", 448, "--diameter-mm", 66, "--cd", 0.659, "--alpha", 0.887)

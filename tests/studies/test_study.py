@@ -12,13 +12,13 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.flight import Flight
-from fieldkit.forecast.evaluation.histories import histories
-from fieldkit.forecast.evaluation.histories import page as histories_page
 from fieldkit.motors import catalogue
-from fieldkit.studies.paper.assumption_steps import Step, step, worlds
-from fieldkit.studies.paper.reference import Reference, reference
-from fieldkit.studies.paper.study import parts_of
-from fieldkit.studies.paper.two_flights import LIKELY, TwoFlights, two_flights
+from studies.histories import histories
+from studies.histories import page as histories_page
+from studies.paper.assumption_steps import Step, step, worlds
+from studies.paper.reference import Reference, reference
+from studies.paper.study import parts_of
+from studies.paper.two_flights import LIKELY, TwoFlights, two_flights
 
 CHECK_SHAPES = False
 

@@ -1,15 +1,18 @@
 """The library of physical terms that a missing force may be made of."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 
 from fieldkit.model.hyperprior import certified
-from fieldkit.physics.effect import effects
-from fieldkit.physics.state import State
+from fieldkit.physics.effect import Climb, LoggedForce, effects
+from fieldkit.physics.state import Force, State
 from fieldkit.selection.force.climb import Missing
 from fieldkit.shapes import Array, Float
+
+Column = Callable[[Missing], Float[Array, "time"]]
+"""What a term adds to the missing force along a climb, at a strength of one in the term's unit. [m/s^2]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -22,45 +25,51 @@ class Term:
     name: str
     effect: str
     unit: str
-    column: Callable[[Missing], Float[Array, "time"]]
+    column: Column
     luck: float = 0.0
 
 
 def library() -> list[Term]:
-    """Terms that a climb could show: those below, and the effects of the shelf that act as a force."""
+    """Terms that a climb could show: those below, and the effects that act as a force or show as one in a log."""
     luck = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
-    fixed = [
+    return [
         Term("drag", "", "share of Cd", lambda m: -m.drag, luck["drag"]),
-        Term("thrust", "motor_thrust", "share of the thrust", lambda m: m.thrust, luck["thrust"]),
-        Term(
-            "longer burn",
-            "thrust_curve",
-            "share of the burn time",
-            lambda m: -(m.thrust + m.track.time_from_liftoff * m.steepness),
-            luck["stretch"],
+        *(
+            Term(effect.logged.name, name, effect.unit, _seen(effect.logged), luck.get(effect.logged.scatter, 0.0))
+            for name, effect in effects().items()
+            if effect.logged is not None
         ),
-        Term("rail", "rail_friction", "m/s^2", lambda m: np.where(m.track.height < m.rocket.rail_length, -1.0, 0.0)),
         Term("constant", "", "m/s^2", lambda m: np.ones(len(m.force))),
         Term("linear in speed", "", "1/s", lambda m: -m.track.speed),
         Term("gain of the accelerometer", "", "share of the push", lambda m: m.thrust - m.drag),
+        *(
+            Term(effect.title, name, effect.unit, _pushed(effect.acceleration))
+            for name, effect in effects().items()
+            if effect.acceleration is not None
+        ),
     ]
-    return [*fixed, *_forces()]
 
 
-def _forces() -> Iterator[Term]:
-    """Effects of the shelf that bend the acceleration, at a strength of one."""
-    for name, effect in effects().items():
-        if effect.acceleration is None:
-            continue
+def _seen(logged: LoggedForce) -> Column:
+    """What an effect that bends the set-up adds along a climb, at a strength of one."""
 
-        def column(at: Missing, name: str = name) -> Float[Array, "time"]:
-            force, track = effects()[name].acceleration, at.track
-            assert force is not None
-            one = np.ones(len(at.force))
-            phases = [
-                force(State(track.height, track.speed, at.drag, burning, at.rocket.air), one)
-                for burning in (True, False)
-            ]
-            return np.where(at.burning, *phases)
+    def column(at: Missing) -> Float[Array, "time"]:
+        track = at.track
+        return logged.per_mass(
+            Climb(track.time_from_liftoff, track.height, at.thrust, at.steepness, at.rocket.rail_length)
+        )
 
-        yield Term(effect.title, name, effect.unit, column)
+    return column
+
+
+def _pushed(force: Force) -> Column:
+    """What an effect that bends the acceleration adds along a climb, at a strength of one."""
+
+    def column(at: Missing) -> Float[Array, "time"]:
+        track, one = at.track, np.ones(len(at.force))
+        phases = [
+            force(State(track.height, track.speed, at.drag, burning, at.rocket.air), one) for burning in (True, False)
+        ]
+        return np.where(at.burning, *phases)
+
+    return column

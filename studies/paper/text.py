@@ -2,7 +2,7 @@
 
 from typing import Any
 
-from fieldkit.studies.paper.report import Report
+from studies.paper.report import Report
 
 
 def findings(report: Report) -> list[str]:

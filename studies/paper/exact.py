@@ -10,7 +10,7 @@ from fieldkit.physics import paper
 from fieldkit.physics.flight import apogees
 from fieldkit.physics.thrust_steps import Burns
 from fieldkit.shapes import Array, Float
-from fieldkit.studies.paper.reference import Reference, heights
+from studies.paper.reference import Reference, heights
 
 Heights = Callable[[Float[Array, "*draw flight"], Float[Array, "*draw flight"]], Float[Array, "*draw flight"]]
 """Apogees of all flights at a Cd and an alpha of each. [m]"""

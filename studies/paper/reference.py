@@ -2,21 +2,18 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 
-import fieldkit
 from fieldkit.flight import Flight
 from fieldkit.importing.read import read
 from fieldkit.motors import catalogue
+from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.physics import paper
 from fieldkit.physics.flight import apogees
 from fieldkit.physics.thrust_steps import Burns, burns
 from fieldkit.shapes import Array, Flags, Float, Int
-
-TABLE = Path(fieldkit.__file__).parent / "data" / "reference_flights.csv"
 
 STATED = {
     "cd_mae": 0.088,
@@ -61,7 +58,7 @@ class Reference:
 
 def reference() -> Reference:
     """The twelve reference flights."""
-    flights = read(TABLE.read_bytes(), TABLE.name, lambda name: None).flights
+    flights = read(REFERENCE_FLIGHTS.read_bytes(), REFERENCE_FLIGHTS.name, lambda name: None).flights
 
     def column(name: str) -> Array:
         return np.array([float(flight.extra[name]) for flight in flights])

@@ -11,8 +11,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.special import gammaln
 
-from fieldkit.inference.validation.likelihood import LATENTS, PARAMETERS, Problem, log_likelihood, misses
 from fieldkit.shapes import Array, Float
+from studies.exact.likelihood import LATENTS, PARAMETERS, Problem, log_likelihood, misses
 
 ROUNDS = 2
 """Times the proposal adapts."""

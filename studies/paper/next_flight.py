@@ -10,8 +10,8 @@ from fieldkit.model.paper_prior_predictive import APOGEE_NOISE
 from fieldkit.physics import paper
 from fieldkit.physics.thrust_steps import Burns
 from fieldkit.shapes import Array, Float, Int
-from fieldkit.studies.paper.exact import cells
-from fieldkit.studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
+from studies.paper.exact import cells
+from studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
 
 Forecast = Callable[[Reference, Int[Any, "other"], int], float]
 """The apogee of a flight, by its row, from other flights, by theirs; nan where those say nothing. [m]"""

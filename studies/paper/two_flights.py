@@ -17,7 +17,7 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Flags, Float
-from fieldkit.studies.paper.reference import Reference
+from studies.paper.reference import Reference
 
 PAIR = ("1", "4")
 """The heavier flight (configuration B) and the lighter one (A), both on an E35-5W."""

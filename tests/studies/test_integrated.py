@@ -3,12 +3,12 @@
 import numpy as np
 import pytest
 
-from fieldkit.inference.validation.integrated import integrate
-from fieldkit.inference.validation.likelihood import LATENTS, Latent, log_likelihood, normals_of, parameters, problem
 from fieldkit.model.observation_noise import SUBSETS, measure
 from fieldkit.model.observations import ALPHA_SD
 from fieldkit.model.prior_predictive import flown_motors, simulate
 from fieldkit.motors import catalogue
+from studies.exact.integrated import integrate
+from studies.exact.likelihood import LATENTS, Latent, log_likelihood, normals_of, parameters, problem
 
 FLIGHTS = 6
 

@@ -6,9 +6,9 @@ from textwrap import fill
 import numpy as np
 
 from fieldkit.physics.effect import effects
-from fieldkit.studies.paper.reference import errors
-from fieldkit.studies.paper.study import Study, interval
-from fieldkit.studies.paper.two_flights import LIKELY, Cause
+from studies.paper.reference import errors
+from studies.paper.study import Study, interval
+from studies.paper.two_flights import LIKELY, Cause
 
 NAMES = {
     "apogee": "apogee",

@@ -12,9 +12,9 @@ from fieldkit.model.paper_prior_predictive import paper_draws
 from fieldkit.motors import catalogue
 from fieldkit.physics import paper
 from fieldkit.shapes import Array, Float
-from fieldkit.studies.paper.exact import bayes_limit, lowest, reconstructions
-from fieldkit.studies.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
-from fieldkit.studies.paper.reference import (
+from studies.paper.exact import bayes_limit, lowest, reconstructions
+from studies.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
+from studies.paper.reference import (
     CERTIFIED_NAMES,
     STATED,
     Reference,

@@ -13,10 +13,10 @@ from fieldkit.scoring.bootstrap import LEVELS, Interval, Judged, judge, resample
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
-from fieldkit.studies.paper.assumption_steps import Step, step, worlds
-from fieldkit.studies.paper.reference import Reference, reference
-from fieldkit.studies.paper.report import Report, report
-from fieldkit.studies.paper.two_flights import TwoFlights, two_flights
+from studies.paper.assumption_steps import Step, step, worlds
+from studies.paper.reference import Reference, reference
+from studies.paper.report import Report, report
+from studies.paper.two_flights import TwoFlights, two_flights
 
 
 @dataclass(frozen=True, slots=True)

@@ -16,9 +16,9 @@ from fieldkit.physics.setups import delays, field_setup
 from fieldkit.physics.state import Setup
 from fieldkit.physics.thrust_steps import Burns
 from fieldkit.shapes import Array, Float
-from fieldkit.studies.paper.exact import exact_means, lowest_in
-from fieldkit.studies.paper.next_flight import carry_over, leave_one_out
-from fieldkit.studies.paper.reference import Reference, certified, normalised
+from studies.paper.exact import exact_means, lowest_in
+from studies.paper.next_flight import carry_over, leave_one_out
+from studies.paper.reference import Reference, certified, normalised
 
 Each = Float[Array, "*draw flight"]
 Build = Callable[[Reference, Each, Each], Setup]

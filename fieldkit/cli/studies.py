@@ -1,0 +1,21 @@
+"""The studies stand beside the program in a checkout and in no wheel: whether they are here, and what to do if not."""
+
+from importlib.util import find_spec
+
+from fieldkit.errors import FieldkitError
+
+HOW = "from a checkout of fieldkit: pip install -e ."
+
+
+def studies_are_here() -> bool:
+    """Whether the studies can be imported."""
+    try:
+        return find_spec("studies.paper") is not None
+    except ModuleNotFoundError:
+        return False
+
+
+def need_studies() -> None:
+    """Raise FieldkitError that says what to install where the studies are missing."""
+    if not studies_are_here():
+        raise FieldkitError(f"the studies are not part of the installed program; {HOW}")

@@ -1,1 +1,0 @@
-"""Studies of the methods: the reference paper put to the test."""
