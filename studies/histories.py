@@ -11,7 +11,8 @@ from textwrap import fill
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.evaluation.forward_in_time import Forecast, tally
+from fieldkit.forecast.evaluation.comparison import judged_report
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, unflown
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.widen import widened_leftover
 from fieldkit.model.readout_data import observe
@@ -89,7 +90,7 @@ def _forecast(
     """How far a flight was missed without and with the loop closed on those before it, and the verdict then."""
     flight, motor = flown
     assert flight.apogee is not None
-    plan = (flight.with_changes(**dict.fromkeys(flight.readouts())), motor)
+    plan = (unflown(flight), motor)
     diagnosis = _close(before)
     wider = widened_leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
     (plain,) = predict(before, [plan], draws=DRAWS)
@@ -122,20 +123,21 @@ def _learning(forecasts: Sequence[Forecast]) -> Iterator[str]:
     """What it is worth to learn from earlier flights at all, in all rockets with two of them."""
     if not forecasts:
         return
-    ways, inside = tally(forecasts)
+    found = judged_report(forecasts)
     yield ""
     yield fill(
         f"And all {len(forecasts)} flights that had at least one clean flight of their rocket before them, "
-        "forecast from those, next to four simpler ways (`fieldkit score`):",
+        "forecast from those and from the flights of all other rockets before them, next to simpler ways "
+        "(`fieldkit score`):",
         118,
     )
     yield ""
-    yield "| forecast by | median error | mean error |"
-    yield "|---|---|---|"
-    for way in ways:
-        yield f"| {way.name} | {way.median_share:.1%} | {way.mean_share:.1%} |"
+    yield "| forecast by | flights | median error | mean error | CRPS |"
+    yield "|---|---|---|---|---|"
+    for way in found.ways:
+        yield f"| {way.name} | {way.flights} | {way.median_share:.1%} | {way.mean_share:.1%} | {way.crps:.1%} |"
     yield ""
-    yield f"Of these flights {inside:.0%} lay in the 90 % interval."
+    yield f"Of these flights {found.coverage90:.0%} lay in the 90 % interval."
 
 
 def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:

@@ -10,7 +10,7 @@ from fieldkit.cli.screen import complain, print_json, print_table, progress, say
 from fieldkit.cli.session import known_motors, open_ledger
 
 if TYPE_CHECKING:
-    from fieldkit.forecast.evaluation.rivals import Report
+    from fieldkit.forecast.evaluation.comparison import Report
 
 app = typer.Typer()
 
@@ -25,88 +25,95 @@ def score(
         Path | None,
         typer.Option(metavar="FILE", help="Draw the calibration too: .png, .svg or .pdf.", show_default=False),
     ] = None,
+    hyperprior: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Forecast with this hyperprior; nothing is kept.", hidden=True),
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
     from fieldkit.errors import NoFlights
-    from fieldkit.forecast.evaluation.forward_in_time import corrected_by_earlier, corrected_shares, forward
-    from fieldkit.forecast.evaluation.rivals import judged_report
-    from fieldkit.presentation.json_documents import finite, kept_document, score_document
-    from fieldkit.services.forecasts import flown, keep_forecasts, which_rocket
+    from fieldkit.forecast.evaluation.comparison import judged_report
+    from fieldkit.forecast.evaluation.forward_in_time import corrected_coverage, next_weights
+    from fieldkit.forecast.evaluation.rivals import LABELS
+    from fieldkit.presentation.json_documents import finite, kept_document, replayed_document
+    from fieldkit.services.forecasts import keep_forecasts, which_rocket
     from fieldkit.services.saved_forecasts import kept
-    from fieldkit.services.track_record import record
+    from fieldkit.services.track_record import read_hyperprior, record, replayed
 
     if out is not None:
         from fieldkit.presentation.report.score import check_picture
 
         check_picture(out)
+    other = read_hyperprior(hyperprior) if hyperprior else None
     with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
         motors = known_motors()
-        rockets = [which_rocket(ledger, rocket)] if rocket else ledger.names("rocket")
-        made = [one for name in rockets for one in kept(ledger, motors, name)]
+        name = which_rocket(ledger, rocket) if rocket else None
+        made = [one for one in kept(ledger, motors) if name in (None, one.made.rocket)]
         before = record(ledger, motors, made)
-        rows = [row for name in rockets for row in forward(name, flown(ledger, motors, name), tell=tell)]
-        rows = corrected_by_earlier(rows)
-        keep_forecasts(ledger, rows)
+        rows = replayed(ledger, motors, name, hyperprior=other, tell=tell)
+        if other is None:
+            keep_forecasts(ledger, rows)
     if not rows:
-        raise NoFlights("found no rocket with two clean flights that have an apogee, expected at least one")
-    replayed, said = judged_report(rows), judged_report(before) if before else None
+        raise NoFlights("found no clean flight with an apogee and a dry mass, expected at least one")
+    later, first = (judged_report([row for row in rows if bool(row.earlier) == known]) for known in (True, False))
+    said = judged_report(before) if before else None
     if out is not None:
         from fieldkit.presentation.report.score import write_picture
 
-        write_picture({"kept predictions": said, "replayed forward in time": replayed}, out)
+        pictures = {"kept predictions": said, "replayed forward in time": later, "first flights": first}
+        write_picture({title: report for title, report in pictures.items() if report and report.rows}, out)
         complain(f"calibration drawn to {out}")
+    weights = next_weights(rows)
     if json:
         stale = sum(one.stale for one in made if one.flown is not None)
-        print_json(finite({**score_document(replayed), "kept": None if said is None else kept_document(said, stale)}))
+        document = replayed_document(later, first, weights)
+        print_json(finite({**document, "kept": None if said is None else kept_document(said, stale)}))
         return
     if said is not None:
         say_wrapped(f"Predictions kept, made before the flight: {len(said.rows)} flown and clean")
         _print(said)
         say()
-    say_wrapped(f"Replayed forward in time: {len(rows)} flights, each forecast from the earlier ones of its rocket")
-    _print(replayed)
-    if corrected := corrected_shares(replayed.rows):
+    if later.rows:
         say_wrapped(
-            f"the intervals of the last {corrected['flights']} are corrected by how the ones before fared: "
-            f"{corrected['coverage90']:.0%} inside, {corrected['own_coverage90']:.0%} without"
+            f"Replayed forward in time: {len(later.rows)} flights, each forecast from the earlier ones of its rocket "
+            "and of all others"
         )
+        _print(later)
+        say()
+    if first.rows:
+        say_wrapped(
+            f"First flights of a rocket: {len(first.rows)}, each forecast from those of other rockets before it"
+        )
+        _print(first)
+        say()
+    if corrected := corrected_coverage(rows):
+        say_wrapped(
+            f"Intervals of the last {corrected['flights']} corrected by how the ones before fared would hold "
+            f"{corrected['coverage90']:.0%}, without correction {corrected['own_coverage90']:.0%}."
+        )
+    parts = ", ".join(f"{weight:.0%} {LABELS.get(way, way)}" for way, weight in weights.items() if weight)
+    say_wrapped(f"The next flight stacked would be {parts}.")
 
 
 def _print(found: "Report") -> None:
-    """Errors by each way, the difference to each rival, the verdict on the bar, and calibration."""
-    from fieldkit.forecast.evaluation.forward_in_time import tally
-    from fieldkit.forecast.evaluation.rivals import RIVALS
-    from fieldkit.presentation.score_text import against_the_bar, histogram
+    """Scores of each way, the difference to each rival, the verdicts, and calibration."""
+    from fieldkit.presentation.score_text import (
+        DIFFERENCES,
+        WAYS,
+        against_the_bar,
+        difference_rows,
+        histogram,
+        verdict_lines,
+        way_rows,
+    )
 
-    ways, inside = tally(found.rows)
-    cells = [
-        (
-            way.name,
-            str(way.flights),
-            f"{way.median_share:.1%}",
-            f"{way.mean_share:.1%}",
-            f"{way.mae:.1f}",
-            f"{way.bias:+.1f}",
-        )
-        for way in ways
-    ]
-    numbers = ("flights", "median", "mean", "MAE m", "bias m")
-    print_table(("forecast by", *numbers), cells, numbers=numbers)
-    say(f"{inside:.0%} in the 90 % interval; CRPS {found.crps:.1f} m")
+    print_table(WAYS, way_rows(found), numbers=WAYS[1:])
+    say(f"errors, CRPS and interval scores in percent of the apogee flown; the CRPS is {found.crps:.1f} m")
     say()
-    heads = ("rival", "our mean error is less by", "our CRPS is less by m", "")
-    rivals = [
-        (
-            RIVALS[one.rival],
-            "{:+.1%} ({:+.1%} to {:+.1%})".format(one.less, *one.interval),
-            "{:+.1f} ({:+.1f} to {:+.1f})".format(one.crps_less, *one.crps_interval),
-            one.verdict,
-        )
-        for one in found.against
-    ]
-    print_table(heads, rivals, numbers=heads[1:3])
-    for line in against_the_bar(found):
+    print_table(DIFFERENCES, difference_rows(found), numbers=DIFFERENCES[1:])
+    say("90 % bootstrap intervals in percent of the apogee flown, * where zero is outside")
+    for line in (*verdict_lines(found), *against_the_bar(found)):
         say_wrapped(line, "  ")
     say()
     for line in histogram(found.calibration):

@@ -36,16 +36,16 @@ def rockets(
     """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
     need_studies()
     from fieldkit.cli.screen import progress
-    from fieldkit.forecast.evaluation.forward_in_time import forward
     from fieldkit.progress import part
     from fieldkit.services.forecasts import flown
+    from fieldkit.services.track_record import replayed
     from studies.histories import histories, page
 
     with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
         motors = known_motors()
         known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
         found = histories(known, part(tell, 0.0, 0.7))
-        forecasts = [row for name, own in known.items() for row in forward(name, own, tell=part(tell, 0.7, 0.3))]
+        forecasts = [row for row in replayed(ledger, motors, tell=part(tell, 0.7, 0.3)) if row.earlier]
     _hand_out(page(found, forecasts, unnamed=unnamed), out)
 
 

@@ -1,13 +1,14 @@
 """What the loop found and how forecasts fared as JSON, under the keys of the contract."""
 
 from collections.abc import Mapping
-from dataclasses import asdict, fields
+from dataclasses import asdict
 from typing import Any
 
 import numpy as np
 
-from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_shares, tally
-from fieldkit.forecast.evaluation.rivals import Report
+from fieldkit.forecast.evaluation.comparison import Report
+from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage
+from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.scoring.proper_scores import crps, pit
 from fieldkit.selection.choice import Ranked
 from fieldkit.selection.force.log_evidence import document as testimony_document
@@ -15,7 +16,14 @@ from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import Compared, Findings
 
-FORWARD = "forward in time: each flight from the earlier ones of its rocket"
+FORWARD = "forward in time: each flight from the earlier ones of its rocket and of all others"
+MIDDLES = {
+    "certified": "uncalibrated",
+    "persistence": "flight_before",
+    "scaled": "scalar",
+    "repeated": "last_on_motor",
+}
+"""Keys under which the medians of rivals have been since the first version."""
 
 
 def loop_document(found: Findings) -> dict[str, Any]:
@@ -102,15 +110,21 @@ def _gain(compared: Compared) -> dict[str, Any]:
 
 def score_document(found: Report) -> dict[str, Any]:
     """Forecasts replayed forward in time, judged."""
-    ways, inside = tally(found.rows)
     return {
         "flights": [_forecast(row) for row in found.rows],
-        "errors": [asdict(way) for way in ways],
-        "coverage90": inside,
-        "corrected": corrected_shares(found.rows),
+        "errors": [asdict(way) for way in found.ways],
+        "coverage90": found.coverage90,
+        "corrected": corrected_coverage(found.rows),
         "evaluation": FORWARD,
         **found.json(),
     }
+
+
+def replayed_document(later: Report, first: Report, weights: Mapping[str, float]) -> dict[str, Any]:
+    """Flights with an earlier one of their rocket, judged; under `first_flights` those without. `weights` are those
+    that the next forecast would be stacked with."""
+    own = score_document(first) | {"evaluation": "forward in time: each flight from the earlier ones of other rockets"}
+    return {**score_document(later), "first_flights": own, "stacking": {"weights": dict(weights)}}
 
 
 def kept_document(found: Report, stale: int) -> dict[str, Any]:
@@ -121,9 +135,24 @@ def kept_document(found: Report, stale: int) -> dict[str, Any]:
 
 
 def _forecast(row: Forecast) -> dict[str, Any]:
-    named = {one.name: getattr(row, one.name) for one in fields(row) if one.name not in ("draws", "spreads")}
-    scores = {} if row.draws is None else {"pit": pit(row.draws, row.flown), "crps": crps(row.draws, row.flown)}
-    return {**named, "when": row.when.isoformat() if row.when else None, **scores}
+    rivals = {name: quantiles(draws, LEVELS).tolist() for name, draws in row.rivals.items()}
+    return {
+        "rocket": row.rocket,
+        "flight_id": row.flight_id,
+        "motor": row.motor,
+        "earlier": row.earlier,
+        "flown": row.flown,
+        "p05": row.p05,
+        "p50": row.p50,
+        "p95": row.p95,
+        **{key: rivals[name][1] if name in rivals else None for key, name in MIDDLES.items()},
+        "when": row.when.isoformat() if row.when else None,
+        "stretch": row.stretch,
+        "corrected": row.corrected,
+        "pit": pit(row.draws, row.flown),
+        "crps": crps(row.draws, row.flown),
+        "rivals": {name: dict(zip(("p05", "p50", "p95"), ends, strict=True)) for name, ends in rivals.items()},
+    }
 
 
 def finite(value: Any) -> Any:

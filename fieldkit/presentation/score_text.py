@@ -1,28 +1,64 @@
-"""How forecasts fared, in lines: errors beside the rivals', whether the bar is beaten, where flights lay."""
+"""How forecasts fared, in lines: scores beside the rivals', whether the bar is beaten, where flights lay."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
-from fieldkit.forecast.evaluation.forward_in_time import tally
-from fieldkit.forecast.evaluation.rivals import BAR
+from fieldkit.forecast.evaluation.rivals import BAR, LABELS
 
 if TYPE_CHECKING:
-    from fieldkit.forecast.evaluation.rivals import Report
+    from fieldkit.forecast.evaluation.comparison import Against, Report
+    from fieldkit.scoring.bootstrap import Difference
     from fieldkit.scoring.proper_scores import Calibration
 
 LONGEST = 30
 """Of a bar. [letters]"""
+WAYS = ("forecast by", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
+DIFFERENCES = ("fieldkit's is less by", "error", "CRPS", "interval score")
 
 
-def errors(found: "Report") -> Iterator[str]:
-    """What each way of forecasting missed by, and the share of flights in the intervals."""
-    ways, inside = tally(found.rows)
-    for way in ways:
-        yield (
-            f"{way.name}: {way.median_share:.1%} in the median of {way.flights}, {way.mean_share:.1%} in the mean, "
-            f"{way.mae:.1f} m"
+def way_rows(found: "Report") -> list[tuple[str, ...]]:
+    """A row of `WAYS` for the model and each rival, in percent of the apogee flown: median and mean absolute error,
+    median bias, CRPS, score of the 90 % interval, and flights inside of that."""
+    return [
+        (
+            way.name,
+            str(way.flights),
+            f"{way.median_share:.1%}",
+            f"{way.mean_share:.1%}",
+            f"{way.median_bias:+.1%}",
+            f"{way.crps:.1%}",
+            f"{way.interval_score:.0%}",
+            f"{way.coverage90:.0%}",
         )
-    yield f"{inside:.0%} in the 90 % interval; CRPS {found.crps:.1f} m"
+        for way in found.ways
+    ]
+
+
+def difference_rows(found: "Report") -> list[tuple[str, ...]]:
+    """A row of `DIFFERENCES` for each rival: by how much a mean score of the model is smaller, its 90 % bootstrap
+    interval in percent of the apogee flown, starred where that leaves out zero."""
+    return [
+        (LABELS[one.rival], _between(one.error), _between(one.crps), _between(one.interval_score, 0))
+        for one in found.against
+    ]
+
+
+def verdict_lines(found: "Report") -> Iterator[str]:
+    """The rivals that the mean absolute error is better, worse, or not clearly different from."""
+    for verdict, words in (
+        ("better", "Better than"),
+        ("worse", "WORSE than"),
+        ("unclear", "Not clearly apart from"),
+    ):
+        named = [LABELS[one.rival] for one in found.against if one.verdict == verdict]
+        if named:
+            yield f"{words}: {'; '.join(named)}."
+
+
+def _between(one: "Difference", digits: int = 1) -> str:
+    low, high = one.interval
+    mark = "" if one.verdict == "unclear" else "*"
+    return f"{100 * low:+.{digits}f} to {100 * high:+.{digits}f}{mark or ' '}"
 
 
 def against_the_bar(found: "Report") -> Iterator[str]:
@@ -34,12 +70,14 @@ def against_the_bar(found: "Report") -> Iterator[str]:
                 "worse": "The scalar correction is BETTER than fieldkit",
                 "unclear": "Whether the scalar correction is beaten, these flights cannot tell",
             }
-            yield f"{words[one.verdict]}: mean error {one.error:.1%} against {one.theirs:.1%} on {one.flights} flights."
+            yield f"{words[one.verdict]}: {_errors(one)}."
     for rocket, one in found.behind:
-        yield (
-            f"Not beaten on {rocket or 'no rocket'}: {one.error:.1%} against {one.theirs:.1%} on {one.flights} flights"
-            f"{', which may be chance' if one.verdict != 'worse' else ''}."
-        )
+        chance = ", which may be chance" if one.verdict != "worse" else ""
+        yield f"Not beaten on {rocket or 'no rocket'}: {_errors(one, mean='')}{chance}."
+
+
+def _errors(one: "Against", mean: str = "mean error ") -> str:
+    return f"{mean}{one.error.ours:.1%} against {one.error.theirs:.1%} on {one.flights} flights"
 
 
 def histogram(found: "Calibration") -> Iterator[str]:

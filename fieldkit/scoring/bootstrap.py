@@ -12,6 +12,8 @@ RESAMPLED = 2000
 """Times the flights are drawn anew, with replacement."""
 SEED = 5
 LEVELS = (0.05, 0.95)
+FEWEST = 5
+"""Flights from which on a difference has a verdict. [1]"""
 
 Interval = tuple[float, float]
 """Where a figure lies in nine of ten histories like this one."""
@@ -73,6 +75,41 @@ def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], see
     if not len(fell):
         return float("nan"), (float("nan"), float("nan"))
     return float(fell.mean()), ends_of(fell[resampled(len(fell))].mean(axis=1))
+
+
+@dataclass(frozen=True, slots=True)
+class Difference:
+    """The mean score of ours and of a rival on the same flights; `less` is by how much ours is smaller, with its 90 %
+    bootstrap interval, flights resampled in pairs."""
+
+    flights: int
+    ours: float
+    theirs: float
+    less: float
+    interval: Interval
+
+    @property
+    def verdict(self) -> str:
+        """`better`, `worse`, or `unclear` by these flights."""
+        low, high = self.interval
+        if self.flights < FEWEST or not low * high > 0:
+            return "unclear"
+        return "better" if low > 0 else "worse"
+
+    def json(self) -> dict[str, Any]:
+        """Every figure but the count, and the verdict."""
+        figures = {"ours": self.ours, "theirs": self.theirs, "less": self.less, "interval": list(self.interval)}
+        return figures | {"verdict": self.verdict}
+
+
+def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> Difference:
+    """The difference of two scores, smaller being better, each of the same flights."""
+    if not len(ours):
+        nan = float("nan")
+        return Difference(0, nan, nan, nan, (nan, nan))
+    less = theirs - ours
+    interval = ends_of(less[resampled(len(less))].mean(axis=1))
+    return Difference(len(less), float(ours.mean()), float(theirs.mean()), float(less.mean()), interval)
 
 
 def ends_of(values: Float[Array, "resample"]) -> Interval:

@@ -27,6 +27,14 @@ def crps(draws: Float[Array, "draw"], flown: float) -> float:
     return float(np.abs(ordered - flown).mean() - between / 2)
 
 
+def interval_score(low: float, high: float, flown: float, level: float = 0.9) -> float:
+    """The score of a central interval: its width, and 2 / (1 - level) times what a flight lies outside of it. [m]
+
+    Its expectation is smallest at the true quantiles (Gneiting and Raftery, 2007, section 6.2).
+    """
+    return (high - low) + 2 / (1 - level) * (max(low - flown, 0.0) + max(flown - high, 0.0))
+
+
 def pit(draws: Float[Array, "draw"], flown: float) -> float:
     """The share of a forecast below what was flown, half of what equals it. [1]"""
     return float((draws < flown).mean() + (draws == flown).mean() / 2)

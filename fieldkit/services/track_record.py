@@ -1,45 +1,91 @@
-"""Kept predictions whose flights came in, beside what the rivals would have said at that moment."""
+"""How forecasts fared: of flights replayed forward in time, and kept predictions whose flights came in."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 
+from fieldkit.errors import BadValue
 from fieldkit.flight import COLUMNS, Flight
-from fieldkit.forecast.evaluation.forward_in_time import Forecast, beside_rivals, certified, unflown
+from fieldkit.forecast.evaluation.forward_in_time import (
+    Forecast,
+    beside_rivals,
+    corrected_by_earlier,
+    forward,
+    unflown,
+    with_stacked,
+)
+from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.ledger import Ledger
-from fieldkit.motors import Catalogue, Found
-from fieldkit.services.forecasts import flown
+from fieldkit.model.hyperprior import Hyperprior, read_card
+from fieldkit.motors import Catalogue
+from fieldkit.progress import Tell, untold
+from fieldkit.services.forecasts import followed
 from fieldkit.services.provenance import TEACHES, Parts
 from fieldkit.services.saved_forecasts import Kept
-from fieldkit.shapes import Array, Float
 
-Simulated = tuple[Flight, Found, Float[Array, "draw"]]
+
+def replayed(
+    ledger: Ledger,
+    motors: Catalogue,
+    rocket: str | None = None,
+    *,
+    hyperprior: Hyperprior | None = None,
+    tell: Tell = untold,
+) -> list[Forecast]:
+    """Every clean flight of a ledger forecast from the flights of all rockets before it, in the order flown.
+
+    With `rocket` its flights alone are forecast, and their intervals corrected and stacked by how they alone fared.
+    """
+    flights = followed(ledger.flights(), motors)
+    return corrected_by_earlier(with_stacked(forward(flights, rocket, hyperprior=hyperprior, tell=tell)))
+
+
+def read_hyperprior(path: Path) -> Hyperprior:
+    """A hyperprior from its card in a file. Raises DamagedModel, BadValue."""
+    try:
+        return read_card(path.read_text("utf-8"), path.name)
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadValue(f"{path.name}: cannot be read ({error}), expected a hyperprior card") from error
 
 
 def record(ledger: Ledger, motors: Catalogue, found: Sequence[Kept]) -> list[Forecast]:
     """Predictions of clean flights with an apogee, the flight flown first in front.
 
-    The rivals know what the prediction knew: the flights that it rests on, and the plan as it was then.
+    The rivals know what the prediction knew: the flights of the rocket that it rests on, those of other rockets flown
+    before, and the plan as it was then.
     """
-    rows: list[Forecast] = []
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
-    for rocket in dict.fromkeys(one.made.rocket for one in scored):
-        history = flown(ledger, motors, rocket)
-        clean = [(flight, motor) for flight, motor in history if flight.clean and flight.apogee is not None]
-        taught = [(*both, draws) for both, draws in zip(clean, certified(clean), strict=True)]
-        rows += [_beside(one, taught, motors) for one in scored if one.made.rocket == rocket]
+    if not scored:
+        return []
+    known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean]
+    known = [one for one in known if one.flight.apogee is not None]
+    rows = [_beside(one, known, motors) for one in scored]
     return sorted(rows, key=lambda row: row.when.isoformat() if row.when else "")
 
 
-def _beside(one: Kept, taught: Sequence[Simulated], motors: Catalogue) -> Forecast:
+def _beside(one: Kept, known: Sequence[Simulated], motors: Catalogue) -> Forecast:
     assert one.flight is not None
     made: Parts = one.made.payload.get("made_from", {})
     knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == TEACHES}
-    earlier = [row for row in taught if row[0].flight_id in knew and row[0].flight_id != one.flight.flight_id]
     motor = motors.resolve(str(one.made.payload.get("motor") or one.flight.motor))
-    (simulated,) = certified([(as_planned(one.flight, made), motor)])
+    (planned,) = simulate([(as_planned(one.flight, made), motor)])
     likely = np.array(one.made.payload.get("likely_m", one.interval), float)
-    return beside_rivals(one.flight, motor, likely, simulated, earlier, one.interval)
+    plan = Simulated(one.flight, motor, planned.simulated)
+    return beside_rivals(plan, likely, one.interval, _known_then(one.flight, knew, known))
+
+
+def _known_then(flight: Flight, knew: set[str], known: Sequence[Simulated]) -> list[Simulated]:
+    """The flights of its rocket that a prediction rests on, and those of other rockets flown before the flight."""
+    itself = (flight.rocket, flight.flight_id)
+    names = [(one.flight.rocket, one.flight.flight_id) for one in known]
+    turn = names.index(itself) if itself in names else len(names)
+    own = [rocket == flight.rocket for rocket, _ in names]
+    return [
+        one
+        for row, one in enumerate(known)
+        if names[row] != itself and (names[row][1] in knew if own[row] else row < turn)
+    ]
 
 
 def as_planned(flight: Flight, made: Parts) -> Flight:

@@ -8,7 +8,8 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.files import write
-from fieldkit.forecast.evaluation.rivals import RIVALS, Report
+from fieldkit.forecast.evaluation.comparison import Report
+from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, styled
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
 
@@ -65,7 +66,7 @@ def _pits(panel: "Axes", report: Report) -> None:
 
 
 def _reliability(panel: "Axes", report: Report) -> None:
-    pits = [pit(row.draws, row.flown) for row in report.rows if row.draws is not None]
+    pits = [pit(row.draws, row.flown) for row in report.rows]
     curve = calibration(pits, CURVE).intervals
     low, high = np.array([one.expected for one in curve]).T
     panel.fill_between(CURVE, low, high, color=FAINT, alpha=0.18, linewidth=0)
@@ -81,13 +82,15 @@ def _reliability(panel: "Axes", report: Report) -> None:
 def _rivals(panel: "Axes", report: Report) -> None:
     rows = range(len(report.against))
     for row, one in zip(rows, report.against, strict=True):
-        low, high = (100 * end for end in one.interval)
+        low, high = (100 * end for end in one.error.interval)
         colour = {"better": AFTER, "worse": BEFORE}.get(one.verdict, FAINT)
         panel.plot([low, high], [row, row], color=colour, linewidth=4, alpha=0.5, solid_capstyle="butt")
-        panel.plot(100 * one.less, row, "o", color=colour, markersize=6)
-        panel.annotate(one.verdict, (100 * one.less, row), (0, 8), textcoords="offset points", ha="center", fontsize=8)
+        panel.plot(100 * one.error.less, row, "o", color=colour, markersize=6)
+        panel.annotate(
+            one.verdict, (100 * one.error.less, row), (0, 8), textcoords="offset points", ha="center", fontsize=8
+        )
     panel.axvline(0, color=INK, linewidth=1)
-    panel.set_yticks(list(rows), [RIVALS[one.rival] for one in report.against])
+    panel.set_yticks(list(rows), [LABELS[one.rival] for one in report.against])
     panel.set_ylim(len(report.against) - 0.5, -0.6)
     panel.margins(x=0.15)
     panel.set_title("against rivals")

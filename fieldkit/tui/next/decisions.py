@@ -13,7 +13,7 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
-    from fieldkit.forecast.evaluation.rivals import Report
+    from fieldkit.forecast.evaluation.comparison import Report
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Motor
@@ -104,14 +104,13 @@ class Decision:
         return decision_plots.of_kept(Answer(tuple(words)), found, self.system)
 
     def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
-        """How good forecasts of this rocket are: of each flight from those before it."""
-        from fieldkit.forecast.evaluation.forward_in_time import corrected_by_earlier, forward
-        from fieldkit.forecast.evaluation.rivals import judged_report
+        """How good forecasts of this rocket are: of each flight from those of all rockets before it."""
+        from fieldkit.forecast.evaluation.comparison import judged_report
         from fieldkit.presentation.score_text import against_the_bar, histogram
-        from fieldkit.services.forecasts import flown
+        from fieldkit.services.track_record import replayed
 
         rocket = self.plan.rocket
-        rows = corrected_by_earlier(forward(rocket, flown(ledger, motors, rocket)))
+        rows = [row for row in replayed(ledger, motors, rocket) if row.earlier]
         if not rows:
             return Answer(("Two clean flights with an apogee are needed: each is forecast from those before it.",))
         found = judged_report(rows)
@@ -151,15 +150,12 @@ class Decision:
 
 def _missed(found: "Report", system: str) -> Iterator[str]:
     """What each way of forecasting missed by, and the share of flights in the intervals, as a table."""
-    from fieldkit.forecast.evaluation.forward_in_time import tally
-
-    ways, inside = tally(found.rows)
     yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
-    for way in ways:
+    for way in found.ways:
         mean = measure(cards.APOGEE, way.mae, system)
         alone = f" (of {way.flights})" if way.flights < len(found.rows) else ""
         yield f"{way.median_share:6.1%}{way.mean_share:7.1%}{mean:>9}  {way.name}{alone}"
-    yield f"{inside:.0%} in the 90 % interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
+    yield f"{found.coverage90:.0%} in the 90 % interval; CRPS {measure(cards.APOGEE, found.crps, system)}"
 
 
 def rule_of(year: int) -> "Season":

@@ -1,0 +1,54 @@
+"""What a flyer has before any calibration: one simulation with a certified motor and a typical drag coefficient.
+
+It rests on nothing that was learned from flights, so that it stays the same yardstick whatever the model learns.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.model.rocket_model import reference_area
+from fieldkit.motors import Found
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.shapes import Array, Float
+
+NOMINAL_CD = 0.6
+"""On the frontal area of the body, of a model rocket as built (Mandell, Caporaso and Bengen, Topics in Advanced Model
+Rocketry, 1973, give 0.4 to 0.8). [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Simulated:
+    """A flight beside its uncalibrated forecast. [m]"""
+
+    flight: Flight
+    found: Found
+    simulated: float
+
+    @property
+    def ratio(self) -> float:
+        """Apogee flown over simulated, nan for a flight without one. [1]"""
+        flown = self.flight.apogee
+        return flown / self.simulated if flown is not None and self.simulated > 0 else float("nan")
+
+
+def simulate(flown: Sequence[tuple[Flight, Found]]) -> list[Simulated]:
+    """Every flight with the apogee that the altimeter would show at the nominal Cd and certified thrust.
+
+    The area is that of the body, or by the law of thumb of the flight's own dry mass. 0 m for a flight that does not
+    leave the pad. Raises ImpossibleFlight for one without a dry mass.
+    """
+    if not flown:
+        return []
+    flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
+    shown = fly(field_setup(flights, found, NOMINAL_CD * reference_area(flights, 0))).readouts()["apogee"]
+    apogees = np.nan_to_num(shown).tolist()
+    return [Simulated(*both, apogee) for both, apogee in zip(flown, apogees, strict=True)]
+
+
+def uncalibrated(_earlier: Sequence[Simulated], plan: Simulated) -> Float[Array, "draw"]:
+    """The simulation itself, one number. [m]"""
+    return np.array([plan.simulated])
