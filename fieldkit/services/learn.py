@@ -1,0 +1,147 @@
+"""Learn the hyperprior from the exports of several flyers, and say how good forecasts of rockets left out are."""
+
+import hashlib
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from fieldkit import __version__
+from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.model.hyperprior import START, Hyperprior, learned
+from fieldkit.motors import Catalogue, Found
+from fieldkit.progress import Tell, part, untold
+from fieldkit.services.imports import gather
+
+Flown = list[tuple[Flight, Found]]
+
+FULL_ROUNDS, FULL_STEPS = 4, 25
+"""Rounds of linearization and steps in each when all flights are learned from."""
+LEFT_OUT_ROUNDS, LEFT_OUT_STEPS = 1, 12
+"""The same without one rocket, from where all flights led to: one rocket of forty moves little."""
+
+
+@dataclass(frozen=True, slots=True)
+class Flyer:
+    """The flights of one flyer, in the order flown, and the digests of the files that they came in."""
+
+    name: str
+    flown: Flown
+    digests: Mapping[str, str]
+
+    @property
+    def rockets(self) -> dict[str, Flown]:
+        """The clean flights, rocket by rocket."""
+        found: dict[str, Flown] = {}
+        for flight, motor in self.flown:
+            if flight.clean and flight.readouts():
+                found.setdefault(flight.rocket, []).append((flight, motor))
+        return found
+
+
+def read_flyer(path: Path, motors: Catalogue) -> Flyer:
+    """The flights of one flyer: of a flight table, or of a folder of files. Raises FieldkitError, NoFlights."""
+    paths = sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
+    gathered = gather(paths, motors.complaint)
+    known: Flown = []
+    for arrival in gathered.arrivals:
+        try:
+            known.append((arrival.flight, motors.resolve(arrival.flight.motor)))
+        except UnknownMotor:
+            continue
+    usable = [(flight, motor) for flight, motor in known if flight.dry_mass is not None]
+    if not usable:
+        raise NoFlights(f"{path}: found no flight with a dry mass and a known motor, expected at least one")
+    dated = sorted(usable, key=lambda one: (one[0].date_time is not None, str(one[0].date_time or "")))
+    digests = {file.name: hashlib.sha256(file.read_bytes()).hexdigest() for file in paths}
+    return Flyer(path.stem, dated, digests)
+
+
+def learn(flyers: Sequence[Flyer], *, afresh: bool = False, tell: Tell = untold) -> Hyperprior:
+    """The hyperprior that the flights of some flyers ask for, from the one in use, or `afresh` from `START`."""
+    from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
+
+    start = START if afresh else learned()
+    fleets = [list(flyer.rockets.values()) for flyer in flyers]
+    found = learn_hyperprior(fleets, start, FULL_ROUNDS, FULL_STEPS, tell=tell)
+    about = {
+        "name": "hyperprior",
+        "command": f"fieldkit learn {'--afresh ' if afresh else ''}{' '.join(flyer.name for flyer in flyers)}",
+        "made_with": {"fieldkit": __version__},
+        "data": [
+            {"flyer": flyer.name, "flights": len(flyer.flown), "rockets": len(flyer.rockets), "sha256": flyer.digests}
+            for flyer in flyers
+        ],
+        "log_evidence": {"before": evidence(fleets, start), "after": evidence(fleets, found)},
+    }
+    return replace(found, about=about)
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """A rocket whose flights are to be forecast with a hyperprior that was learned without them."""
+
+    flyers: tuple[Flyer, ...]
+    flyer: int
+    rocket: str
+    hyperprior: Hyperprior
+    afresh: bool
+
+
+def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = False) -> Iterator[LeftOut]:
+    """Every rocket of every flyer, to be left out in turn."""
+    for number, flyer in enumerate(flyers):
+        for rocket in flyer.rockets:
+            yield LeftOut(tuple(flyers), number, rocket, hyperprior, afresh)
+
+
+def forecasts_of(work: LeftOut) -> "list[Any]":
+    """Forecasts, forward in time, of a rocket's flights by a hyperprior that never saw any of them."""
+    from fieldkit.forecast.evaluation.forward_in_time import forward
+    from fieldkit.inference.laplace.learning import learn_hyperprior
+
+    fleets = [
+        [own for rocket, own in flyer.rockets.items() if (number, rocket) != (work.flyer, work.rocket)]
+        for number, flyer in enumerate(work.flyers)
+    ]
+    without = learn_hyperprior(
+        [fleet for fleet in fleets if fleet],
+        START if work.afresh else learned(),
+        LEFT_OUT_ROUNDS,
+        LEFT_OUT_STEPS,
+        begin=work.hyperprior,
+    )
+    return forward(work.flyers[work.flyer].flown, work.rocket, hyperprior=without)
+
+
+def check(
+    flyers: Sequence[Flyer],
+    hyperprior: Hyperprior,
+    *,
+    afresh: bool = False,
+    pool: Executor | None = None,
+    tell: Tell = untold,
+) -> "dict[str, list[Any]]":
+    """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
+    works = list(left_out(flyers, hyperprior, afresh=afresh))
+    apply: Callable[..., Iterator[list[Any]]] = pool.map if pool else map
+    found: dict[str, list[Any]] = {flyer.name: [] for flyer in flyers}
+    for number, (work, rows) in enumerate(zip(works, apply(forecasts_of, works), strict=True)):
+        tell(f"without {work.rocket}", (number + 1) / len(works))
+        found[flyers[work.flyer].name] += rows
+    for flyer in flyers:
+        order = {(one.rocket, one.flight_id): place for place, (one, _) in enumerate(flyer.flown)}
+        found[flyer.name].sort(key=lambda row: order[row.rocket, row.flight_id])
+    return found
+
+
+def scores(checked: "Mapping[str, Sequence[Any]]") -> dict[str, Any]:
+    """Scores of forecasts of rockets left out, and of their rivals, by flyer: what the card says of them."""
+    from fieldkit.forecast.evaluation.comparison import compared_ways
+
+    return {name: compared_ways(rows) for name, rows in checked.items()}
+
+
+__all__ = ["Flyer", "check", "learn", "part", "read_flyer", "scores"]
