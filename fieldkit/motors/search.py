@@ -19,7 +19,8 @@ _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 class Listing:
     """What a search looks at; `motor()` is the motor itself, curve and all.
 
-    `words` are its case and its propellant; `own` marks a motor of the flyer's files.
+    `words` are its case and its propellant; `former` is the designation that it had before; `own` marks a motor
+    of the flyer's files.
     """
 
     maker: str
@@ -31,6 +32,7 @@ class Listing:
     words: str
     motor: Callable[[], Motor]
     own: bool = False
+    former: str = ""
 
     @property
     def label(self) -> str:
@@ -134,6 +136,8 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
         fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) == name.squeezed]
+    if not fitting and name.core:
+        fitting = [listing for listing in _all(shelf) if listing.former and _formerly(listing, name)]
     fitting = [
         listing
         for listing in fitting
@@ -149,6 +153,20 @@ def _fits(listing: Listing, name: Name) -> bool:
     return compatible(name.letters, listing.letters) and name.prefix in (
         "",
         parse(listing.designation).prefix,
+    )
+
+
+def _formerly(listing: Listing, name: Name) -> bool:
+    """Whether a name fits the designation that a motor had before."""
+    former = parse(listing.former)
+    return (
+        former.core == name.core
+        and compatible(name.letters, former.letters)
+        and name.prefix
+        in (
+            "",
+            former.prefix,
+        )
     )
 
 
