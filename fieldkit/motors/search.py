@@ -3,14 +3,21 @@
 import difflib
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
 from fieldkit.motors.motor import PLUGGED, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
+_BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
+"""AMW's older designations: propellant, diameter and case."""
+_SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
+"""Letters and delay in the wrong order, as the letters of `F24-W4`."""
 _SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
+_DRILLED = {"AeroTech": (0.0, 2.0, 4.0, 6.0, 8.0), "Cesaroni": (0.0, 3.0, 5.0, 7.0, 9.0)}
+"""By how much the drilling tools of makers shorten a delay, up to 38 mm. [s]"""
 _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by how widely they are flown: up to class E, and above it."""
 
@@ -41,7 +48,9 @@ class Listing:
 
     @property
     def letters(self) -> str:
-        """The letters of its designation, and the T that Estes prints on its 13 mm motors."""
+        """The letters of its designation, of AMW's `GG-54-2550` the first two, the T of Estes' 13 mm motors."""
+        if case := _BY_CASE.fullmatch(self.designation):
+            return case[1]
         letters = parse(self.designation).letters
         return "T" if not letters and self.maker == "Estes" and self.diameter == 0.013 else letters
 
@@ -96,7 +105,7 @@ def search(shelf: Shelf, text: str) -> list[Motor]:
 
     The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
     """
-    name = parse(text)
+    name = parse(text, _own_makers(shelf))
     meant = _fitting(shelf, name, name.maker)
     words = tidy(text).replace(" MM", "MM").split()
     fitting = [listing for listing in _all(shelf) if all(map(listing.mentions, words))]
@@ -124,7 +133,7 @@ def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing
             f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
             "expected a single one such as C6-5"
         )
-    name = parse(f"{maker} {text}" if maker else text)
+    name = parse(f"{maker} {text}" if maker else text, _own_makers(shelf))
     candidates = _fitting(shelf, name, name.maker)
     if not candidates:
         raise UnknownMotor(_unknown(shelf, text, name))
@@ -135,7 +144,8 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
     fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
-        fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) == name.squeezed]
+        ways = (name.squeezed, name.squeezed.removesuffix("P"))
+        fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) in ways]
     if not fitting and name.core:
         fitting = [listing for listing in _all(shelf) if listing.former and _formerly(listing, name)]
     fitting = [
@@ -146,6 +156,7 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     fitting = _narrow(fitting, lambda listing: listing.own)
     fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
     fitting = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
+    fitting = _narrow(fitting, lambda listing: name.letters != "" != listing.letters)
     return _narrow(fitting, lambda listing: name.delay in listing.delays)
 
 
@@ -175,16 +186,32 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
 
 
 def _found(name: Name, listing: Listing, note: str = "") -> Found:
-    motor = listing.motor()
+    motor = _drilled(listing.motor(), name)
     notes = [note] if note else []
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
-    if name.delay is not None and listing.delays and name.delay not in listing.delays:
+    if name.delay is not None and motor.delays and name.delay not in motor.delays:
         asked = "plugged" if name.delay == PLUGGED else f"a delay of {name.delay:g} s"
-        notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(listing.delays)}")
+        notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
+        if any(one.field == "delays" and not one.applied for one in motor.corrections):
+            notes.append(f"that list is an old one; give the longest delay on the bag, as {listing.designation}-14A")
     if motor.estimated:
         notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not on record, estimated")
     return Found(motor, name.delay, tuple(notes))
+
+
+@cache
+def _drilled_to(motor: Motor, longest: float) -> Motor:
+    """The motor with the delays that its longest can be drilled to, one object for each."""
+    shorter = _DRILLED[motor.maker]
+    return replace(motor, delays=tuple(sorted(longest - less for less in shorter if longest > less)))
+
+
+def _drilled(motor: Motor, name: Name) -> Motor:
+    """The motor as the bag says: `H128W-14A` can be drilled to 12, 10, 8 and 6 s, whatever the record has."""
+    if not name.adjustable or name.delay is None or name.delay in motor.delays or motor.maker not in _DRILLED:
+        return motor
+    return _drilled_to(motor, name.delay) if motor.diameter < 0.05 else motor
 
 
 def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
@@ -206,12 +233,23 @@ def _thrust(name: str) -> float:
     return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
+def _own_makers(shelf: Shelf) -> set[str]:
+    """The makers of the flyer's own motors."""
+    return {listing.maker for listing in _all(shelf) if listing.own and listing.maker}
+
+
 def _all(shelf: Shelf) -> Iterable[Listing]:
     return (listing for listings in shelf.values() for listing in listings)
 
 
 def _unknown(shelf: Shelf, text: str, name: Name) -> str:
     elsewhere = shelf.get(name.core, ())
+    if elsewhere and (swapped := _SWAPPED.fullmatch(name.letters)):
+        meant = f"{name.core}-{swapped[2]}{swapped[1]}"
+        labels = ", ".join(listing.label for listing in _fitting(shelf, parse(meant), name.maker))
+        return (
+            f"{text.strip()!r}: found letters before a delay; did you mean {meant}{f' ({labels})' if labels else ''}?"
+        )
     near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
     return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
