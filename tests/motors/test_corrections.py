@@ -15,7 +15,7 @@ from fieldkit.motors.corrections import CONFIDENCES, Correction, read_correction
 from fieldkit.planning.limits import limits
 from fieldkit.planning.safety import why_high_power
 
-TOOLS = Path(__file__).parents[1] / "tools"
+TOOLS = Path(__file__).parents[2] / "tools"
 
 
 def _tool(name: str) -> ModuleType:

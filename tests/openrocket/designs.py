@@ -1,6 +1,6 @@
 """Small OpenRocket designs written for the tests, from the figures of the examples that OpenRocket 24.12 comes with.
 
-`openrocket_examples.csv` has those figures: 17 designs, 60 simulations. A design here has the diameter of its example,
+`examples.csv` has those figures: 17 designs, 60 simulations. A design here has the diameter of its example,
 its mass as a weighed stage, and for every simulation a stored flight with its top speed, times and Cd, written as
 that version does: three decimals. Nothing else is the example's.
 """
@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-TABLE = Path(__file__).with_name("openrocket_examples.csv")
+TABLE = Path(__file__).with_name("examples.csv")
 TYPES = (
     "Time,Altitude,Vertical velocity,Total velocity,Mass,Motor mass,Drag force,Drag coefficient,"
     "Reference length,Reference area,Air density"

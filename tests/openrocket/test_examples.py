@@ -12,7 +12,7 @@ from fieldkit.flight import Flight
 from fieldkit.motors import Found, catalogue
 from fieldkit.openrocket import Design, read_design
 from fieldkit.physics.single import field_flight
-from tests.designs import Example, decimals, design, examples
+from tests.openrocket.designs import Example, decimals, design, examples
 
 EXAMPLES = examples()
 SIMULATIONS = [(name, place, row) for name, rows in EXAMPLES for place, row in enumerate(rows)]
