@@ -3,12 +3,14 @@
     python tools/motors.py [thrustcurve-db.json]
 
 Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes.
-Figures that documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else.
+Figures that documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors
+that are newer than the package (`fieldkit/data/motor_additions.csv`) added with a curve drawn from their letters.
 Motors without samples, or whose samples disagree with what was certified, are left out and listed;
 a mass that is missing is estimated by the rules of `_repair_propellant` and `_casing` and marked.
 """
 
 import argparse
+import csv
 import gzip
 import hashlib
 import json
@@ -50,6 +52,11 @@ SOURCE_KEYS = {
     "delays": "delays",
 }
 """Fields of a correction as the package names them."""
+
+ADDITIONS = CORRECTIONS.with_name("motor_additions.csv")
+"""Motors that are newer than the package."""
+PEAK, FALLING = 0.1, 0.75
+"""When an estimated curve has its peak, and how long it then falls slowly, of its burn. [1]"""
 
 Row = dict[str, Any]
 Corrections = Mapping[tuple[str, str], Sequence[Correction]]
@@ -119,7 +126,7 @@ def row(motor: Row) -> Row:
         "case": motor.get("caseInfo") or "",
         "propellant": motor.get("propInfo") or "",
         "url": motor.get("infoUrl") or "",
-        "estimated": [],
+        "estimated": list(motor.get("estimated", [])),
         "corrections": motor.get("corrections", []),
         "curve": " ".join(f"{t:.7g} {f:.7g}" for t, f in zip(time, thrust, strict=True)),
     }
@@ -204,12 +211,53 @@ def unfit(entry: Row) -> str:
     return "propellant heavier than the motor" if entry["casing_g"] <= 0 else ""
 
 
-def build(motors: list[Row], digest: str, corrections: Corrections | None = None) -> Row:
+def additions(table: Path = ADDITIONS) -> list[Row]:
+    """Motors that a letter certifies and the source lacks, as it would have them.
+
+    The thrust rises to its peak within a tenth of the burn, falls in a line for three quarters of it to what the
+    impulse asks for, and then to nothing: impulse, peak and burn time are the letter's, the shape is estimated.
+    Raises BadValue for figures that no such curve has.
+    """
+    with table.open(encoding="utf-8", newline="") as file:
+        return [_added(one) for one in csv.DictReader(file)]
+
+
+def _added(one: dict[str, str]) -> Row:
+    total, peak, burn = (float(one[key]) for key in ("total_impulse_ns", "peak_n", "burn_s"))
+    later = (total / (peak * burn) - (PEAK + FALLING) / 2) / ((1 - PEAK) / 2)
+    if not 0 < later <= 1:
+        raise BadValue(f"{one['designation']}: found a peak of {peak:g} N and {total:g} N s, expected a falling curve")
+    samples = [[0.0, 0.0], [PEAK * burn, peak], [(PEAK + FALLING) * burn, later * peak], [burn, 0.0]]
+    return {
+        "motorId": one["designation"],
+        "manufacturerAbbrev": one["maker"],
+        "commonName": one["name"],
+        "designation": one["designation"],
+        "impulseClass": one["class"],
+        "type": one["kind"],
+        "diameter": float(one["diameter_mm"]),
+        "length": float(one["length_mm"]),
+        "totImpulseNs": total,
+        "avgThrustN": float(one["average_n"]),
+        "maxThrustN": peak,
+        "propWeightG": float(one["propellant_g"]),
+        "totalWeightG": float(one["loaded_g"]),
+        "propInfo": one["propellant"],
+        "delays": one["delays"],
+        "availability": "regular",
+        "updatedOn": "",
+        "samples": samples,
+        "estimated": ["thrust curve", "diameter"],
+        "corrections": as_rows([Correction("motor", "", "added", "likely", one["source"])]),
+    }
+
+
+def build(motors: list[Row], digest: str, corrections: Corrections | None = None, added: Sequence[Row] = ()) -> Row:
     """The catalogue as one document: where it is from, what was left out, and a row per motor."""
     rows: list[Row] = []
     left_out: dict[str, list[str]] = defaultdict(list)
     corrections = corrections or {}
-    motors = corrected(motors, corrections)
+    motors = [*corrected(motors, corrections), *added]
     for motor in sorted(motors, key=lambda motor: motor["motorId"]):
         try:
             rows.append(row(motor))
@@ -258,7 +306,7 @@ def main() -> None:
     options = arguments.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         source = (options.data or fetch(Path(folder))).read_bytes()
-    document = build(json.loads(source), hashlib.sha256(source).hexdigest(), read_corrections())
+    document = build(json.loads(source), hashlib.sha256(source).hexdigest(), read_corrections(), additions())
     options.out.write_bytes(packed(document))
     counts = {why: len(names) for why, names in document["left_out"].items()}
     print(f"{options.out}: {document['kept']} of {document['read']} motors; left out {counts}")

@@ -49,7 +49,8 @@ class Correction:
         what, unit = QUANTITIES.get(self.field, (self.field, ""))
         now, was = f"{self.value} {unit}".strip(), self.was or "none"
         if self.applied:
-            return f"{what} {now} instead of {was} ({self.confidence}: {self.source})"
+            before = f" instead of {was}" if self.field != "motor" else ""
+            return f"{what} {now}{before} ({self.confidence}: {self.source})"
         other = f"; {now} by another document" if self.value else ""
         return f"{what} {was}{other} (open: {self.source})"
 

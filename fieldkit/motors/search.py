@@ -15,6 +15,8 @@ _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
 _SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 """Letters and delay in the wrong order, as the letters of `F24-W4`."""
+_WORD = 3
+"""From so many letters on they may be a maker and not a propellant."""
 _SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
 _DRILLED = {"AeroTech": (0.0, 2.0, 4.0, 6.0, 8.0), "Cesaroni": (0.0, 3.0, 5.0, 7.0, 9.0)}
 """By how much the drilling tools of makers shorten a delay, up to 38 mm. [s]"""
@@ -105,7 +107,7 @@ def search(shelf: Shelf, text: str) -> list[Motor]:
 
     The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
     """
-    name = parse(text, _own_makers(shelf))
+    name = _parsed(shelf, text)
     meant = _fitting(shelf, name, name.maker)
     words = tidy(text).replace(" MM", "MM").split()
     fitting = [listing for listing in _all(shelf) if all(map(listing.mentions, words))]
@@ -133,7 +135,7 @@ def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing
             f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
             "expected a single one such as C6-5"
         )
-    name = parse(f"{maker} {text}" if maker else text, _own_makers(shelf))
+    name = _parsed(shelf, f"{maker} {text}" if maker else text)
     candidates = _fitting(shelf, name, name.maker)
     if not candidates:
         raise UnknownMotor(_unknown(shelf, text, name))
@@ -233,9 +235,12 @@ def _thrust(name: str) -> float:
     return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
-def _own_makers(shelf: Shelf) -> set[str]:
-    """The makers of the flyer's own motors."""
-    return {listing.maker for listing in _all(shelf) if listing.own and listing.maker}
+def _parsed(shelf: Shelf, text: str) -> Name:
+    """What a text says, the makers of own motors among it; they are looked for where words are left over."""
+    name = parse(text)
+    if name.core and len(name.letters) < _WORD:
+        return name
+    return parse(text, {listing.maker for listing in _all(shelf) if listing.own and listing.maker})
 
 
 def _all(shelf: Shelf) -> Iterable[Listing]:

@@ -128,6 +128,7 @@ def test_a_name_that_was_changed_still_finds_its_motor(old: str, new: str) -> No
         ("G75M-11", "its certified average thrust of 87.5 N"),
         ("HP-G75M", "the HP in its designation"),
         ("AeroTech G79W", "the average thrust of its curve"),  # stated is 79, the number of its name
+        ("F115SN", "its certified average thrust of 114.2 N"),
         ("H128W", "more than 160 N s"),
         ("F24W", ""),
     ],
@@ -149,11 +150,34 @@ def test_the_table_of_corrections_is_whole() -> None:
     shipped = [one for motor in catalogue().motors for one in motor.corrections]
     written = read_corrections()
     assert known
+    shipped = [one for one in shipped if one.field != "motor"]
     assert {one.confidence for ones in written.values() for one in ones} == set(CONFIDENCES)
     assert catalogue().about["corrections"] == {
         sure: sum(one.confidence == sure for ones in written.values() for one in ones) for sure in CONFIDENCES
     }
     assert set(shipped) <= {one for ones in written.values() for one in ones}
+
+
+@pytest.mark.parametrize(
+    ("name", "impulse", "peak", "burn"), [("F115SN", 79.15, 146.7, 0.69), ("G73C", 128.64, 89.9, 1.85)]
+)
+def test_a_motor_of_a_letter_has_its_impulse_peak_and_burn(name: str, impulse: float, peak: float, burn: float) -> None:
+    """Source: TMT letters of 16 October 2025."""
+    motor = _motor(name)
+    assert motor.total_impulse == impulse
+    assert motor.peak_thrust == pytest.approx(peak, rel=0.001)
+    assert motor.burn_time == pytest.approx(burn, rel=0.02)
+    assert motor.estimated == ("thrust curve", "diameter")
+    assert motor.corrections[0].text().startswith("motor added (likely: TMT draft letter")
+
+
+def test_figures_that_no_falling_curve_has_are_refused(tmp_path: Path) -> None:
+    tool = _tool("motors")
+    table = tmp_path / "additions.csv"
+    header, first, *_ = tool.ADDITIONS.read_text(encoding="utf-8").splitlines()
+    table.write_text(f"{header}\n{first.replace('146.7', '46.7')}\n", encoding="utf-8")
+    with pytest.raises(BadValue, match=r"F115SN-12A: found a peak of 46.7 N"):
+        tool.additions(table)
 
 
 @pytest.mark.parametrize(
