@@ -11,6 +11,8 @@ from fieldkit.motors.motor import PLUGGED, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
+_BEYOND = re.compile(r"[P-T]\d{3,}")
+"""Motors that no maker sells: `P4935`."""
 _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
 _SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
@@ -157,9 +159,10 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     ]
     fitting = _narrow(fitting, lambda listing: listing.own)
     fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
-    fitting = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
     fitting = _narrow(fitting, lambda listing: name.letters != "" != listing.letters)
-    return _narrow(fitting, lambda listing: name.delay in listing.delays)
+    exact = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
+    sold = [listing for listing in fitting if name.delay in listing.delays]
+    return [listing for listing in exact if listing in sold] or sold or exact
 
 
 def _fits(listing: Listing, name: Name) -> bool:
@@ -248,6 +251,10 @@ def _all(shelf: Shelf) -> Iterable[Listing]:
 
 
 def _unknown(shelf: Shelf, text: str, name: Name) -> str:
+    if _BEYOND.match(tidy(text)):
+        return (
+            f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
+        )
     elsewhere = shelf.get(name.core, ())
     if elsewhere and (swapped := _SWAPPED.fullmatch(name.letters)):
         meant = f"{name.core}-{swapped[2]}{swapped[1]}"

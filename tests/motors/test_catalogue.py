@@ -64,6 +64,8 @@ UNMISTAKABLE = {
     "L1080BB (AMW)": ("AMW BB-75-3500", None),
     "I205 (CTI)": ("Cesaroni I205", None),
     "N2700W": ("AeroTech N2700W-PS", None),
+    "G77-7R": ("AeroTech G77R/L", 7),  # of two with an R the one that is sold so
+    "G77-8R": ("AeroTech G77R", 8),
     "HyperTEK 2800CC172L-L540-P": ("Hypertek 2800CC172L-L540", None),
 }
 
@@ -154,6 +156,8 @@ def test_a_single_motor_is_no_cluster(text: str) -> None:
         ("banana F24", "AeroTech F24W"),
         ("", "a name such as F24-4W"),
         ("F24-W4", "did you mean F24-4W (AeroTech F24W)?"),
+        ("P4935", "above O"),
+        ("O10000 (Kosdon)", "Cesaroni 40960O8000-P"),
         ("F24-X9", "did you mean F24-9X?"),
     ],
 )
