@@ -20,8 +20,6 @@ _SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 _WORD = 3
 """From so many letters on they may be a maker and not a propellant."""
 _SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
-_DRILLED = {"AeroTech": (0.0, 2.0, 4.0, 6.0, 8.0), "Cesaroni": (0.0, 3.0, 5.0, 7.0, 9.0)}
-"""By how much the drilling tools of makers shorten a delay, up to 38 mm. [s]"""
 _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by how widely they are flown: up to class E, and above it."""
 
@@ -191,7 +189,7 @@ def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Li
 
 
 def _found(name: Name, listing: Listing, note: str = "") -> Found:
-    motor = _drilled(listing.motor(), name)
+    motor = _as_printed(listing.motor(), name)
     notes = [note] if note else []
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
@@ -206,17 +204,16 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
 
 
 @cache
-def _drilled_to(motor: Motor, longest: float) -> Motor:
-    """The motor with the delays that its longest can be drilled to, one object for each."""
-    shorter = _DRILLED[motor.maker]
-    return replace(motor, delays=tuple(sorted(longest - less for less in shorter if longest > less)))
+def _bag(motor: Motor, longest: float) -> Motor:
+    """The motor as a bag is printed, with its longest delay alone; one object for each."""
+    return replace(motor, delays=(longest,))
 
 
-def _drilled(motor: Motor, name: Name) -> Motor:
-    """The motor as the bag says: `H128W-14A` can be drilled to 12, 10, 8 and 6 s, whatever the record has."""
-    if not name.adjustable or name.delay is None or name.delay in motor.delays or motor.maker not in _DRILLED:
+def _as_printed(motor: Motor, name: Name) -> Motor:
+    """A motor whose longest delay is typed, as `H128W-14A`, has that one to drill from, whatever the record says."""
+    if not name.adjustable or name.delay is None or name.delay in motor.delays:
         return motor
-    return _drilled_to(motor, name.delay) if motor.diameter < 0.05 else motor
+    return _bag(motor, name.delay)
 
 
 def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
@@ -262,7 +259,8 @@ def _unknown(shelf: Shelf, text: str, name: Name) -> str:
         return (
             f"{text.strip()!r}: found letters before a delay; did you mean {meant}{f' ({labels})' if labels else ''}?"
         )
-    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, name)
+    last = name if name.core else parse(text.split()[-1]) if text.split() else name
+    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
     return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
 

@@ -13,6 +13,7 @@ from pytest_benchmark.fixture import BenchmarkFixture
 from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
 from fieldkit.motors import PLUGGED, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
+from fieldkit.planning.delay import drill_of, offered
 
 LAUNCHES = Path(__file__).parents[3] / "shared" / "logs" / "altimetertwo__rocketlaunchjournal_launches.csv"
 
@@ -280,15 +281,16 @@ def test_makers_of_own_files_take_no_name_from_known_ones() -> None:
     assert _label(motors.find("AT Labs B77-3").motor) == "AT Labs B77"
 
 
-def test_a_longest_delay_that_is_typed_says_which_can_be_drilled() -> None:
-    """Source: AeroTech's universal delay drilling tool takes off 2, 4, 6 or 8 s, Cesaroni's 3, 5, 7 or 9 s."""
+def test_a_longest_delay_that_is_typed_is_what_is_drilled_from() -> None:
     found = catalogue().find("H128W-14A")
-    assert found.motor.delays == (6.0, 8.0, 10.0, 12.0, 14.0)
-    assert found.notes == ()
+    assert (found.motor.delays, found.delay, found.notes) == ((14.0,), 14.0, ())
     assert catalogue().find("H128W-14A").motor is found.motor
+    drill = drill_of(found.motor)
+    assert drill is not None
+    assert sorted(offered(found.motor, drill.takes_off)) == [6.0, 8.0, 10.0, 12.0, 14.0]
     assert catalogue().find("H128W").motor.delays == (4.0, 6.0, 8.0, 10.0)
     assert "old one; give the longest delay on the bag" in catalogue().find("H128W-14").notes[1]
-    assert catalogue().find("Pro38 I180-16A").motor.delays == (7.0, 9.0, 11.0, 13.0, 16.0)
+    assert catalogue().find("H238T-14A").motor is catalogue().find("H238T").motor
 
 
 def test_a_description_is_ready_for_json() -> None:
