@@ -3,11 +3,14 @@
     python tools/motors.py [thrustcurve-db.json]
 
 Without a path the pinned version is fetched with `npm pack`. The same input gives the same bytes.
+Figures that documents correct (`fieldkit/data/motor_corrections.csv`) are replaced before anything else, and motors
+that are newer than the package (`fieldkit/data/motor_additions.csv`) added with a curve drawn from their letters.
 Motors without samples, or whose samples disagree with what was certified, are left out and listed;
 a mass that is missing is estimated by the rules of `_repair_propellant` and `_casing` and marked.
 """
 
 import argparse
+import csv
 import gzip
 import hashlib
 import json
@@ -16,6 +19,7 @@ import subprocess
 import tarfile
 import tempfile
 from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -24,6 +28,8 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.motors.catalogue import DATA
+from fieldkit.motors.corrections import DATA as CORRECTIONS
+from fieldkit.motors.corrections import QUANTITIES, Correction, as_rows, read_corrections
 from fieldkit.motors.motor import impulse, knots
 
 PACKAGE, VERSION = "thrustcurve-db", "3.0.4"
@@ -32,7 +38,28 @@ IMPULSE_TOLERANCE = 0.25
 FASTEST_EXHAUST = 2700.0
 """Above this a mass cannot be all that leaves the motor: the nitrous of hybrids is not in it. [m/s]"""
 
+SOURCE_KEYS = {
+    "total_impulse_ns": "totImpulseNs",
+    "average_n": "avgThrustN",
+    "peak_n": "maxThrustN",
+    "burn_s": "burnTimeS",
+    "propellant_g": "propWeightG",
+    "loaded_g": "totalWeightG",
+    "length_mm": "length",
+    "designation": "designation",
+    "name": "commonName",
+    "class": "impulseClass",
+    "delays": "delays",
+}
+"""Fields of a correction as the package names them."""
+
+ADDITIONS = CORRECTIONS.with_name("motor_additions.csv")
+"""Motors that are newer than the package."""
+PEAK, FALLING = 0.1, 0.75
+"""When an estimated curve has its peak, and how long it then falls slowly, of its burn. [1]"""
+
 Row = dict[str, Any]
+Corrections = Mapping[tuple[str, str], Sequence[Correction]]
 
 
 def fetch(folder: Path) -> Path:
@@ -41,6 +68,30 @@ def fetch(folder: Path) -> Path:
     with tarfile.open(next(folder.glob("*.tgz"))) as archive:
         archive.extractall(folder, filter="data")
     return folder / "package" / f"{PACKAGE}.json"
+
+
+def corrected(motors: list[Row], corrections: Corrections) -> list[Row]:
+    """The motors of the source with every correction that is not open applied, and all of them noted.
+
+    Raises BadValue for a correction of a motor that is not there, or of a figure that is not as it was.
+    """
+    known = {(motor["manufacturerAbbrev"], motor["designation"]) for motor in motors}
+    if strange := sorted(set(corrections) - known):
+        raise BadValue(f"{CORRECTIONS.name}: found no motor {' '.join(strange[0])} in the source")
+    return [
+        _corrected(motor, corrections.get((motor["manufacturerAbbrev"], motor["designation"]), ())) for motor in motors
+    ]
+
+
+def _corrected(motor: Row, corrections: Sequence[Correction]) -> Row:
+    changed = motor | {"corrections": as_rows(corrections)}
+    for one in corrections:
+        before = motor.get(SOURCE_KEYS[one.field])
+        if one.was != ("" if before is None else str(before)):
+            raise BadValue(f"{motor['designation']}, {one.field}: found {before}, expected {one.was or 'none'}")
+        if one.applied:
+            changed[SOURCE_KEYS[one.field]] = float(one.value) if one.field in QUANTITIES else one.value
+    return changed
 
 
 def row(motor: Row) -> Row:
@@ -65,6 +116,8 @@ def row(motor: Row) -> Row:
         "diameter_mm": motor["diameter"],
         "length_mm": motor["length"],
         "total_impulse_ns": motor["totImpulseNs"],
+        "average_n": certified_average(motor),
+        "peak_n": motor.get("maxThrustN"),
         "propellant_g": propellant or None,
         "casing_g": round(total - propellant, 4) if total and propellant else None,
         "total_g": total or None,
@@ -73,9 +126,17 @@ def row(motor: Row) -> Row:
         "case": motor.get("caseInfo") or "",
         "propellant": motor.get("propInfo") or "",
         "url": motor.get("infoUrl") or "",
-        "estimated": [],
+        "estimated": list(motor.get("estimated", [])),
+        "corrections": motor.get("corrections", []),
         "curve": " ".join(f"{t:.7g} {f:.7g}" for t, f in zip(time, thrust, strict=True)),
     }
+
+
+def certified_average(motor: Row) -> float | None:
+    """The average thrust that the source states, None where it only repeats the number of the name. [N]"""
+    stated: float | None = motor.get("avgThrustN")
+    number = motor["commonName"].lstrip("1/248").lstrip("ABCDEFGHIJKLMNO")
+    return None if stated is None or f"{stated:g}" == number else stated
 
 
 def _in_order(samples: list[list[float]]) -> list[list[float]]:
@@ -150,10 +211,53 @@ def unfit(entry: Row) -> str:
     return "propellant heavier than the motor" if entry["casing_g"] <= 0 else ""
 
 
-def build(motors: list[Row], digest: str) -> Row:
+def additions(table: Path = ADDITIONS) -> list[Row]:
+    """Motors that a letter certifies and the source lacks, as it would have them.
+
+    The thrust rises to its peak within a tenth of the burn, falls in a line for three quarters of it to what the
+    impulse asks for, and then to nothing: impulse, peak and burn time are the letter's, the shape is estimated.
+    Raises BadValue for figures that no such curve has.
+    """
+    with table.open(encoding="utf-8", newline="") as file:
+        return [_added(one) for one in csv.DictReader(file)]
+
+
+def _added(one: dict[str, str]) -> Row:
+    total, peak, burn = (float(one[key]) for key in ("total_impulse_ns", "peak_n", "burn_s"))
+    later = (total / (peak * burn) - (PEAK + FALLING) / 2) / ((1 - PEAK) / 2)
+    if not 0 < later <= 1:
+        raise BadValue(f"{one['designation']}: found a peak of {peak:g} N and {total:g} N s, expected a falling curve")
+    samples = [[0.0, 0.0], [PEAK * burn, peak], [(PEAK + FALLING) * burn, later * peak], [burn, 0.0]]
+    return {
+        "motorId": one["designation"],
+        "manufacturerAbbrev": one["maker"],
+        "commonName": one["name"],
+        "designation": one["designation"],
+        "impulseClass": one["class"],
+        "type": one["kind"],
+        "diameter": float(one["diameter_mm"]),
+        "length": float(one["length_mm"]),
+        "totImpulseNs": total,
+        "avgThrustN": float(one["average_n"]),
+        "maxThrustN": peak,
+        "propWeightG": float(one["propellant_g"]),
+        "totalWeightG": float(one["loaded_g"]),
+        "propInfo": one["propellant"],
+        "delays": one["delays"],
+        "availability": "regular",
+        "updatedOn": "",
+        "samples": samples,
+        "estimated": ["thrust curve", "diameter"],
+        "corrections": as_rows([Correction("motor", "", "added", "likely", one["source"])]),
+    }
+
+
+def build(motors: list[Row], digest: str, corrections: Corrections | None = None, added: Sequence[Row] = ()) -> Row:
     """The catalogue as one document: where it is from, what was left out, and a row per motor."""
     rows: list[Row] = []
     left_out: dict[str, list[str]] = defaultdict(list)
+    corrections = corrections or {}
+    motors = [*corrected(motors, corrections), *added]
     for motor in sorted(motors, key=lambda motor: motor["motorId"]):
         try:
             rows.append(row(motor))
@@ -182,6 +286,7 @@ def build(motors: list[Row], digest: str) -> Row:
         },
         "by_maker": dict(Counter(entry["maker"] for entry in kept).most_common()),
         "estimated": dict(sorted(Counter(what for entry in kept for what in entry["estimated"]).items())),
+        "corrections": dict(Counter(one.confidence for ones in corrections.values() for one in ones).most_common()),
         "left_out": dict(sorted(left_out.items())),
         "columns": columns,
         "motors": [[entry[column] for column in columns] for entry in kept],
@@ -201,7 +306,7 @@ def main() -> None:
     options = arguments.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         source = (options.data or fetch(Path(folder))).read_bytes()
-    document = build(json.loads(source), hashlib.sha256(source).hexdigest())
+    document = build(json.loads(source), hashlib.sha256(source).hexdigest(), read_corrections(), additions())
     options.out.write_bytes(packed(document))
     counts = {why: len(names) for why, names in document["left_out"].items()}
     print(f"{options.out}: {document['kept']} of {document['read']} motors; left out {counts}")

@@ -19,6 +19,8 @@ app = typer.Typer()
 GUIDE = "With --fit"
 MOST = 40
 """How many motors a table lists."""
+TOLD = 3
+"""Of how many motors at most the corrected figures are told."""
 
 
 def motors(
@@ -159,3 +161,6 @@ def _list(found: "list[Motor]") -> None:
     print_table(headers, rows, numbers=headers[1:6])
     if len(found) > MOST:
         complain(f"and {len(found) - MOST} more; a longer name or a diameter such as 24mm narrows it")
+    for motor in found if len(found) <= TOLD else ():
+        for one in motor.corrections:
+            complain(f"{motor.maker} {motor.designation}: {one.text()}")

@@ -60,7 +60,10 @@ def _lines(start: "Start", design: "Design") -> list[str]:
     if start.length is not None:
         lines.append(f"  length    {start.length * 1e3:.0f} mm ({start.length / 0.0254:.1f} in)")
     lines.append(f"  Cd        {start.cd:.2f}, by {design.cd_by}" if start.cd else "  Cd        not in the file")
-    motors = dict.fromkeys(" ".join(filter(None, (one.maker, one.designation))) for one in design.motors)
+    motors = dict.fromkeys(
+        " ".join(filter(None, (f"{one.count} ×" if one.count > 1 else "", one.maker, one.designation)))
+        for one in design.motors
+    )
     return [*lines, f"  motors    {', '.join(motors)}"] if motors else lines
 
 
@@ -83,6 +86,18 @@ def _document(start: "Start", design: "Design", *, kept: bool) -> dict[str, obje
         "mass_by": design.mass_by,
         "cd_by": design.cd_by,
         "motors": [asdict(one) for one in design.motors],
+        "simulations": [
+            {
+                "name": one.name,
+                "up_to_date": one.fresh,
+                "dry_mass_g": None if one.dry_mass is None else one.dry_mass * 1e3,
+                "cd": one.cd,
+                "reference_diameter_mm": one.reference * 1e3,
+                "apogee_m": one.apogee,
+                "top_speed_mps": one.top_speed,
+            }
+            for one in design.simulations
+        ],
         "notes": list(design.notes),
         "kept": kept,
     }

@@ -13,6 +13,7 @@ import numpy as np
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
+from fieldkit.motors.corrections import Correction
 from fieldkit.motors.motor import PLUGGED, Motor, normalised
 from fieldkit.motors.search import Found, Listing, Shelf
 
@@ -85,6 +86,7 @@ def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
         entry["available"],
         " ".join((entry["case"], entry["propellant"])),
         motor,
+        former=next((was for field, was, *_ in entry["corrections"] if field == "designation"), ""),
     )
 
 
@@ -130,5 +132,8 @@ def _motor(entry: Mapping[str, Any], source: str) -> Motor:
         case=entry["case"],
         propellant=entry["propellant"],
         url=entry["url"],
+        certified_average=entry["average_n"],
+        certified_peak=entry["peak_n"],
+        corrections=tuple([Correction(*one) for one in entry["corrections"]]),
         estimated=tuple(entry["estimated"]),
     )

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from fieldkit.errors import BadValue
+from fieldkit.motors.corrections import Correction
 from fieldkit.shapes import Array, Float
 
 PLUGGED = math.inf
@@ -26,7 +27,10 @@ class Motor:
     The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
     thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED` among them where the
     motor is sold so; empty where they are not recorded. `estimated` names the fields that the
-    source lacks and that were estimated. Two motors are equal when they are the same object.
+    source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
+    the certification [N], None where none is on record or only the number of the name; `corrections` are the
+    figures that differ from the source, and those on which documents disagree. Two motors are equal when
+    they are the same object.
     """
 
     maker: str
@@ -48,6 +52,9 @@ class Motor:
     propellant: str = ""
     url: str = ""
     estimated: tuple[str, ...] = ()
+    certified_average: float | None = None
+    certified_peak: float | None = None
+    corrections: tuple[Correction, ...] = ()
 
     @property
     def burning(self) -> tuple[float, float]:
@@ -85,6 +92,11 @@ class Motor:
     def average_thrust(self) -> float:
         """Total impulse over burn time. [N]"""
         return self.total_impulse / self.burn_time
+
+    @property
+    def rated_thrust(self) -> float:
+        """The average thrust that rules go by: the certified one, else that of the curve; never the name's. [N]"""
+        return self.average_thrust if self.certified_average is None else self.certified_average
 
     @property
     def loaded_mass(self) -> float:
@@ -191,6 +203,9 @@ def describe(motor: Motor) -> dict[str, object]:
         "case": motor.case,
         "propellant": motor.propellant,
         "url": motor.url,
+        "certified_average_thrust_n": motor.certified_average,
+        "certified_peak_thrust_n": motor.certified_peak,
+        "corrections": [one.json() for one in motor.corrections],
         "estimated": list(motor.estimated),
         "source": motor.source,
     }

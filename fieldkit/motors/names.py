@@ -1,7 +1,7 @@
 """How motors are written on casings, in ledgers and in a hurry: `F24-4W`, `aerotech f24`, `H128W-14A`."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -59,13 +59,18 @@ _SEVERAL = re.compile(rf"(?<![\w./-])\d*{_ONE}(?![\w.]).*?(?<![\w.])\d*{_ONE}(?!
 _COUNTED = re.compile(rf"(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)(?:HP-)?\d*{_ONE}(?!\w)")
 
 
+_NEW = ("NT", "NW")
+"""AeroTech's New Blue Thunder and new White Lightning."""
+
+
 @dataclass(frozen=True, slots=True)
 class Name:
     """What a written name says: `F24`, letters of the propellant, delay, maker, diameter [m].
 
     `prefix` is what stands before the class: `216` of `216H118-12A`, `HP` of `HP-I205W`. `core` is
     empty when the text is not a class and a thrust, such as `MICRO_MAXX_II`; `squeezed` is the whole
-    of it in letters and digits.
+    of it in letters and digits. `adjustable` marks a delay with an A behind it, the longest of those that
+    can be drilled.
     """
 
     core: str
@@ -75,6 +80,7 @@ class Name:
     maker: str
     diameter: float | None
     squeezed: str
+    adjustable: bool = False
 
 
 def tidy(text: str) -> str:
@@ -98,14 +104,15 @@ def is_cluster(text: str) -> bool:
     return bool(_COUNTED.match(tidied) or _SEVERAL.search(tidied))
 
 
-def parse(text: str) -> Name:
-    """What a written name says; see `Name`."""
+def parse(text: str, makers: Collection[str] = ()) -> Name:
+    """What a written name says; see `Name`. `makers` are those of the flyer's own motors, beside the known ones."""
     rest = tidy(text)
-    maker, diameter = "", None
+    maker, rest = _own_maker(rest, makers)
+    diameter = None
     if case := _CASE.search(rest):
         maker = "Cesaroni" if case[1] else "AeroTech"
         diameter, rest = float(case[2]) / 1e3, rest.replace(case[0], "")
-    if found := _MAKER.search(rest):
+    if not maker and (found := _MAKER.search(rest)):
         maker, rest = _MAKER_OF[found[1]], rest.replace(found[0], "", 1)
     if millimetres := _DIAMETER.search(rest):
         diameter, rest = float(millimetres[1]) / 1e3, rest.replace(millimetres[0], "", 1)
@@ -114,7 +121,7 @@ def parse(text: str) -> Name:
     core = _CORE.fullmatch(rest)
     if not core:
         return Name("", "", None, "", maker, diameter, squeeze(rest))
-    letters, delay = _tail(core["rest"])
+    letters, delay, adjustable = _tail(core["rest"])
     return Name(
         core["letter"] + core["thrust"],
         letters,
@@ -123,25 +130,46 @@ def parse(text: str) -> Name:
         maker,
         diameter,
         squeeze(rest),
+        adjustable,
     )
 
 
-def _tail(rest: str) -> tuple[str, float | None]:
+def _own_maker(rest: str, makers: Collection[str]) -> tuple[str, str]:
+    """The flyer's own maker that a tidy text begins or ends with, in full or by its first word, and the rest."""
+    for maker in sorted((one for one in makers if tidy(one) not in _MAKER_OF), key=len, reverse=True):
+        words = [word for word in re.split(r"[\s-]+", tidy(maker)) if word]
+        short = [word for word in words[:1] if word not in _MAKER_OF]
+        for written in (words, short):
+            name = r"[\s-]*".join(map(re.escape, written))
+            for place in (rf"^\(?{name}\)?(?!\w)[\s:,-]*", rf"[\s:,(-]+{name}\)?$"):
+                if name and (found := re.search(place, rest)):
+                    return maker, rest.replace(found[0], "", 1)
+    return "", rest
+
+
+def _tail(rest: str) -> tuple[str, float | None, bool]:
     """Propellant letters and delay from what follows class and thrust: `W-4`, `-4W`, `T-14A`, `-PT`.
 
-    The A of a delay that may be drilled shorter, and the s of seconds, are not propellants.
+    The A of a delay that may be drilled shorter, the s of seconds and the S of `PS`, plugged, are not propellants.
     """
-    letters, delay = "", None
+    letters, delay, adjustable = "", None, False
     for position, part in enumerate(re.split(r"[-/\s()]+", rest)):
         match = _DELAY.fullmatch(part) if position and delay is None else None
         if match:
             delay = PLUGGED if match[1] == "P" else float(match[1])
-            letters += "" if match[1] != "P" and match[2] in ("A", "S") else match[2]
+            adjustable = match[1] != "P" and match[2] == "A"
+            letters += "" if adjustable or match[2] == "S" else match[2]
         else:
             letters += squeeze(part)
-    return letters, delay
+    return letters, delay, adjustable
 
 
 def compatible(wanted: str, has: str) -> bool:
-    """Whether propellant letters may mean the same: equal, one not given, or one short for the other."""
-    return wanted.startswith(has) or has.startswith(wanted)
+    """Whether propellant letters may mean the same: equal, one not given, or one short for the other.
+
+    The N of `NT` and `NW` means new, so that T and W are short for them. A digit among the letters wanted is a slip
+    of the pen (`F24-W4`), and is short for nothing.
+    """
+    if any(letter.isdigit() for letter in wanted) and not has.startswith(wanted):
+        return False
+    return wanted.startswith(has) or has.startswith(wanted) or (has in _NEW and wanted == has[1:])

@@ -3,13 +3,22 @@
 import difflib
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
 from fieldkit.motors.motor import PLUGGED, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
+_BEYOND = re.compile(r"[P-T]\d{3,}")
+"""Motors that no maker sells: `P4935`."""
+_BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
+"""AMW's older designations: propellant, diameter and case."""
+_SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
+"""Letters and delay in the wrong order, as the letters of `F24-W4`."""
+_WORD = 3
+"""From so many letters on they may be a maker and not a propellant."""
 _SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
 _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by how widely they are flown: up to class E, and above it."""
@@ -19,7 +28,8 @@ _LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 class Listing:
     """What a search looks at; `motor()` is the motor itself, curve and all.
 
-    `words` are its case and its propellant; `own` marks a motor of the flyer's files.
+    `words` are its case and its propellant; `former` is the designation that it had before; `own` marks a motor
+    of the flyer's files.
     """
 
     maker: str
@@ -31,6 +41,7 @@ class Listing:
     words: str
     motor: Callable[[], Motor]
     own: bool = False
+    former: str = ""
 
     @property
     def label(self) -> str:
@@ -39,7 +50,9 @@ class Listing:
 
     @property
     def letters(self) -> str:
-        """The letters of its designation, and the T that Estes prints on its 13 mm motors."""
+        """The letters of its designation, of AMW's `GG-54-2550` the first two, the T of Estes' 13 mm motors."""
+        if case := _BY_CASE.fullmatch(self.designation):
+            return case[1]
         letters = parse(self.designation).letters
         return "T" if not letters and self.maker == "Estes" and self.diameter == 0.013 else letters
 
@@ -94,7 +107,7 @@ def search(shelf: Shelf, text: str) -> list[Motor]:
 
     The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
     """
-    name = parse(text)
+    name = _parsed(shelf, text)
     meant = _fitting(shelf, name, name.maker)
     words = tidy(text).replace(" MM", "MM").split()
     fitting = [listing for listing in _all(shelf) if all(map(listing.mentions, words))]
@@ -122,7 +135,7 @@ def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing
             f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
             "expected a single one such as C6-5"
         )
-    name = parse(f"{maker} {text}" if maker else text)
+    name = _parsed(shelf, f"{maker} {text}" if maker else text)
     candidates = _fitting(shelf, name, name.maker)
     if not candidates:
         raise UnknownMotor(_unknown(shelf, text, name))
@@ -133,7 +146,10 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
     fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
-        fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) == name.squeezed]
+        ways = (name.squeezed, name.squeezed.removesuffix("P"))
+        fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) in ways]
+    if not fitting and name.core:
+        fitting = [listing for listing in _all(shelf) if listing.former and _formerly(listing, name)]
     fitting = [
         listing
         for listing in fitting
@@ -141,8 +157,10 @@ def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
     ]
     fitting = _narrow(fitting, lambda listing: listing.own)
     fitting = _narrow(fitting, lambda listing: bool(maker) and squeeze(listing.designation) == name.squeezed)
-    fitting = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
-    return _narrow(fitting, lambda listing: name.delay in listing.delays)
+    fitting = _narrow(fitting, lambda listing: name.letters != "" != listing.letters)
+    exact = _narrow(fitting, lambda listing: listing.letters == name.letters != "")
+    sold = [listing for listing in fitting if name.delay in listing.delays]
+    return [listing for listing in exact if listing in sold] or sold or exact
 
 
 def _fits(listing: Listing, name: Name) -> bool:
@@ -152,21 +170,50 @@ def _fits(listing: Listing, name: Name) -> bool:
     )
 
 
+def _formerly(listing: Listing, name: Name) -> bool:
+    """Whether a name fits the designation that a motor had before."""
+    former = parse(listing.former)
+    return (
+        former.core == name.core
+        and compatible(name.letters, former.letters)
+        and name.prefix
+        in (
+            "",
+            former.prefix,
+        )
+    )
+
+
 def _narrow(listings: list[Listing], keep: Callable[[Listing], bool]) -> list[Listing]:
     return [listing for listing in listings if keep(listing)] or listings
 
 
 def _found(name: Name, listing: Listing, note: str = "") -> Found:
-    motor = listing.motor()
+    motor = _as_printed(listing.motor(), name)
     notes = [note] if note else []
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
-    if name.delay is not None and listing.delays and name.delay not in listing.delays:
+    if name.delay is not None and motor.delays and name.delay not in motor.delays:
         asked = "plugged" if name.delay == PLUGGED else f"a delay of {name.delay:g} s"
-        notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(listing.delays)}")
+        notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
+        if any(one.field == "delays" and not one.applied for one in motor.corrections):
+            notes.append(f"that list is an old one; give the longest delay on the bag, as {listing.designation}-14A")
     if motor.estimated:
         notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not on record, estimated")
     return Found(motor, name.delay, tuple(notes))
+
+
+@cache
+def _bag(motor: Motor, longest: float) -> Motor:
+    """The motor as a bag is printed, with its longest delay alone; one object for each."""
+    return replace(motor, delays=(longest,))
+
+
+def _as_printed(motor: Motor, name: Name) -> Motor:
+    """A motor whose longest delay is typed, as `H128W-14A`, has that one to drill from, whatever the record says."""
+    if not name.adjustable or name.delay is None or name.delay in motor.delays:
+        return motor
+    return _bag(motor, name.delay)
 
 
 def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
@@ -188,13 +235,32 @@ def _thrust(name: str) -> float:
     return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
+def _parsed(shelf: Shelf, text: str) -> Name:
+    """What a text says, the makers of own motors among it; they are looked for where words are left over."""
+    name = parse(text)
+    if name.core and len(name.letters) < _WORD:
+        return name
+    return parse(text, {listing.maker for listing in _all(shelf) if listing.own and listing.maker})
+
+
 def _all(shelf: Shelf) -> Iterable[Listing]:
     return (listing for listings in shelf.values() for listing in listings)
 
 
 def _unknown(shelf: Shelf, text: str, name: Name) -> str:
+    if _BEYOND.match(tidy(text)):
+        return (
+            f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
+        )
     elsewhere = shelf.get(name.core, ())
-    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, name)
+    if elsewhere and (swapped := _SWAPPED.fullmatch(name.letters)):
+        meant = f"{name.core}-{swapped[2]}{swapped[1]}"
+        labels = ", ".join(listing.label for listing in _fitting(shelf, parse(meant), name.maker))
+        return (
+            f"{text.strip()!r}: found letters before a delay; did you mean {meant}{f' ({labels})' if labels else ''}?"
+        )
+    last = name if name.core else parse(text.split()[-1]) if text.split() else name
+    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
     return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
 

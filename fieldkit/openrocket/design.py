@@ -1,37 +1,44 @@
 """A design as a starting configuration: mass without motor, largest diameter, length, and Cd where it is told."""
 
-import math
+import re
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from fieldkit.errors import DamagedLog
 from fieldkit.openrocket.archive import root_of
-from fieldkit.openrocket.parts import airframe, children, everything, mass, number, sizes
+from fieldkit.openrocket.parts import airframe, children, everything, mass, number, override, sizes
+from fieldkit.openrocket.stored import Simulation, reference_diameter, simulations
 from fieldkit.safe_text import printable
-from fieldkit.shapes import Array, Float
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
     from xml.etree.ElementTree import Element
 
 PLAUSIBLE = {"dry_mass": (0.005, 50.0), "diameter": (0.005, 0.6), "length": (0.05, 10.0), "cd": (0.1, 3.0)}
 """What is taken from a file without a doubt. [kg, m, m, 1]"""
+ROUNDED = 0.0011
+"""Two stored masses, of three decimals each, may be off by this together. [kg]"""
+DIFFERENT = 0.05
+"""Cd of simulations that differ by more are told. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Motor:
-    """A motor of one of a design's configurations, as the file names it."""
+    """A motor of one of a design's configurations, as the file names it; `count` of them in its mount."""
 
     configuration: str
     maker: str
     designation: str
     delay: str
+    count: int = 1
 
 
 @dataclass(frozen=True, slots=True)
 class Design:
-    """What a design says; None where it does not. `mass_by` and `cd_by` say where from, `notes` doubts. SI."""
+    """What a design says; None where it does not. `mass_by` and `cd_by` say where from, `notes` doubts. SI.
+
+    `cd` is on the area of `diameter`; a simulation's on that of its own `reference`.
+    """
 
     name: str
     dry_mass: float | None
@@ -42,17 +49,7 @@ class Design:
     cd_by: str
     motors: tuple[Motor, ...]
     notes: tuple[str, ...]
-
-
-@dataclass(frozen=True, slots=True)
-class Stored:
-    """What a simulation kept in the file says: mass without motor, and Cd on the reference area it used."""
-
-    name: str
-    fresh: bool
-    dry_mass: float | None
-    cd: float | None
-    area: float | None
+    simulations: tuple[Simulation, ...] = ()
 
 
 def read_design(content: bytes, source: str) -> Design:
@@ -73,7 +70,7 @@ def _design(root: "Element", source: str) -> Design:
         raise DamagedLog("found no nose cone, tube or transition, expected a rocket", source=source)
     body = sizes(parts)
     diameter = 2 * max(max(one.fore, one.aft) for one in body)
-    stored = [one for one in map(_stored, root.iterfind("simulations/simulation")) if one is not None]
+    stored = simulations(root)
     notes: list[str] = []
     weight, mass_by = _mass(rocket, stages, stored, notes)
     cd, cd_by = _drag(rocket, stages, stored, diameter, notes)
@@ -93,6 +90,7 @@ def _design(root: "Element", source: str) -> Design:
         cd_by,
         tuple(_motors(rocket)),
         tuple(notes),
+        tuple(stored),
     )
 
 
@@ -105,37 +103,55 @@ def _plausible(name: str, value: float | None, notes: list[str]) -> float | None
 
 
 def _mass(
-    rocket: "Element", stages: "list[Element]", stored: list[Stored], notes: list[str]
+    rocket: "Element", stages: "list[Element]", stored: list[Simulation], notes: list[str]
 ) -> tuple[float | None, str]:
-    """By a stored simulation of the design as it is, else by the sum of its parts."""
+    """By a stored simulation of the design as it is, else by the sum of its parts.
+
+    A stored mass has three decimals in kg: where the sum of the parts agrees within that, it is taken.
+    """
     unknown: list[str] = []
-    override = rocket.findtext("overridemass")
-    total = number(rocket, "overridemass") if override else sum(mass(stage, None, unknown) for stage in stages)
+    whole, _ = override(rocket)
+    total = whole if whole is not None else sum(mass(stage, None, unknown) for stage in stages)
+    if any(below for part in (rocket, *stages) for own, below in [override(part)] if own is not None):
+        notes.append("its mass was weighed; take the empty motor case off if it was in the rocket")
     fresh = next((one for one in stored if one.fresh and one.dry_mass), None)
-    if fresh is not None and fresh.dry_mass is not None:
+    if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > ROUNDED:
         if abs(total / fresh.dry_mass - 1) > 0.1:
             notes.append(f"its parts add up to {total * 1e3:.0f} g by their geometry")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
-    if unknown:
+    if unknown and fresh is None:
         notes.append(f"the mass of {', '.join(map(printable, unknown[:5]))} is not known and left out")
     return total or None, "the sum of its parts"
 
 
 def _drag(
-    rocket: "Element", stages: "list[Element]", stored: list[Stored], diameter: float, notes: list[str]
+    rocket: "Element", stages: "list[Element]", stored: list[Simulation], diameter: float, notes: list[str]
 ) -> tuple[float | None, str]:
-    """By an override of the whole, else by a stored simulation; on the area of the largest diameter."""
+    """By an override of the whole, else by a stored simulation; on the area of the largest diameter.
+
+    The area is that of the geometry in full precision: a stored one is rounded to one digit.
+    """
     for part in (rocket, *stages):
         if part.findtext("overridecd") is not None and len(stages) == 1:
-            return number(part, "overridecd"), "its override"
-    one = next((one for one in sorted(stored, key=lambda one: not one.fresh) if one.cd), None)
-    if one is None or one.cd is None:
+            return _on(number(part, "overridecd"), reference_diameter(rocket), diameter), "its override"
+    flown = [one for one in stored if one.cd]
+    if not flown:
         notes.append("no Cd: no simulation with a drag coefficient is stored in the file; run one and save it")
         return None, ""
+    one = flown[0]
     if not one.fresh:
         notes.append(f"the simulation {one.name} is older than the design")
-    area = math.pi / 4 * diameter**2
-    return one.cd * (one.area / area if one.area and area else 1.0), f"the coast of the simulation {one.name}"
+    if not one.consistent:
+        notes.append(f"the drag force of {one.name} does not fit its Cd: the body had another size when it was flown")
+    found = [_on(each.cd, each.reference, diameter) for each in flown if each.cd and each.fresh == one.fresh]
+    if max(found) > (1 + DIFFERENT) * min(found):
+        notes.append(f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}")
+    return found[0], f"the coast of the simulation {one.name}"
+
+
+def _on(cd: float, reference: float, diameter: float) -> float:
+    """A Cd on the area of a reference diameter as one on the area of the body. [1]"""
+    return cd * (reference / diameter) ** 2 if reference > 0 and diameter > 0 else cd
 
 
 def _motors(rocket: "Element") -> "list[Motor]":
@@ -146,61 +162,19 @@ def _motors(rocket: "Element") -> "list[Motor]":
             printable(one.findtext("manufacturer") or ""),
             printable(one.findtext("designation") or ""),
             printable(one.findtext("delay") or ""),
+            count,
         )
-        for one in rocket.iter("motor")
+        for mount, count in _mounts(rocket, 1)
+        for one in mount.iterfind("motormount/motor")
     ]
 
 
-def _stored(simulation: "Element") -> Stored | None:
-    """What a simulation kept of its flight, None where it kept none. Its first branch is that of the whole rocket."""
-    branch = simulation.find("flightdata/databranch")
-    if branch is None:
-        return None
-    titles = [title.strip().lower() for title in (branch.get("types") or "").split(",")]
-    rows = [_row(point.text or "", len(titles)) for point in branch.iterfind("datapoint")]
-    if len(rows) < 5:
-        return None
-    values = dict(zip(titles, np.array(rows).T, strict=False))
-    events = {one.get("type", ""): one.get("time", "") for one in branch.iterfind("event")}
-    weight, motor = values.get("mass"), values.get("motor mass")
-    dry = float(weight[0] - motor[0]) if weight is not None and motor is not None else math.nan
-    area = values.get("reference area")
-    return Stored(
-        printable((simulation.findtext("name") or "").strip())[:60],
-        simulation.get("status") in ("uptodate", "loaded"),
-        dry if math.isfinite(dry) and dry > 0 else None,
-        _coast_cd(values, events),
-        float(np.nanmedian(area)) if area is not None else None,
-    )
-
-
-def _row(text: str, count: int) -> list[float]:
-    """The numbers of a sample; what is no number is nan."""
-    cells = text.split(",")[:count]
-    row = [math.nan] * count
-    for place, cell in enumerate(cells):
-        try:
-            row[place] = float(cell)
-        except ValueError:
-            continue
-    return row
-
-
-def _coast_cd(values: dict[str, Float[Array, "row"]], events: dict[str, str]) -> float | None:
-    """Mean Cd from burnout to apogee, weighted by speed squared: what of it slows the rocket. [1]"""
-    time, cd = values.get("time"), values.get("drag coefficient")
-    speed = values.get("total velocity", values.get("vertical velocity"))
-    if time is None or cd is None or speed is None:
-        return None
-    start, end = (_moment(events.get(name, "")) for name in ("burnout", "apogee"))
-    start = start if start is not None else float(time[int(np.nanargmax(np.nan_to_num(speed)))])
-    coast = (time > start) & (time < (end if end is not None else np.inf)) & np.isfinite(cd) & np.isfinite(speed)
-    weight = speed[coast] ** 2
-    return float((cd[coast] * weight).sum() / weight.sum()) if weight.sum() > 0 else None
-
-
-def _moment(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
+def _mounts(part: "Element", times: int) -> "Iterator[tuple[Element, int]]":
+    """The parts that hold motors, and how many each: clusters, times the pods or boosters that they are in."""
+    if part.tag in ("podset", "parallelstage"):
+        times *= max(int(number(part, "instancecount", 1.0)), 1)
+    cluster = (part.findtext("clusterconfiguration") or "single").strip()
+    counted = re.match(r"\d+", cluster)
+    yield part, times * (int(counted[0]) if counted else 2 if cluster == "double" else 1)
+    for one in children(part):
+        yield from _mounts(one, times)

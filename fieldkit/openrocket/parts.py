@@ -88,7 +88,7 @@ def _radius(part: "Element", name: str) -> float | None:
 
 def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     """What a part and all in it weigh; parts whose mass cannot be told are named in `unknown`. [kg]"""
-    own, below = _override(part)
+    own, below = override(part)
     if own is not None and below:
         return own
     inside = sum(mass(one, None, unknown) for one in children(part) if one.tag not in AIRFRAME)
@@ -98,7 +98,7 @@ def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
     return (own if own is not None else _own_mass(part, size, unknown)) + inside
 
 
-def _override(part: "Element") -> tuple[float | None, bool]:
+def override(part: "Element") -> tuple[float | None, bool]:
     """The mass that the designer weighed, if any, and whether it is of everything inside too."""
     if part.findtext("overridemass") is None:
         return None, False

@@ -242,20 +242,37 @@ def _class(motor: Motor, dry_mass: float, limits: Limits) -> Line:
     text = f"{propellant * 1e3:.0f} g of propellant, {mass * 1e3:.0f} g on the pad, {motor.total_impulse:.0f} N s"
     most, heaviest = limits["class1_propellant"], limits["class1_mass"]
     class1 = propellant <= most.value and mass <= heaviest.value
-    high_power = (
-        motor.total_impulse > limits["high_power_impulse"].value
-        or thrusts(motor)[1] > limits["high_power_thrust"].value
-        or propellant > most.value
-    )
+    why = why_high_power(motor, limits)
     if motor.total_impulse > limits["class2_impulse"].value:
         return Line("class", "unsafe", f"{text}: class 3, beyond high power", limits["class2_impulse"].source)
-    if class1 and not high_power:
+    if class1 and not why:
         return Line("class", "ok", f"{text}: class 1, a model rocket", most.source)
     said = "class 1 by mass" if class1 else "class 2, which needs a waiver"
-    if high_power:
-        said += f"; a high-power motor, which asks for certification level {_level(motor, limits)}"
+    if why:
+        said += f"; a high-power motor by {why}, which asks for certification level {_level(motor, limits)}"
     source = limits["high_power_impulse"].source if class1 else limits["class2_impulse"].source
     return Line("class", "caution", f"{text}: {said}", source)
+
+
+def why_high_power(motor: Motor, limits: Limits) -> str:
+    """What makes a motor a high-power one, an empty text where nothing does.
+
+    Its certified average thrust counts, not that of the curve, and never the number in its name.
+    """
+    impulse, thrust, propellant = (
+        limits[name].value for name in ("high_power_impulse", "high_power_thrust", "class1_propellant")
+    )
+    if motor.total_impulse > impulse:
+        return f"more than {impulse:.0f} N s"
+    if motor.rated_thrust > thrust:
+        if motor.certified_average is None:
+            return f"the average thrust of its curve, {motor.rated_thrust:.1f} N"
+        return f"its certified average thrust of {motor.rated_thrust:.1f} N"
+    if motor.propellant_mass > propellant:
+        return f"more than {propellant * 1e3:.0f} g of propellant"
+    if motor.kind == "hybrid":
+        return "its kind, a hybrid"
+    return "the HP in its designation" if motor.designation.upper().startswith("HP-") else ""
 
 
 def _level(motor: Motor, limits: Limits) -> int:

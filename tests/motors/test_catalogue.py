@@ -11,8 +11,9 @@ from hypothesis import strategies as st
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
-from fieldkit.motors import PLUGGED, Catalogue, Motor, catalogue, describe, is_cluster
+from fieldkit.motors import PLUGGED, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
+from fieldkit.planning.delay import drill_of, offered
 
 LAUNCHES = Path(__file__).parents[3] / "shared" / "logs" / "altimetertwo__rocketlaunchjournal_launches.csv"
 
@@ -55,6 +56,18 @@ UNMISTAKABLE = {
     "micro maxx ii": ("Quest MICRO_MAXX_II", None),
     "F20-7": ("AeroTech F20W/L", 7),
     "Estes C6-5": ("Estes C6", 5),
+    "F51-6T": ("AeroTech F51NT", 6),
+    "F51NT-6": ("AeroTech F51NT", 6),
+    "F42-8T": ("AeroTech F42T/L", 8),
+    "I284W (AT)": ("AeroTech I284W", None),
+    "J450ST (AMW)": ("AMW ST-54-1050", None),
+    "K1075GG (AMW)": ("AMW GG-54-2550", None),
+    "L1080BB (AMW)": ("AMW BB-75-3500", None),
+    "I205 (CTI)": ("Cesaroni I205", None),
+    "N2700W": ("AeroTech N2700W-PS", None),
+    "G77-7R": ("AeroTech G77R/L", 7),  # of two with an R the one that is sold so
+    "G77-8R": ("AeroTech G77R", 8),
+    "HyperTEK 2800CC172L-L540-P": ("Hypertek 2800CC172L-L540", None),
 }
 
 LIKELY = {
@@ -143,6 +156,10 @@ def test_a_single_motor_is_no_cluster(text: str) -> None:
         ("micro max", "Quest MICRO_MAXX"),
         ("banana F24", "AeroTech F24W"),
         ("", "a name such as F24-4W"),
+        ("F24-W4", "did you mean F24-4W (AeroTech F24W)?"),
+        ("P4935", "above O"),
+        ("O10000 (Kosdon)", "Cesaroni 40960O8000-P"),
+        ("F24-X9", "did you mean F24-9X?"),
     ],
 )
 def test_a_motor_that_is_not_there_suggests_the_nearest(text: str, nearest: str) -> None:
@@ -235,13 +252,45 @@ def test_searching_ranks_what_was_meant_first() -> None:
 
 
 def test_own_motors_win_over_the_catalogue() -> None:
-    own = catalogue().find("Estes C6").motor
-    renamed = Motor(**{name: getattr(own, name) for name in Motor.__slots__} | {"source": "mine.eng"})
+    shipped = catalogue().find("Estes C6").motor
+    renamed = Motor(**{name: getattr(shipped, name) for name in Motor.__slots__} | {"source": "mine.eng"})
     mine = catalogue().with_motors([renamed])
     assert mine.find("C6-5").motor is renamed
     assert mine.search("c6")[0] is renamed
     assert len(mine) == len(catalogue()) + 1
-    assert catalogue().find("Estes C6").motor is own
+    assert catalogue().find("Estes C6").motor is shipped
+
+
+@pytest.mark.parametrize(
+    "text",
+    ["MyBrand B77-3", "mybrand b77-3", "MyBrand Rocket-Works B77-3", "B77-3 MyBrand", "B77-3 (MyBrand)", "B77-3"],
+)
+def test_a_motor_of_the_flyers_file_is_found_by_its_maker(text: str) -> None:
+    file = b"; mine\nB77 18 70 3-5 0.006 0.018 MyBrand Rocket Works\n 0.1 8\n 0.9 3\n 1.0 0\n"
+    found = catalogue().with_motors(own.read(file, "mine.eng")).find(text)
+    assert (_label(found.motor), found.delay, found.notes) == ("MyBrand Rocket Works B77", 3, ())
+    with pytest.raises(UnknownMotor):
+        catalogue().find(text)
+
+
+def test_makers_of_own_files_take_no_name_from_known_ones() -> None:
+    file = b"B77 18 70 3 0.006 0.018 AT Labs\n 0.1 8\n 1.0 0\nC9 18 70 3 0.006 0.018 Estes\n 0.1 8\n 1.0 0\n"
+    motors = catalogue().with_motors(own.read(file, "mine.eng"))
+    assert _label(motors.find("AT F24-4W").motor) == "AeroTech F24W"
+    assert _label(motors.find("Estes Industries D12-5").motor) == "Estes D12"
+    assert _label(motors.find("AT Labs B77-3").motor) == "AT Labs B77"
+
+
+def test_a_longest_delay_that_is_typed_is_what_is_drilled_from() -> None:
+    found = catalogue().find("H128W-14A")
+    assert (found.motor.delays, found.delay, found.notes) == ((14.0,), 14.0, ())
+    assert catalogue().find("H128W-14A").motor is found.motor
+    drill = drill_of(found.motor)
+    assert drill is not None
+    assert sorted(offered(found.motor, drill.takes_off)) == [6.0, 8.0, 10.0, 12.0, 14.0]
+    assert catalogue().find("H128W").motor.delays == (4.0, 6.0, 8.0, 10.0)
+    assert "old one; give the longest delay on the bag" in catalogue().find("H128W-14").notes[1]
+    assert catalogue().find("H238T-14A").motor is catalogue().find("H238T").motor
 
 
 def test_a_description_is_ready_for_json() -> None:

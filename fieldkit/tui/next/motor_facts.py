@@ -35,6 +35,7 @@ def facts(motor: "Motor") -> tuple[tuple[str, str], ...]:
         ("on sale", "yes" if motor.available else "no longer made"),
         ("case", motor.case),
         ("estimated", ", ".join(name.replace("_", " ") for name in motor.estimated)),
+        ("corrected", "; ".join(one.text() for one in motor.corrections if one.applied)),
         ("on the web", motor.url),
         ("source", motor.source),
     )
