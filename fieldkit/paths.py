@@ -24,6 +24,11 @@ def motor_folder() -> Path:
     return data_folder() / "motors"
 
 
+def hyperprior_file() -> Path:
+    """The file of a hyperprior that the flyer learned from a club's flights, which may not be there."""
+    return data_folder() / "hyperprior.json"
+
+
 def settings_file() -> Path:
     """The file of what the flyer chose in the app, which may not be there."""
     if home := _home():

@@ -47,6 +47,7 @@ GROUPS = {
     "simulate": ("simulate",),
     "paper": ("paper",),
     "study": ("study",),
+    "learn": ("learn",),
     "train": ("train",),
     "docs": ("docs",),
 }

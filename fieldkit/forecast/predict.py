@@ -98,7 +98,15 @@ def predict(
     def said(rows: Sequence[int]) -> list[Prediction]:
         own, turns = [planned[row] for row in rows], [len(flown) + row for row in rows]
         taught = learn(
-            flown, own, accepted, turns, declared=declared, cds=cds, shared=shared, hyperprior=hyperprior, draws=draws,
+            flown,
+            own,
+            accepted,
+            turns,
+            declared=declared,
+            cds=cds,
+            shared=shared,
+            hyperprior=hyperprior,
+            draws=draws,
             seed=seed,
         )
         return fly_ahead(taught, paired=True)

@@ -28,7 +28,7 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, patt
     from scipy.special import ndtri
 
     model = forecast_model(flights, found, (*pattern, *declared_places(flights, pattern)))
-    result = fit_robustly(model, observe(flights, [bool(one) for one in data.seen.any(axis=1)], model.hyperprior))
+    result = fit_robustly(model, observe(flights, [bool(row.any()) for row in data.seen], model.hyperprior))
     below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
     distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
     return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0

@@ -21,6 +21,7 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.errors import DamagedModel
+from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
 
 READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
@@ -217,7 +218,13 @@ def certified() -> Hyperprior:
 
 @cache
 def learned() -> Hyperprior:
-    """The hyperprior that was learned from real flights and ships with fieldkit. Raises DamagedModel."""
+    """The hyperprior in use: the flyer's own from `fieldkit learn --keep`, else the one that ships with fieldkit.
+
+    Raises DamagedModel.
+    """
+    own = hyperprior_file()
+    if own.exists():
+        return read_card(own.read_text("utf-8"), str(own))
     return read_card(files("fieldkit.data").joinpath(CARD).read_text("utf-8"), CARD)
 
 

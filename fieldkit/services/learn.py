@@ -3,17 +3,20 @@
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from fieldkit import __version__
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
-from fieldkit.progress import Tell, part, untold
+from fieldkit.progress import Tell, untold
 from fieldkit.services.imports import gather
+
+if TYPE_CHECKING:
+    from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
 Flown = list[tuple[Flight, Found]]
 
@@ -97,7 +100,7 @@ def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = 
             yield LeftOut(tuple(flyers), number, rocket, hyperprior, afresh)
 
 
-def forecasts_of(work: LeftOut) -> "list[Any]":
+def forecasts_of(work: LeftOut) -> "list[Forecast]":
     """Forecasts, forward in time, of a rocket's flights by a hyperprior that never saw any of them."""
     from fieldkit.forecast.evaluation.forward_in_time import forward
     from fieldkit.inference.laplace.learning import learn_hyperprior
@@ -123,11 +126,11 @@ def check(
     afresh: bool = False,
     pool: Executor | None = None,
     tell: Tell = untold,
-) -> "dict[str, list[Any]]":
+) -> "dict[str, list[Forecast]]":
     """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
     works = list(left_out(flyers, hyperprior, afresh=afresh))
-    apply: Callable[..., Iterator[list[Any]]] = pool.map if pool else map
-    found: dict[str, list[Any]] = {flyer.name: [] for flyer in flyers}
+    apply: "Callable[..., Iterator[list[Forecast]]]" = pool.map if pool else map
+    found: "dict[str, list[Forecast]]" = {flyer.name: [] for flyer in flyers}
     for number, (work, rows) in enumerate(zip(works, apply(forecasts_of, works), strict=True)):
         tell(f"without {work.rocket}", (number + 1) / len(works))
         found[flyers[work.flyer].name] += rows
@@ -137,11 +140,18 @@ def check(
     return found
 
 
-def scores(checked: "Mapping[str, Sequence[Any]]") -> dict[str, Any]:
-    """Scores of forecasts of rockets left out, and of their rivals, by flyer: what the card says of them."""
-    from fieldkit.forecast.evaluation.comparison import compared_ways
+def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
+    """Scores of forecasts of rockets left out, and of their rivals, by flyer: what the card says of them.
 
-    return {name: compared_ways(rows) for name, rows in checked.items()}
+    Of flights whose rocket had flown before, and of all of them, first flights included.
+    """
+    from fieldkit.forecast.evaluation.comparison import OWN, tally
+    from fieldkit.forecast.evaluation.rivals import LABELS
 
+    def ways(rows: "Sequence[Forecast]") -> list[dict[str, Any]]:
+        return [asdict(one) for name in (OWN, *LABELS) if (one := tally(rows, name)).flights]
 
-__all__ = ["Flyer", "check", "learn", "part", "read_flyer", "scores"]
+    return {
+        name: {"after earlier flights of the rocket": ways([row for row in rows if row.earlier]), "all": ways(rows)}
+        for name, rows in checked.items()
+    }

@@ -1,0 +1,104 @@
+"""`fieldkit learn`: how far rockets, motors and flights differ, from the exports of several flyers."""
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
+from fieldkit.cli.session import known_motors
+
+if TYPE_CHECKING:
+    from fieldkit.model.hyperprior import Hyperprior
+
+app = typer.Typer()
+
+
+@app.command()
+def learn(
+    exports: Annotated[
+        list[Path],
+        typer.Argument(help="A flight table of each flyer, or a folder of the files of one.", exists=True),
+    ],
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FILE", help="Write the card there.", show_default="the screen")
+    ] = None,
+    keep: Annotated[bool, typer.Option("--keep", help="Use it for your forecasts from now on.")] = False,
+    check: Annotated[
+        bool, typer.Option("--check", help="Forecast each rocket from a card learned without it: minutes.")
+    ] = False,
+    afresh: Annotated[bool, typer.Option("--afresh", help="Begin from judgments, not from the card in use.")] = False,
+    cluster: Annotated[
+        str,
+        typer.Option(help="Check on Dask workers: local, local:4, or a scheduler's address.", show_default=False),
+    ] = "",
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """Learn how far rockets, motors and flights differ from the flights of several flyers; `export` makes the tables.
+
+    Every forecast starts from this card, and from it your own flights lead on.
+    """
+    from dataclasses import replace
+    from json import dumps
+
+    from fieldkit.files import write
+    from fieldkit.parallel import workers
+    from fieldkit.paths import hyperprior_file
+    from fieldkit.services.learn import check as left_out
+    from fieldkit.services.learn import learn as learned_from
+    from fieldkit.services.learn import read_flyer, scores
+
+    motors = known_motors()
+    flyers = [read_flyer(path, motors) for path in exports]
+    with progress("learning") as tell:
+        found = learned_from(flyers, afresh=afresh, tell=tell)
+    if check:
+        with workers(cluster) if cluster else nullcontext() as pool, progress("leaving each rocket out") as tell:
+            checked = left_out(flyers, found, afresh=afresh, pool=pool, tell=tell)
+        found = replace(found, about={**found.about, "scores": scores(checked)})
+    text = dumps(found.json(), indent=1, sort_keys=False)
+    for file in filter(None, (out, hyperprior_file() if keep else None)):
+        write(file, (text + "\n").encode())
+        complain(f"card written to {file}")
+    if json:
+        print_json(found.json())
+    elif out is None:
+        _print(found)
+
+
+def _print(found: "Hyperprior") -> None:
+    """Every standard deviation, and the scores of rockets left out."""
+    flights = sum(one["flights"] for one in found.about["data"])
+    evidence = found.about["log_evidence"]
+    say_wrapped(
+        f"Learned from {flights} flights of {len(found.about['data'])} flyers: log evidence "
+        f"{evidence['before']:.1f} before, {evidence['after']:.1f} after."
+    )
+    print_table(["quantity", "differs by", "sd"], [_row(name, sd) for name, sd in found.sds.items()], ["sd"])
+    for flyer, tables in found.about.get("scores", {}).items():
+        for title, rows in tables.items():
+            say()
+            say_wrapped(f"{flyer}, each rocket forecast by a card learned without it: {title}")
+            print_table(
+                ["forecast by", "flights", "median", "mean", "CRPS", "interval score", "coverage"],
+                [_scored(row) for row in rows],
+                ["flights", "median", "mean", "CRPS", "interval score", "coverage"],
+            )
+
+
+def _row(name: str, sd: float) -> tuple[str, str, str]:
+    quantity, _, level = name.partition(".")
+    return quantity.replace("_", " "), level.replace("_", " x "), f"{sd:.3f}"
+
+
+def _scored(row: dict[str, float | str | int]) -> tuple[str, ...]:
+    shares = (row["median_share"], row["mean_share"], row["crps"])
+    percents = tuple(f"{100 * float(value):.1f} %" for value in shares)
+    return (
+        str(row["name"]),
+        str(row["flights"]),
+        *percents,
+        f"{float(row['interval_score']):.2f}",
+        f"{float(row['coverage90']):.0%}",
+    )
