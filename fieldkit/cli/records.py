@@ -139,7 +139,10 @@ def edit(
         typer.Argument(metavar="COLUMN=VALUE...", help="apogee=923ft, notes=; an empty value clears."),
     ],
 ) -> None:
-    """Change columns of a flight."""
+    """Change columns of a flight.
+
+    A readout has a standard deviation and a source, too: apogee_sd_m=2, apogee_source=gps.
+    """
     settings = split_settings(changes)
     with open_ledger(context) as ledger:
         before = ledger.flight(flight)
