@@ -22,8 +22,8 @@ from fieldkit.model.readout_data import LOGARITHMIC, OBSERVED, observe, own_sd, 
 from fieldkit.motors import own
 from fieldkit.presentation.export import csv_table, document
 from fieldkit.services.manual_entry import enter
+from tests.presentation.test_export import as_json, flights
 from tests.samples import SAMPLES, any_motor
-from tests.test_export import as_json, flights
 
 LOG = next(sample for sample in SAMPLES if sample.name == "perfectflite__drogue_and_main.pf2")
 SHORT = next(sample for sample in SAMPLES if sample.name == "altos_csv__with_satellites.csv")
