@@ -40,6 +40,14 @@ class Unit:
         """The number in this unit of an SI value."""
         return (value - self.offset) / self.factor
 
+    def difference_to_si(self, number: float) -> float:
+        """The SI value of a difference in this unit, such as a standard deviation."""
+        return number * self.factor
+
+    def difference_from_si(self, value: float) -> float:
+        """A difference in SI, such as a standard deviation, as a number in this unit."""
+        return value / self.factor
+
 
 DEGREE = 0.017453292519943295
 """One degree. [rad]"""
@@ -141,11 +149,27 @@ def parse(text: str, quantity: str, default: str) -> float:
 
     A number without a unit is in the unit `default`. A comma is a decimal comma. Raises BadValue.
     """
+    number, scale = _typed(text, quantity, default)
+    return _bounded(scale.to_si(number), text)
+
+
+def parse_difference(text: str, quantity: str, default: str) -> float:
+    """As `parse`, of a difference such as a standard deviation: the zero of its unit does not count."""
+    number, scale = _typed(text, quantity, default)
+    return _bounded(scale.difference_to_si(number), text)
+
+
+def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
+    """A typed number and its unit. Raises BadValue."""
     match = _TYPED.match(text)
     if not match:
         raise BadValue(f"found {text.strip()!r}, expected a number")
     number, suffix = match.groups()
-    value = unit(quantity, suffix or default).to_si(float(number.replace(",", ".")))
+    return float(number.replace(",", ".")), unit(quantity, suffix or default)
+
+
+def _bounded(value: float, text: str) -> float:
+    """The value itself. Raises BadValue for one beyond everything."""
     if not abs(value) < LARGEST:
         raise BadValue(f"found {text.strip()[:20]!r}, expected a number that something can have")
     return value
@@ -154,3 +178,8 @@ def parse(text: str, quantity: str, default: str) -> float:
 def render(value: float, quantity: str, suffix: str) -> str:
     """An SI value as a number in a unit, with every digit that comes back to the same SI value."""
     return f"{unit(quantity, suffix).from_si(value):.12g}"
+
+
+def render_difference(value: float, quantity: str, suffix: str) -> str:
+    """As `render`, of a difference such as a standard deviation."""
+    return f"{unit(quantity, suffix).difference_from_si(value):.12g}"

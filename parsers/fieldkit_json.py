@@ -1,20 +1,25 @@
 """Flights as fieldkit writes them in JSON: what `export` to a `.json` file and `flights --json` print.
 
 One document, `{"flights": [{...}, ...]}`, with the columns of the flight table. Numbers are in the unit
-that the column's name says, `null` is "not recorded"; a column that fieldkit does not know is kept.
+that the column's name says, `null` is "not recorded"; a column that fieldkit does not know is kept. Standard deviations
+of readouts are numbers, or texts as an older fieldkit wrote them.
 A flight's row is its place in the list, counted from 1.
 """
 
 import json
 import sys
+from collections.abc import Mapping
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
+from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
+from fieldkit.flight.readout import read_sd, read_source
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, shown
 
 HEADERS = {column.header: column for column in COLUMNS}
+SDS = {column.sd_header: column for column in READOUTS}
+SOURCES = {column.source_header: column for column in READOUTS}
 
 
 def recognises(head: bytes) -> bool:
@@ -41,10 +46,15 @@ def _reading(row: int, flight: object) -> Found:
         return DamagedLog(f"found {shown(str(flight))}, expected a flight in braces", row=row)
     stated: dict[str, object] = {}
     extra: dict[str, str] = {}
+    sd: dict[str, float] = {}
+    source: dict[str, str] = {}
     for name, value in flight.items():
         try:
             if name in HEADERS:
                 stated[HEADERS[name].name] = _number(name, value)
+            elif name in SDS or name in SOURCES:
+                if value not in (None, ""):
+                    _beside(name, value, flight, sd, source)
             elif name in TEXT_COLUMNS:
                 stated[name] = _text(name, value)
             elif value not in (None, ""):
@@ -52,7 +62,23 @@ def _reading(row: int, flight: object) -> Found:
         except BadValue as error:
             return DamagedLog(str(error), row=row, column=name)
     columns = {column.name: header for header, column in HEADERS.items()}
-    return Reading(stated, extra, columns, row)
+    told = {part: values for part, values in (("sd", sd), ("source", source)) if values}
+    return Reading(stated | told, extra, columns, row)
+
+
+def _beside(
+    name: str, value: object, flight: Mapping[str, object], sd: dict[str, float], source: dict[str, str]
+) -> None:
+    """Note the standard deviation or the source of a readout of a flight. Raises BadValue."""
+    column: Column = SDS.get(name) or SOURCES[name]
+    if flight.get(column.header) is None:
+        raise BadValue(f"found {shown(str(value))} beside an empty {column.header}, expected none")
+    if name in SOURCES:
+        source[column.name] = read_source(str(value))
+    elif isinstance(value, bool) or not isinstance(value, int | float | str):
+        raise BadValue(f"found {shown(str(value))}, expected a number or null")
+    else:
+        sd[column.name] = read_sd(column.name, str(value))
 
 
 def _number(name: str, value: object) -> float | None:

@@ -2,7 +2,8 @@
 
 Columns are those of `fieldkit.flight`, in any order and case; a unit other than the usual one is named
 by the header (`apogee_ft`, `Apogee (ft)`) or in the cell (`923ft`). A header without a unit wants one in
-every cell. Columns that fieldkit does not know are kept as they are.
+every cell. Beside a readout may stand its standard deviation (`apogee_sd_m`, `apogee_sd_ft`) and its source
+(`apogee_source`). Columns that fieldkit does not know are kept as they are.
 
 An empty cell, `-`, `n/a` or `none` under a number is "not recorded"; `NaN` is what programs write when
 their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
@@ -14,7 +15,8 @@ from dataclasses import dataclass
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, read_date, read_tags
+from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
+from fieldkit.flight.readout import Beside, beside
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.safe_text import from_cell, printable
@@ -29,11 +31,20 @@ NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "typ
 
 @dataclass(frozen=True, slots=True)
 class Heading:
-    """What one column holds: a field of `Flight`, or none of them; `unit` is empty if cells bring theirs."""
+    """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
+
+    `unit` is empty if cells bring theirs.
+    """
 
     spelled: str
     field: str = ""
     unit: str = ""
+    beside: Beside | None = None
+
+    @property
+    def key(self) -> str:
+        """What no second column may hold."""
+        return f"{self.beside.readout} {self.beside.part}" if self.beside else self.field or self.spelled.lower()
 
 
 def recognises(head: bytes) -> bool:
@@ -71,7 +82,8 @@ def _separator(text: str) -> str:
 
 def _is_known(spelled: str) -> bool:
     try:
-        return bool(_heading(spelled, strict=True).field)
+        heading = _heading(spelled, strict=True)
+        return bool(heading.field or heading.beside)
     except BadValue:
         return True
 
@@ -95,6 +107,8 @@ def _heading(spelled: str, *, strict: bool) -> Heading:
     plain = _plain(spelled)
     if plain in TEXT_COLUMNS or plain in BY_NAME:
         return Heading(spelled.strip(), plain)
+    if told := _beside(plain, strict=strict):
+        return Heading(spelled.strip(), unit=told.unit, beside=told)
     for name in sorted(BY_NAME, key=len, reverse=True):
         column, ending = BY_NAME[name], plain.removeprefix(f"{name}_")
         if ending == plain:
@@ -107,6 +121,16 @@ def _heading(spelled: str, *, strict: bool) -> Heading:
     return Heading(spelled.strip())
 
 
+def _beside(plain: str, *, strict: bool) -> Beside | None:
+    """What stands beside a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
+    try:
+        return beside(plain)
+    except BadValue:
+        if strict:
+            raise
+        return None
+
+
 def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
     certain = {_heading(name, strict=False).field for name in spelled}
@@ -117,14 +141,13 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     for name in spelled:
         try:
             spoken_for = any(_plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
-            heading = _heading(name, strict=not spoken_for)
+            heading = _heading(name, strict=not spoken_for or "_sd_" in _plain(name))
         except BadValue as error:
             raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
-        key = heading.field or heading.spelled.lower()
-        if key and key in seen:
-            found = f"found a second column for the same as {printable(seen[key])}, expected one"
+        if heading.key and heading.key in seen:
+            found = f"found a second column for the same as {printable(seen[heading.key])}, expected one"
             raise DamagedLog(found, row=row, column=printable(heading.spelled))
-        seen[key] = heading.spelled
+        seen[heading.key] = heading.spelled
         headings.append(heading)
     return headings
 
@@ -149,7 +172,11 @@ def _numbers(headings: Sequence[Heading], table: Iterable[tuple[int, list[str] |
     """Every cell of the columns that hold numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
-            yield from (c for h, c in zip(headings, cells, strict=False) if h.field in BY_NAME)
+            yield from (c for h, c in zip(headings, cells, strict=False) if _holds_numbers(h))
+
+
+def _holds_numbers(heading: Heading) -> bool:
+    return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
 
 
 def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
@@ -181,16 +208,36 @@ def _reading(
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}
     extra: dict[str, str] = {}
+    known: dict[Beside, object] = {}
     for heading, cell in zip(headings, cells, strict=False):
         try:
             if heading.field:
                 stated[heading.field] = _value(cell, heading, mark)
+            elif heading.beside:
+                known[heading.beside] = _value_beside(cell, heading, heading.beside, mark)
             elif cell.strip():
                 extra[heading.spelled] = _known_header(cell, heading)
         except BadValue as error:
             return DamagedLog(str(error), row=row, column=heading.spelled or None)
+    known = {place: value for place, value in known.items() if value is not None}
+    for heading in headings:
+        if heading.beside in known and stated.get(heading.beside.readout) is None:
+            found = f"found a value beside an empty {BY_NAME[heading.beside.readout].header}, expected none"
+            return DamagedLog(found, row=row, column=heading.spelled)
+    for place, value in known.items():
+        stated[place.part] = {**stated.get(place.part, {}), place.readout: value}  # type: ignore[dict-item]
     columns = {heading.field: heading.spelled for heading in headings if heading.field}
     return Reading(stated, extra, columns, row)
+
+
+def _value_beside(cell: str, heading: Heading, place: Beside, mark: str) -> object:
+    """The value of a cell beside a readout: a standard deviation in SI, or a source. Raises BadValue. [SI]"""
+    cell = cell.strip()
+    if cell.lower() in NOT_RECORDED:
+        return None
+    if place.part == "sd":
+        _check_number(cell, BY_NAME[place.readout], heading, mark)
+    return place.read(from_cell(cell))
 
 
 def _known_header(cell: str, heading: Heading) -> str:
@@ -214,8 +261,8 @@ def _value(cell: str, heading: Heading, mark: str) -> object:
     return cell.strip()
 
 
-def _number(cell: str, heading: Heading, mark: str) -> float:
-    column = BY_NAME[heading.field]
+def _check_number(cell: str, column: Column, heading: Heading, mark: str) -> None:
+    """Raise BadValue for a cell whose number or unit is in doubt."""
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
         one, other = cell.replace(",", "").replace(".", ""), cell.replace(",", ".")
@@ -224,6 +271,11 @@ def _number(cell: str, heading: Heading, mark: str) -> float:
         raise BadValue(f"found {shown(cell)}, expected a number of at most 40 characters")
     if not heading.unit and cell[-1].isdigit():
         raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
+
+
+def _number(cell: str, heading: Heading, mark: str) -> float:
+    column = BY_NAME[heading.field]
+    _check_number(cell, column, heading, mark)
     try:
         return units.parse(cell, column.quantity, heading.unit)
     except BadValue:

@@ -1,6 +1,6 @@
 """From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
-from fieldkit.analysis.columns import columns, measured_sd
+from fieldkit.analysis.columns import columns
 from fieldkit.analysis.measure import measure
 from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded
 
@@ -12,5 +12,4 @@ __all__ = [
     "Recorded",
     "columns",
     "measure",
-    "measured_sd",
 ]

@@ -26,6 +26,8 @@ SPOKEN = {
     "acceleration": "acceleration",
     "inertial_speed": "inertial speed",
 }
+_SENSORS = {"inertial": "accel", "acceleration": "accel", "GPS": "gps", "barometric": "baro", "pressure": "baro"}
+"""Words of `SPOKEN` and the sensor that each means; of two sensors the first of these shaped what was measured."""
 FEWEST = 12
 """Samples below which nothing is measured."""
 _MANY, _FINE, _COARSE = 20_000, 200.0, 20.0
@@ -100,6 +102,11 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
                 continue
             return Push(time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", SPOKEN[name])
     return None
+
+
+def sensor(source: str) -> str:
+    """The sensor that a figure rests on, one of `fieldkit.flight.SOURCES`, by the channels it was made from."""
+    return next((name for word, name in _SENSORS.items() if word in source), "stated")
 
 
 def is_clipped(push: Push, begin: float, end: float) -> bool:

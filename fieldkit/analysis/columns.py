@@ -1,12 +1,13 @@
-"""What was measured, in the columns of a flight: readouts, and their uncertainties beside them."""
+"""What was measured, in the fields of a flight: readouts, how well they are known, and by which sensor."""
 
 from collections.abc import Mapping
 
 from fieldkit import units
+from fieldkit.analysis.channels import sensor
 from fieldkit.analysis.measure import NO_FLIGHT
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, READOUTS, Column
+from fieldkit.flight import READOUTS, Column
 from fieldkit.flight.plausibility import check
 
 
@@ -16,19 +17,26 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
     The measured figure is the readout, for its uncertainty is known and a device may state a spike for the apogee; what
     the device stated is kept beside it. Where the samples do not show a figure, as the apogee of a log that ends
     before it, the stated one is the readout. Of a log without a flight in it nothing stated is believed either.
+    Standard deviations keep two digits.
     """
     fields = dict(stated)
     extra: dict[str, str] = {}
+    sd: dict[str, float] = {}
+    source: dict[str, str] = {}
     for column in READOUTS:
         said, figure = stated.get(column.name), recorded.figures.get(column.name)
         if isinstance(said, float):
             extra[column.stated_header] = column.render(said)
+            source[column.name] = "stated"
             if NO_FLIGHT in recorded.notes:
-                del fields[column.name]
+                del fields[column.name], source[column.name]
         if figure and _possible(column, figure):
             fields[column.name] = round(figure.value, 3)
+            source[column.name] = sensor(figure.source)
             scale = units.unit(column.quantity, column.unit)
-            extra[column.sd_header] = f"{scale.from_si(figure.sd) - scale.from_si(0):.2g}"
+            if rounded := float(f"{scale.difference_from_si(figure.sd):.2g}"):
+                sd[column.name] = scale.difference_to_si(rounded)
+    fields |= {name: known for name, known in (("sd", sd), ("source", source)) if known}
     if top := recorded.figures.get("time_to_apogee"):
         extra |= {"time_to_apogee_s": f"{top.value:.3f}", "time_to_apogee_sd_s": f"{top.sd:.2g}"}
     return fields, extra
@@ -40,14 +48,3 @@ def _possible(column: Column, figure: Figure) -> bool:
     except BadValue:
         return False
     return True
-
-
-def measured_sd(name: str, extra: Mapping[str, str]) -> float | None:
-    """The standard deviation of a readout that was measured in a log, from a flight's extra columns. [SI]"""
-    column = BY_NAME[name]
-    try:
-        sd = float(extra[column.sd_header])
-    except (KeyError, ValueError):
-        return None
-    scale = units.unit(column.quantity, column.unit)
-    return scale.to_si(sd) - scale.to_si(0)

@@ -108,7 +108,8 @@ def _measures_otherwise(flight: "Flight", recording: "Recording") -> bool:
     from fieldkit.flight import BY_NAME
 
     figures = {name: figure.value for name, figure in recording.recorded.figures.items() if name in BY_NAME}
-    measured = {n: v for n in figures if BY_NAME[n].sd_header in flight.extra and (v := flight.number(n)) is not None}
+    read = flight.readouts()
+    measured = {n: read[n] for n in figures if n in read and n in flight.sd and flight.source.get(n) != "typed"}
     return any(abs(value - figures[name]) > 0.001 for name, value in measured.items())
 
 
@@ -138,7 +139,10 @@ def edit(
         typer.Argument(metavar="COLUMN=VALUE...", help="apogee=923ft, notes=; an empty value clears."),
     ],
 ) -> None:
-    """Change columns of a flight."""
+    """Change columns of a flight.
+
+    A readout has a standard deviation and a source, too: apogee_sd_m=2, apogee_source=gps.
+    """
     settings = split_settings(changes)
     with open_ledger(context) as ledger:
         before = ledger.flight(flight)

@@ -76,10 +76,9 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
     """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash where there is none."""
-    from fieldkit.analysis import measured_sd
     from fieldkit.analysis.labels import spoken
 
-    return "-" if value is None else spoken(name, value, measured_sd(name, flight.extra) or 0.0)
+    return "-" if value is None else spoken(name, value, flight.sd.get(name, 0.0))
 
 
 def _document(
@@ -112,10 +111,9 @@ def _document(
 
 def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
     """A readout and its standard deviation in the unit of the flight table, None where there is none."""
-    from fieldkit.analysis import measured_sd
     from fieldkit.analysis.labels import at_the_edge
 
     if value is None:
         return None
-    sd = measured_sd(name, flight.extra)
+    sd = flight.sd.get(name)
     return {"value": at_the_edge(name, value), "sd": None if sd is None else at_the_edge(name, sd)}

@@ -73,6 +73,7 @@ def print_table(headers: Sequence[str], rows: Iterable[Sequence[str]], numbers: 
 
 def print_card(flight: "Flight", id: str) -> None:
     """Print what is known of a flight, a line each, in both units."""
+    from fieldkit import units
     from fieldkit.flight import COLUMNS
     from fieldkit.importing.manual_entry import answer_text
     from fieldkit.quantities import spelled
@@ -82,12 +83,13 @@ def print_card(flight: "Flight", id: str) -> None:
         ("Flight", id),
         *((name.replace("_", " ").capitalize(), answer_text(flight, name)) for name in texts),
     ]
-    extra = dict(flight.extra)
     for column in COLUMNS:
-        spread = extra.pop(f"{column.name}_sd_{column.suffix}", "")
         value = in_both_units(column.name, flight.number(column.name))
-        lines.append((column.title, f"{value} ± {spread} {spelled(column.unit)}" if value and spread else value))
-    lines += [("Notes", flight.notes), ("Log", flight.log), *extra.items()]
+        if sd := flight.sd.get(column.name):
+            spread = units.unit(column.quantity, column.unit).difference_from_si(sd)
+            value += f" ± {spread:.2g} {spelled(column.unit)}"
+        lines.append((column.title, value))
+    lines += [("Notes", flight.notes), ("Log", flight.log), *flight.extra.items()]
     known = [(title, value) for title, value in lines if value]
     width = max(len(title) for title, _ in known)
     for title, value in known:

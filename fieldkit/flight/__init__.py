@@ -7,6 +7,7 @@ carries the unit that flyers see.
 
 from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, READOUTS, SETUP, Column
 from fieldkit.flight.flight import FIELDS, Flight
+from fieldkit.flight.readout import SENSORS, SOURCES, Readout
 from fieldkit.flight.series import Series
 from fieldkit.flight.table import MOTOR_TEMPERATURE, TEXT_COLUMNS, read_date, table_headers, table_row
 from fieldkit.flight.tags import CHECKED, KNOWN_TAGS, TAGS, read_tags
@@ -20,11 +21,14 @@ __all__ = [
     "KNOWN_TAGS",
     "MOTOR_TEMPERATURE",
     "READOUTS",
+    "SENSORS",
     "SETUP",
+    "SOURCES",
     "TAGS",
     "TEXT_COLUMNS",
     "Column",
     "Flight",
+    "Readout",
     "Series",
     "read_date",
     "read_tags",

@@ -30,8 +30,13 @@ class Column:
 
     @property
     def sd_header(self) -> str:
-        """The extra column that holds the standard deviation of a measured readout: `apogee_sd_m`."""
+        """The column that holds the standard deviation of a readout: `apogee_sd_m`."""
         return f"{self.name}_sd_{self.suffix}"
+
+    @property
+    def source_header(self) -> str:
+        """The column that says what a readout was measured by: `apogee_source`."""
+        return f"{self.name}_source"
 
     @property
     def stated_header(self) -> str:

@@ -1,10 +1,11 @@
 """One flight, as its flyer knows it."""
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
 
 from fieldkit.flight.columns import READOUTS
+from fieldkit.flight.readout import Readout
 from fieldkit.flight.tags import TAGS
 
 
@@ -12,7 +13,8 @@ from fieldkit.flight.tags import TAGS
 class Flight:
     """One flight as its flyer knows it, in SI units; None is "not recorded", never zero.
 
-    `rocket` and `flight_id` together name it. `motor` is as printed, with the delay if it has one;
+    `rocket` and `flight_id` together name it. `motor` is as printed, with the delay if it has one. `sd` is the
+    standard deviation and `source` the origin, one of `SOURCES`, of each readout of which it is recorded, by name.
     `extra` keeps the columns of a flight table that fieldkit does not know.
     """
 
@@ -45,6 +47,8 @@ class Flight:
     eject_altitude: float | None = None
     descent_speed: float | None = None
     duration: float | None = None
+    sd: Mapping[str, float] = field(default_factory=dict)
+    source: Mapping[str, str] = field(default_factory=dict)
     extra: Mapping[str, str] = field(default_factory=dict)
 
     @property
@@ -61,9 +65,28 @@ class Flight:
         """The recorded readouts by name, in SI."""
         return {c.name: v for c in READOUTS if (v := self.number(c.name)) is not None}
 
+    def readout(self, name: str) -> Readout | None:
+        """A readout with how well it is known, and by what; None where it was not recorded. [SI]"""
+        value = self.number(name)
+        return None if value is None else Readout(value, self.sd.get(name), self.source.get(name, ""))
+
     def with_changes(self, **changes: object) -> "Flight":
-        """The same flight with some fields changed."""
+        """The same flight with some fields changed.
+
+        A readout of another value, or of none, loses its standard deviation and its source, unless `changes` has an
+        `sd` or a `source`, which is then that of all readouts.
+        """
+        changed = {c.name for c in READOUTS if c.name in changes and changes[c.name] != self.number(c.name)}
+        for part in ("sd", "source"):
+            told: Mapping[str, object] = getattr(self, part)
+            if part not in changes and changed & told.keys():
+                changes[part] = {name: value for name, value in told.items() if name not in changed}
         return replace(self, **changes)  # type: ignore[arg-type]
+
+    def with_source(self, names: Iterable[str], source: str) -> "Flight":
+        """The same flight with a source for those of its readouts among `names` that have none."""
+        added = {name: source for name in names if self.number(name) is not None and name not in self.source}
+        return replace(self, source={**self.source, **added}) if added else self
 
 
 FIELDS = tuple(f.name for f in fields(Flight))

@@ -6,6 +6,7 @@ from datetime import datetime
 from fieldkit.errors import BadValue
 from fieldkit.flight.columns import COLUMNS, CONDITIONS, READOUTS, SETUP
 from fieldkit.flight.flight import Flight
+from fieldkit.flight.readout import render_sd
 
 MOTOR_TEMPERATURE = "motor_temperature_c"
 """Extra column of a planned flight: how warm the motor is, for a safety check alone."""
@@ -26,18 +27,34 @@ def read_date(text: str) -> datetime | None:
 
 
 def table_row(flight: Flight) -> dict[str, str]:
-    """A flight as a row of the flight table: header to text, an empty text for "not recorded"."""
+    """A flight as a row of the flight table: header to text, an empty text for "not recorded".
+
+    Standard deviations and sources of readouts have a cell where they are recorded.
+    """
     row = {name: str(getattr(flight, name)) for name in TEXT_COLUMNS if name not in ("date_time", "tags")}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else ""
     row["tags"] = ";".join(flight.tags)
     for column in COLUMNS:
         value = flight.number(column.name)
         row[column.header] = "" if value is None else column.render(value)
+    for column in READOUTS:
+        if column.name in flight.sd:
+            row[column.sd_header] = render_sd(column.name, flight.sd[column.name])
+        if column.name in flight.source:
+            row[column.source_header] = flight.source[column.name]
     return row | dict(flight.extra)
 
 
 def table_headers(flights: Iterable[Flight]) -> list[str]:
-    """The headers of a flight table that holds all of these flights, extra columns last."""
+    """The headers of a flight table that holds all of these flights, extra columns last.
+
+    Beside a readout stand its standard deviation and its source, where they are recorded of any flight.
+    """
+    flights = list(flights)
     extra = dict.fromkeys(name for flight in flights for name in flight.extra)
     known = [*TEXT_COLUMNS[:5], *(c.header for c in SETUP), "site", *(c.header for c in CONDITIONS)]
-    return [*known, *(c.header for c in READOUTS), "tags", "notes", "log", *extra]
+    for column in READOUTS:
+        known.append(column.header)
+        known += [column.sd_header] * any(column.name in flight.sd for flight in flights)
+        known += [column.source_header] * any(column.name in flight.source for flight in flights)
+    return list(dict.fromkeys([*known, "tags", "notes", "log", *extra]))

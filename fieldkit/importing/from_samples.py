@@ -44,8 +44,10 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
 
 def _stated(reading: Reading, format: str) -> Reading:
     """A summary of a flight that other files hold the samples of, its figures marked as the device's own."""
-    said = {c.stated_header: c.render(v) for c in READOUTS if isinstance(v := reading.stated.get(c.name), float)}
-    return replace(reading, extra={**reading.extra, **said, **_origin(reading, format)})
+    figures = {c.stated_header: c.render(v) for c in READOUTS if isinstance(v := reading.stated.get(c.name), float)}
+    source = {c.name: "stated" for c in READOUTS if c.stated_header in figures}
+    extra = {**reading.extra, **figures, **_origin(reading, format)}
+    return replace(reading, stated={**reading.stated, "source": source}, extra=extra)
 
 
 def _origin(reading: Reading, format: str) -> dict[str, str]:

@@ -23,6 +23,7 @@ from fieldkit.flight import (
     read_tags,
 )
 from fieldkit.flight.plausibility import check, doubts
+from fieldkit.flight.readout import beside
 
 NOTHING = "-"
 """Typed for "not recorded" where an empty answer would take what is offered."""
@@ -77,6 +78,7 @@ def field_of(name: str) -> tuple[str, str]:
         if ending == "" or (ending.startswith("_") and ending[1:] in units.UNITS[column.quantity]):
             return column.name, ending[1:]
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
+    known += [header for column in READOUTS for header in (column.sd_header, column.source_header)]
     near = get_close_matches(plain, known, n=3, cutoff=0.5)
     raise BadValue(f"no column {name!r}, {'did you mean ' + ' or '.join(near) if near else 'see flights --json'}")
 
@@ -92,21 +94,30 @@ def read_answer(name: str, text: str, unit: str = "") -> object:
 
 
 def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object]:
-    """Fields and values of `column=value` changes to a flight; its extra columns may be changed as well.
+    """Fields and values of `column=value` changes to a flight; what stands beside its readouts and its extra columns
+    may be changed as well.
 
     Raises BadValue that names the column.
     """
     values: dict[str, object] = {}
     extra = dict(flight.extra)
+    told: dict[str, dict[str, object]] = {}
     for name, text in changes.items():
         if name in extra:
             extra = {key: text if key == name else old for key, old in extra.items() if text or key != name}
             continue
-        field, unit = field_of(name)
         try:
+            if place := beside(name.strip().lower().replace("-", "_")):
+                told.setdefault(place.part, {})[place.readout] = place.read("" if text.strip() == NOTHING else text)
+                continue
+            field, unit = field_of(name)
             values[field] = read_answer(field, text, unit)
         except BadValue as error:
-            raise BadValue(f"{name}: {error}") from error
+            raise BadValue(str(error) if str(error).startswith("no column") else f"{name}: {error}") from error
+    changed = flight.with_changes(**values)
+    for part, new in told.items():
+        both = {**getattr(changed, part), **new}
+        values[part] = {name: value for name, value in both.items() if value is not None}
     return values | ({"extra": extra} if extra != dict(flight.extra) else {})
 
 

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import LedgerError
-from fieldkit.flight import BY_NAME, Flight
+from fieldkit.flight import Flight
 from fieldkit.importing.incoming import Arrival, Original
 from fieldkit.ledger import book, drafts, journal, naming
 from fieldkit.ledger.beside import BesideFlights
@@ -145,10 +145,10 @@ def _renew(pen: Pen, one: Renewal) -> bool:
 
 
 def _edited(flight: Flight, changes: Mapping[str, object]) -> Flight:
-    """A flight with some fields changed; a figure that was typed has no uncertainty of a measurement."""
-    typed = {BY_NAME[name].sd_header for name in changes if name in BY_NAME and changes[name] != flight.number(name)}
+    """A flight with some fields changed; a readout that was typed has no uncertainty of a measurement."""
     edited = flight.with_changes(**changes)
-    return edited.with_changes(extra={name: text for name, text in edited.extra.items() if name not in typed})
+    typed = [name for name, value in edited.readouts().items() if value != flight.number(name)]
+    return edited.with_source(typed, "typed")
 
 
 def _listed(ids: Sequence[str], most: int = 4) -> str:

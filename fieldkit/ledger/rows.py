@@ -3,10 +3,11 @@
 import math
 from collections.abc import Mapping, Sequence
 from datetime import datetime
+from types import MappingProxyType
 from typing import Any
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import COLUMNS, FIELDS, Flight
+from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, READOUTS, SOURCES, Flight
 
 Row = dict[str, Any]
 """Column name to a value that JSON can hold."""
@@ -17,6 +18,10 @@ class DamagedRow(ValueError):
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
+BESIDE: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})
+"""What stands beside the readouts of a flight, and in which column of a row; the row's own `source` is a file."""
+PLAIN = tuple(name for name in FIELDS if name not in (*BESIDE, "tags"))
+"""Fields of a flight that a row has under their own name."""
 
 
 def row_of(flight: Flight) -> Row:
@@ -25,19 +30,23 @@ def row_of(flight: Flight) -> Row:
         _storable(name, getattr(flight, name))
     for text in (*flight.tags, *flight.extra, *flight.extra.values()):
         _storable("tags and extra columns", text)
-    row: Row = {name: getattr(flight, name) for name in FIELDS}
+    row: Row = {name: getattr(flight, name) for name in PLAIN}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else None
     row["tags"] = list(flight.tags)
     row["extra"] = dict(flight.extra)
     for column in COLUMNS:
         row[column.name] = _finite(column.header, flight.number(column.name))
-    return row
+    _check_beside(flight)
+    return row | {column: dict(getattr(flight, part)) or None for part, column in BESIDE.items()}
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
     """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded."""
-    values = {name: row[name] for name in FIELDS if name != "tags" and name in row}
+    values = {name: row[name] for name in PLAIN if name in row}
     moment = values.pop("date_time")
+    for part, column in BESIDE.items():
+        told = row.get(column) or {}
+        values[part] = {name: value for name, value in told.items() if values.get(name) is not None}
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)
 
 
@@ -52,14 +61,19 @@ def differences(one: Flight, other: Flight) -> list[str]:
 
 
 def agrees(flight: Flight, given: Mapping[str, object]) -> bool:
-    """Whether a record holds what is given, by field; of extra columns it may hold more."""
-    extra = given.get("extra", {})
-    columns = extra.items() if isinstance(extra, Mapping) else ()
-    fields = all(_alike(getattr(flight, name), value) for name, value in given.items() if name != "extra")
-    return fields and all(flight.extra.get(name) == value for name, value in columns)
+    """Whether a record holds what is given, by field; of extra columns, and beside readouts, it may hold more."""
+    return all(_holds(getattr(flight, name), value) for name, value in given.items())
+
+
+def _holds(one: Any, given: Any) -> bool:
+    if isinstance(one, Mapping) and isinstance(given, Mapping):
+        return all(name in one and _alike(one[name], value) for name, value in given.items())
+    return _alike(one, given)
 
 
 def _alike(one: Any, other: Any) -> bool:
+    if isinstance(one, Mapping) and isinstance(other, Mapping):
+        return one.keys() == other.keys() and all(_alike(one[name], other[name]) for name in one)
     if isinstance(one, float | int) and isinstance(other, float | int):
         return math.isclose(one, other, rel_tol=1e-9, abs_tol=1e-9)
     return bool(one == other)
@@ -71,6 +85,21 @@ def _finite(name: str, value: float | None) -> float | None:
     if not math.isfinite(value):
         raise BadValue(f"{name}: found {value}, expected a finite number or nothing")
     return float(value)
+
+
+def _check_beside(flight: Flight) -> None:
+    """Raise BadValue for a standard deviation or a source that no readout of the flight can have."""
+    known = flight.readouts()
+    for name in (*flight.sd, *flight.source):
+        if name not in known:
+            header = BY_NAME[name].header if name in BY_NAME else name
+            raise BadValue(f"{header}: found a standard deviation or a source and no readout, expected one")
+    for column in READOUTS:
+        sd, source = flight.sd.get(column.name, 1.0), flight.source.get(column.name, "typed")
+        if not (math.isfinite(sd) and sd > 0):
+            raise BadValue(f"{column.sd_header}: found {sd}, expected a number above 0 or nothing")
+        if source not in SOURCES:
+            raise BadValue(f"{column.source_header}: found {source!r}, expected one of {', '.join(SOURCES)}")
 
 
 def _storable(name: str, text: str) -> None:

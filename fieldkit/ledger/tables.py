@@ -63,6 +63,8 @@ flights = Table(
     Column("source", Text, nullable=False),  # the file it came from
     *(Column(column.name, Double) for column in COLUMNS),
     Column("extra", document, nullable=False),
+    Column("readout_sd", document),  # standard deviations of readouts by name, SI; empty where none is recorded
+    Column("readout_source", document),  # what readouts were measured by, by name
     Column("entered", document),  # the flight as it came in, once it has been edited
     _checksum(),  # its tags are in it
     UniqueConstraint("rocket", "flight_id"),

@@ -9,7 +9,7 @@ import numpy as np
 from fieldkit.model.observations import DECLARED, READOUT_NAMES, Observed
 from fieldkit.model.prior_predictive import TAIL, Truth
 from fieldkit.physics.atmosphere import GRAVITY
-from fieldkit.shapes import Flags
+from fieldkit.shapes import Array, Flags, Float
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +75,24 @@ def measure(rng: np.random.Generator, truth: Truth) -> Observed:
     readouts = np.round(readouts / steps) * steps
     signed = np.array(READOUT_NAMES) == "apogee_to_eject"
     return Observed(truth.motor, truth.declared, np.where(signed, readouts, np.maximum(readouts, 0.0)))
+
+
+def expected_sd(observed: Observed) -> Float[Array, "flight readout"]:
+    """The standard deviation of what `measure` adds to each readout, in SI; infinite for average acceleration.
+
+    Of a Student t with `TAIL` degrees of freedom the variance is `TAIL` / (`TAIL` - 2).
+    """
+    size = np.nan_to_num(observed.readouts, nan=0.0)
+    noise = [NOISE[name] for name in READOUT_NAMES]
+    floor, share, step = (np.array([getattr(one, name) for one in noise]) for name in ("floor", "share", "step"))
+    variance = TAIL / (TAIL - 2) * (floor**2 + (share * size) ** 2) + step**2 / 12
+    speed, peak, average = (READOUT_NAMES.index(name) for name in ("top_speed", "peak_accel", "avg_accel"))
+    burn = observed.readout("burn_time")
+    burn = np.where(np.isnan(burn), observed.figure("burn_time"), burn)
+    variance[:, speed] += (OFFSET * burn) ** 2 + (GAIN * size[:, speed]) ** 2
+    variance[:, peak] += OFFSET**2 + (GAIN * size[:, peak]) ** 2
+    variance[:, average] = np.inf
+    return np.asarray(np.sqrt(variance))
 
 
 def forget(rng: np.random.Generator, observed: Observed) -> Observed:

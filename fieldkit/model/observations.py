@@ -48,12 +48,13 @@ class Observed:
     """Flights as written down, one entry a flight, SI, nan for "not recorded".
 
     `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED`, `readouts` for each of
-    `READOUT_NAMES`.
+    `READOUT_NAMES`. So has `sd`, the recorded standard deviation of each; None where none is recorded.
     """
 
     motor: Float[Array, "flight figure"]
     declared: Float[Array, "flight declared"]
     readouts: Float[Array, "flight readout"]
+    sd: Float[Array, "flight readout"] | None = None
 
     def __len__(self) -> int:
         return len(self.motor)
@@ -72,7 +73,8 @@ class Observed:
 
     def rows(self, which: Any) -> "Observed":
         """Some of the flights."""
-        return Observed(self.motor[which], self.declared[which], self.readouts[which])
+        sd = None if self.sd is None else self.sd[which]
+        return Observed(self.motor[which], self.declared[which], self.readouts[which], sd)
 
     def without(self, *names: str) -> "Observed":
         """The same flights with some readouts not recorded."""
@@ -114,7 +116,9 @@ def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:
     declared[:, DECLARED.index("dry_mass")] = dry_masses(flights)
     declared[:, DECLARED.index("delay")] = delays(flights, found)
     readouts = np.stack([recorded(flights, name) for name in READOUT_NAMES], axis=-1)
-    return Observed(np.stack([figures(item.motor) for item in found]), declared, readouts)
+    sd = np.array([[flight.sd.get(name, np.nan) for name in READOUT_NAMES] for flight in flights], float)
+    motor = np.stack([figures(item.motor) for item in found])
+    return Observed(motor, declared, readouts, sd if np.isfinite(sd).any() else None)
 
 
 def diameter_range(

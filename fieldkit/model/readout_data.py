@@ -19,8 +19,9 @@ LOGARITHMIC = np.array([True, True, True, True, True, False])
 class Data:
     """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
 
-    `sd` is the expected error of each readout; `seen` marks what was recorded on flights used in the fit. `trust` is
-    the expected precision of each residual over that of an ordinary one: less than 1 for an outlier.
+    `sd` is the expected error of each readout, or that which is recorded of it; `seen` marks what was recorded on flights
+    used in the fit. `trust` is the expected precision of each residual over that of an ordinary one: less than 1 for an
+    outlier.
     """
 
     values: Float[Array, "flight readout"]
@@ -36,7 +37,9 @@ def observe(flights: Sequence[Flight], teach: Sequence[bool], hyperprior: Hyperp
         raw = _speed_from_average(raw, flights)
         seen = np.isfinite(raw) & (~LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
-    return Data(values, np.where(seen, reading_sd(raw, hyperprior), 1.0), seen, np.ones(seen.shape))
+    own = own_sd(flights)
+    sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))
+    return Data(values, np.where(seen, sd, 1.0), seen, np.ones(seen.shape))
 
 
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:
@@ -53,6 +56,18 @@ def reading_sd(
     fixed, ratio = np.array(hyperprior.fixed), np.array(hyperprior.ratio)
     safe = np.where(np.isfinite(raw) & (raw > 0), raw, 1.0)
     return np.where(LOGARITHMIC, np.hypot(fixed / safe, ratio), fixed)
+
+
+def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
+    """The standard deviation that is recorded of each readout, as it is compared; nan where none is.
+
+    Of a readout that is compared by its logarithm it is the standard deviation over the value.
+    """
+    found = np.stack([np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED], axis=-1)
+    raw = np.stack([recorded(flights, name) for name in OBSERVED], axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        relative = found / np.where(raw > 0, raw, np.nan)
+    return np.where(LOGARITHMIC, relative, found)
 
 
 def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:

@@ -4,10 +4,11 @@ import csv
 import io
 from collections.abc import Sequence
 
-from fieldkit.flight import COLUMNS, Flight, table_headers, table_row
+from fieldkit.flight import COLUMNS, READOUTS, Flight, table_headers, table_row
+from fieldkit.flight.readout import render_sd
 from fieldkit.safe_text import as_cell
 
-NUMBERS = {column.header for column in COLUMNS}
+NUMBERS = {column.header for column in COLUMNS} | {column.sd_header for column in READOUTS}
 """Headers below which there are numbers alone, which may be negative."""
 
 
@@ -24,9 +25,15 @@ def csv_table(flights: Sequence[Flight]) -> str:
 
 
 def document(flight: Flight) -> dict[str, object]:
-    """A flight as JSON: numbers in the unit of their column, None for "not recorded", else texts."""
+    """A flight as JSON: numbers in the unit of their column, None for "not recorded", else texts.
+
+    The standard deviation and the source of a readout are there where they are recorded.
+    """
     row: dict[str, object] = dict(table_row(flight))
     for column in COLUMNS:
         value = flight.number(column.name)
         row[column.header] = None if value is None else float(column.render(value))
+    for column in READOUTS:
+        if column.name in flight.sd:
+            row[column.sd_header] = float(render_sd(column.name, flight.sd[column.name]))
     return row

@@ -80,6 +80,8 @@ def _without_delay(motor: str) -> str:
 def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Flight, Added]:
     """Give a typed flight a number, a time and its site's elevation where it has none, and put it in the ledger.
 
+    Its readouts have the source "typed".
+
     Raises BadValue for a flight without a rocket or without anything that was observed of it.
     """
     if not flight.rocket:
@@ -92,6 +94,7 @@ def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Fli
         flight_id=flight.flight_id or ledger.next_flight_id(flight.rocket),
         date_time=flight.date_time or datetime.now().replace(second=0, microsecond=0),
     )
+    flight = flight.with_source(flight.readouts(), "typed")
     added = ledger.add([flight], command="add", draft=draft)
     if added.conflicts:
         raise BadValue(added.conflicts[0].error)

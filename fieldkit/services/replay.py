@@ -5,7 +5,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from types import MappingProxyType
 
-from fieldkit.analysis import Figure, Recorded, measure, measured_sd
+from fieldkit.analysis import Figure, Recorded, measure
 from fieldkit.errors import DamagedLog, LedgerError, NoFlights, UnknownFormat
 from fieldkit.flight import Flight
 from fieldkit.importing import Reading
@@ -100,7 +100,5 @@ def _recording(name: str, reading: Reading) -> Recording:
 
 def _by_readouts(flight: Flight, name: str) -> Recording:
     """A flight of which only readouts are known; one that was typed in has no uncertainty of its own."""
-    figures = {
-        key: Figure(value, measured_sd(key, flight.extra) or 0.0, "readout") for key, value in flight.readouts().items()
-    }
+    figures = {key: Figure(value, flight.sd.get(key, 0.0), "readout") for key, value in flight.readouts().items()}
     return Recording(name, "readouts", None, Recorded(figures=figures))

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fieldkit.analysis import Recorded, columns, measure, measured_sd
+from fieldkit.analysis import Recorded, columns, measure
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.compare import compare
 from fieldkit.analysis.forces import forces
@@ -445,8 +445,10 @@ def test_a_measured_figure_is_the_readout_and_a_stated_one_stays_beside_it() -> 
     assert fields["rocket"] == "Swift"
     assert fields["apogee"] == pytest.approx(recorded.figures["apogee"].value, abs=1e-3)
     assert extra["stated_apogee_m"] == "500"
-    assert measured_sd("apogee", extra) == pytest.approx(recorded.figures["apogee"].sd, rel=0.05)
-    assert measured_sd("eject_altitude", extra) is None
+    assert fields["sd"]["apogee"] == pytest.approx(recorded.figures["apogee"].sd, rel=0.05)
+    assert fields["source"]["apogee"] == "baro"
+    assert "eject_altitude" not in fields["sd"]
+    assert not any("_sd_" in name for name in extra if name != "time_to_apogee_sd_s")
     short, _ = measured(LARGE, Logger(early=0.8))
     assert columns(short, {"apogee": 500.0})[0]["apogee"] == 500.0
     failed = Recorded(notes=(NO_FLIGHT,))

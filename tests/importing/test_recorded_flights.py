@@ -120,9 +120,9 @@ def test_a_log_that_a_table_names_fills_the_row_and_is_found_again(run: Run, tmp
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         flight, recording = ledger.flight("1"), recording_of(ledger, "1")
     assert flight.apogee == 460
-    assert "apogee_sd_m" not in flight.extra
+    assert "apogee" not in flight.sd
     assert flight.top_speed is not None
-    assert "top_speed_sd_mps" in flight.extra
+    assert "top_speed" in flight.sd
     assert recording is not None
     assert recording.recorded.events["apogee"].sd > 0
 

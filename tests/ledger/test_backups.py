@@ -13,6 +13,7 @@ from fieldkit.cli.main import main
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, backups, soundness
+from fieldkit.ledger.schema import STEPS
 
 
 def add(file: Path, *ids: str) -> None:
@@ -129,7 +130,7 @@ def without_tables(_: bytes) -> bytes:
     """What SQLite itself finds nothing wrong with."""
     with closing(sqlite3.connect(":memory:")) as empty:
         empty.execute("CREATE TABLE alembic_version (version_num TEXT)")
-        empty.execute("INSERT INTO alembic_version VALUES ('m004_checksums')")
+        empty.execute("INSERT INTO alembic_version VALUES (?)", (STEPS[-1],))
         empty.commit()
         return empty.serialize()
 

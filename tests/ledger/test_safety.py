@@ -18,7 +18,7 @@ from sqlalchemy import create_engine, event
 from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start
-from fieldkit.ledger import Ledger, backups, opening, schema, whereabouts
+from fieldkit.ledger import Ledger, backups, opening, schema, soundness, whereabouts
 from fieldkit.ledger.tables import metadata
 
 FIRST = Flight(flight_id="1", rocket="Astra", apogee=281.3, tags=("mine",))
@@ -378,3 +378,59 @@ def test_every_old_schema_is_upgraded_and_keeps_its_flights(step: str, tmp_path:
         while ledger.history()[0].undone is False:
             ledger.undo()
         assert ledger.flights() == []
+
+
+MEASURED = {
+    "apogee": 1.0,
+    "top_speed": 4.2,
+    "burn_time": 0.13,
+    "peak_accel": 1.9 * 9.80665,
+    "avg_accel": 0.73 * 9.80665,
+    "coast_to_apogee": 0.094,
+    "apogee_to_eject": 0.12,
+    "eject_altitude": 1.0,
+    "descent_speed": 0.27,
+}
+"""What the extra columns of a flight measured in a log say of its standard deviations. [SI]"""
+
+
+@pytest.fixture
+def measured(tmp_path: Path) -> Path:
+    """A ledger before standard deviations had columns: a log and two rows of a table, one of which was edited."""
+    made = Path(__file__).parent / "old_ledgers" / "measured" / "m004_checksums.sql"
+    with closing(sqlite3.connect(tmp_path / "old.db")) as raw:
+        raw.executescript(made.read_text(encoding="utf-8"))
+    return tmp_path / "old.db"
+
+
+def test_what_was_measured_moves_out_of_the_extra_columns_and_undo_brings_it_back(measured: Path) -> None:
+    with Ledger.open(measured) as ledger:
+        (id,) = [flight.flight_id for flight in ledger.flights("Lark")]
+        edited, entered = ledger.flight(id), ledger.entered(id)
+        assert entered is not None
+        assert entered.sd == MEASURED
+        assert (edited.apogee, edited.sd) == (100.0, {n: sd for n, sd in MEASURED.items() if n != "apogee"})
+        assert not any("_sd_" in name for name in edited.extra if name != "time_to_apogee_sd_s")
+        assert ledger.flight("7").sd == {"coast_to_apogee": 0.25}
+        assert ledger.flight("7").extra == {"apogee_sd_m": "about 2", "Crew": "Bob"}, "no number: it stays a text"
+        assert ledger.flight("8").extra == {"apogee_sd_m": "3"}, "beside no readout it is of nothing"
+        for _ in range(4):
+            ledger.undo()
+        assert ledger.flight(id).sd == MEASURED
+        assert ledger.flight(id).apogee == 162.765
+        assert ledger.flight("7").extra["Crew"] == "Ann"
+        for _ in range(2):
+            ledger.undo()
+        assert ledger.flights() == []
+        for _ in range(6):
+            ledger.redo()
+        assert ledger.flight(id) == edited
+        assert soundness.fault(measured) == ""
+
+
+def test_a_row_that_was_damaged_before_an_upgrade_is_found_after_it(measured: Path) -> None:
+    with closing(sqlite3.connect(measured)) as raw:
+        raw.execute("UPDATE flights SET apogee = 101 WHERE rocket = 'Lark'")
+        raw.commit()
+    with pytest.raises(LedgerError, match="is not as it was written"), Ledger.open(measured) as ledger:
+        ledger.flights()

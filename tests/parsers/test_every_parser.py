@@ -16,6 +16,7 @@ from hypothesis import strategies as st
 from fieldkit.analysis import Recorded
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.flight import READOUTS, Column, Flight
+from fieldkit.flight.readout import render_sd
 from fieldkit.importing import Intake, Parser, Reading
 from fieldkit.importing.read import read
 from fieldkit.importing.recognize import claims, parsers, recognise
@@ -27,8 +28,10 @@ every_sample = pytest.mark.parametrize("sample", SAMPLES, ids=lambda path: path.
 
 def rounded(flight: Flight, column: Column, value: float) -> float:
     """A readout as a display shows it, or as well as it was measured."""
-    number, sd = float(column.render(value)), flight.extra.get(column.sd_header)
-    return round(number, -math.floor(math.log10(float(sd)))) if sd else float(f"{number:.5g}")
+    number, sd = float(column.render(value)), flight.sd.get(column.name)
+    if sd is None:
+        return float(f"{number:.5g}")
+    return round(number, -math.floor(math.log10(float(render_sd(column.name, sd)))))
 
 
 def summary(intake: Intake) -> dict[str, object]:

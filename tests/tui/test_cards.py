@@ -18,7 +18,7 @@ from fieldkit.tui.widgets.groups import grouped, placed
 from fieldkit.tui.widgets.table import fitted
 from tests.pressing import frozen, opened, press, season, typed, words
 
-LOGGED = {"apogee_sd_m": "1", "stated_apogee_m": "161.544", "time_to_apogee_s": "5.707", "time_to_apogee_sd_s": "0.12"}
+LOGGED = {"stated_apogee_m": "161.544", "time_to_apogee_s": "5.707", "time_to_apogee_sd_s": "0.12"}
 KEPT = {"mach_delay_s": "2", "log_format": "perfectflite", "Platz": "Süd", "other_logs": "ab12 cd34"}
 
 
@@ -30,11 +30,11 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_readout_measured_in_a_log_says_how_sure_it_is_in_the_units_shown() -> None:
-    flight = Flight(apogee=162.8, extra=LOGGED)
+    flight = Flight(apogee=162.8, sd={"apogee": 1.0})
     assert logged.readout(flight, BY_NAME["apogee"], "SI") == "162.8 ± 1 m"
     assert logged.readout(flight, BY_NAME["apogee"], "US") == "534 ± 3.3 ft"
     assert logged.readout(Flight(apogee=162.8), BY_NAME["apogee"], "SI") == "162.8 m"
-    assert logged.readout(Flight(extra=LOGGED), BY_NAME["apogee"], "SI") == ""
+    assert logged.readout(Flight(sd={"apogee": 1.0}), BY_NAME["apogee"], "SI") == ""
 
 
 def test_what_a_log_brought_is_said_in_words_with_units_behind_the_figures() -> None:

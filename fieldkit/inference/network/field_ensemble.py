@@ -1,7 +1,7 @@
 """What any flight says about drag and thrust, from whatever its altimeter showed."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -10,6 +10,7 @@ from fieldkit.errors import DamagedModel
 from fieldkit.flight import Flight
 from fieldkit.inference.network import outliers
 from fieldkit.inference.network.mixture import Margin, Mixture, mixture
+from fieldkit.inference.network.vague import DRAWS, excess_sd, plausible
 from fieldkit.model.field_features import FEATURES, features
 from fieldkit.model.observations import (
     ALPHA_RANGE,
@@ -128,8 +129,19 @@ def infer_observed(observed: Observed, ensemble: "Ensemble") -> FieldPosterior:
 
 
 def posterior(observed: Observed, ensemble: "Ensemble") -> Mixture:
-    """The density of the logarithm of drag area, and alpha; nothing is checked."""
-    return mixture(ensemble.members(features(observed)), *intervals(observed))
+    """The density of the logarithm of drag area, and alpha; nothing is checked.
+
+    Of a flight with a readout that is vaguer than usual it is the average over what that may have been.
+    """
+    outputs = ensemble.members(features(observed))
+    vague = (excess_sd(observed) > 0).any(axis=1)
+    if vague.any():
+        some = observed.rows(vague)
+        foretold = outliers.foretell(ensemble, replace(some, sd=None))
+        drawn = [ensemble.members(features(one)) for one in plausible(some, foretold.mean, foretold.sd)]
+        outputs = np.tile(outputs, (1, DRAWS, 1))
+        outputs[vague] = np.concatenate(drawn, axis=1)
+    return mixture(outputs, *intervals(observed))
 
 
 def intervals(observed: Observed) -> tuple[Float[Array, "flight 2"], Float[Array, "flight 2"]]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from fieldkit.flight import BY_NAME
 from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
+from fieldkit.inference.network.vague import excess_sd, likeliest
 from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import READOUT_NAMES, SEEN, Observed
 from fieldkit.shapes import Array, Flags, Float, Int
@@ -77,8 +78,12 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
 def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     """The readout that does not fit, as a place in `SEEN`, or -1.
 
-    Of those too far from what the others foretell, it is the one without which the others agree best.
+    Of those too far from what the others foretell, it is the one without which the others agree best. One that is
+    vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
     """
+    if (excess_sd(observed) > 0).any():
+        foretold = foretell(ensemble, observed)
+        observed = likeliest(observed, foretold.mean, foretold.sd)
     limit = np.array([ensemble.card["guard"][name] for name in SEEN])
     far: Flags = foretell(ensemble, observed).distance > limit
     odd = far.any(axis=1)

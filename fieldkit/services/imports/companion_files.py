@@ -14,7 +14,6 @@ from datetime import time
 from math import hypot
 from typing import TYPE_CHECKING
 
-from fieldkit.analysis import measured_sd
 from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import Flight
 from fieldkit.importing import Choice
@@ -101,7 +100,7 @@ def _are_as_high(there: Flight, new: Flight) -> bool:
     heights = [flight.number("apogee") for flight in (there, new)]
     if heights[0] is None or heights[1] is None:
         return False
-    sds = [measured_sd("apogee", flight.extra) or 0.0 for flight in (there, new)]
+    sds = [flight.sd.get("apogee", 0.0) for flight in (there, new)]
     return abs(heights[0] - heights[1]) < 3 * hypot(*sds) + SAME_HEIGHT * heights[0]
 
 
@@ -150,8 +149,9 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:
     """Whether the flight has all that an arrival says; else the arrival is left for the ledger to object to."""
-    said = {name: value for name, value in (arrival.given or {}).items() if name != "extra" and value not in (None, "")}
-    if all(getattr(flight, name) == value for name, value in said.items()):
+    beside = ("extra", "sd", "source")
+    said = {name: value for name, value in (arrival.given or {}).items() if name not in beside}
+    if all(getattr(flight, name) == value for name, value in said.items() if value not in (None, "")):
         return True
     sorting.new.append(arrival)
     return False

@@ -8,11 +8,14 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from fieldkit import files
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
-from fieldkit.flight import BY_NAME, FIELDS, READOUTS, Flight
+from fieldkit.flight import FIELDS, READOUTS, Flight
 from fieldkit.importing import Choice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import read, read_together
 from fieldkit.importing.to_flights import CheckMotor
+
+BESIDE = ("sd", "source")
+"""Fields of a flight that say something of its readouts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,9 +89,18 @@ def _name(path: Path) -> str:
 
 
 def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
-    """Defaults for the fields that a flight leaves open."""
+    """Defaults for the fields that a flight leaves open, and for what stands beside its readouts."""
     empty = (None, "", ())
-    return {f: v for f, v in defaults.items() if getattr(flight, f) in empty}
+    given = {f: v for f, v in defaults.items() if f not in BESIDE and getattr(flight, f) in empty}
+    readouts = flight.with_changes(**given).readouts()
+    for part in BESIDE:
+        there, default = getattr(flight, part), defaults.get(part, {})
+        known = (
+            {name: value for name, value in default.items() if name in readouts} if isinstance(default, dict) else {}
+        )
+        if known.keys() - there.keys():
+            given[part] = {**known, **there}
+    return given
 
 
 def read_file(path: Path) -> bytes:
@@ -138,8 +150,9 @@ def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
     found = list(found)
     if len(found) != 1:
         return flight
-    if not found[0].extra:
-        return flight.with_changes(**(found[0].readouts() | flight.readouts()))
-    typed = {BY_NAME[name].sd_header for name in flight.readouts()}
-    extra = {name: text for name, text in found[0].extra.items() if name not in typed} | dict(flight.extra)
-    return flight.with_changes(**(found[0].readouts() | flight.readouts()), extra=extra)
+    told, own = found[0], flight.readouts()
+    known = {
+        part: {name: value for name, value in getattr(told, part).items() if name not in own} | getattr(flight, part)
+        for part in BESIDE
+    }
+    return flight.with_changes(**(told.readouts() | own), **known, extra={**told.extra, **flight.extra})

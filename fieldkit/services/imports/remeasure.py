@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import LedgerError
-from fieldkit.flight import COLUMNS, READOUTS, Column, Flight
+from fieldkit.flight import COLUMNS, READOUTS, SENSORS, Column, Flight
 from fieldkit.importing import Choice, Reading
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
@@ -44,6 +44,9 @@ class Remeasured:
         """Columns that change and are no readouts: a date, the firmware, an uncertainty."""
         fields = [c.name for c in COLUMNS if c not in READOUTS] + ["date_time"]
         found = [name for name in fields if getattr(self.flight, name) != getattr(self.renewed, name)]
+        for c in READOUTS:
+            found += [c.sd_header] * (self.flight.sd.get(c.name) != self.renewed.sd.get(c.name))
+            found += [c.source_header] * (self.flight.source.get(c.name) != self.renewed.source.get(c.name))
         old, new = self.flight.extra, self.renewed.extra
         return (*found, *(name for name in {**old, **new} if old.get(name) != new.get(name)))
 
@@ -102,7 +105,7 @@ def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
 def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
     """A flight with what its files say now, where the flyer has said nothing; `entered` is it before any edit.
 
-    A figure is the files' own where it bears an uncertainty or is what the device stated, or where there was none.
+    A figure is the files' own where it was measured or is what the device stated, or where there was none.
     """
     was = entered or flight
     changes: dict[str, object] = {}
@@ -111,14 +114,28 @@ def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
             changes[column.name] = fresh.number(column.name)
     if flight.date_time is None and was.date_time is None and not was.log:
         changes["date_time"] = fresh.date_time
-    stays = {c.sd_header for c in READOUTS if c.name not in changes}
-    ours = {header for c in READOUTS for header in (c.sd_header, c.stated_header)}
-    ours |= {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
+    told = {part: _beside(part, changes, flight, was, fresh) for part in ("sd", "source")}
+    ours = {c.stated_header for c in READOUTS} | {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
     extra = {name: text for name, text in flight.extra.items() if name not in ours or name in fresh.extra}
     for name, text in fresh.extra.items():
-        if name not in stays and flight.extra.get(name) == was.extra.get(name):
+        if flight.extra.get(name) == was.extra.get(name):
             extra[name] = text
-    return flight.with_changes(**changes, extra={name: text for name, text in extra.items() if name not in stays})
+    return flight.with_changes(**changes, **told, extra=extra)
+
+
+def _beside(
+    part: str, changes: Mapping[str, object], flight: Flight, was: Flight, fresh: Flight
+) -> dict[str, float | str]:
+    """The standard deviations or the sources of the readouts that a flight has then: the files' of those that
+    `changes` takes from them, but what the flyer edited stays."""
+    told: dict[str, float | str] = {}
+    for column in READOUTS:
+        own, first, new = (getattr(one, part).get(column.name) for one in (flight, was, fresh))
+        renewed_value = changes.get(column.name, flight.number(column.name))
+        value = new if column.name in changes and own == first else own
+        if value is not None and renewed_value is not None:
+            told[column.name] = value
+    return told
 
 
 def _open_to(column: Column, flight: Flight, was: Flight) -> bool:
@@ -135,7 +152,9 @@ def from_files(column: Column, flight: Flight) -> bool:
     """Whether a readout was measured in a log, or is what its device stated."""
     value = flight.number(column.name)
     stated = flight.extra.get(column.stated_header)
-    return column.sd_header in flight.extra or (value is not None and stated == column.render(value))
+    source = flight.source.get(column.name, "")
+    known = source in (*SENSORS, "stated") or (not source and column.name in flight.sd)
+    return known or (not source and value is not None and stated == column.render(value))
 
 
 def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight) -> bool:

@@ -14,20 +14,18 @@ SUFFIXES = {"_s": "s", "_m": "m", "_ft": "ft", "_pa": "Pa", "_mps": "m/s", "_g":
 
 
 def readout(flight: Flight, column: Column, system: str) -> str:
-    """A readout, with its standard deviation where it was measured in a log: `162.8 ± 1 m`; empty without one."""
-    value = flight.number(column.name)
-    sd = _figure(flight.extra.get(column.sd_header, ""))
+    """A readout, with its standard deviation where it is known: `162.8 ± 1 m`; empty without one."""
+    value, sd = flight.number(column.name), flight.sd.get(column.name)
     if value is None or sd is None:
         return measure(column, value, system)
-    own, unit = units.unit(column.quantity, column.unit), unit_of(column, system)
-    shown = units.unit(column.quantity, unit)
-    spread = shown.from_si(own.to_si(sd)) - shown.from_si(own.to_si(0.0))
+    unit = unit_of(column, system)
+    spread = units.unit(column.quantity, unit).difference_from_si(sd)
     return f"{number(column, value, system)} ± {spread:.2g} {spelled(unit)}"
 
 
 def beside(extra: Mapping[str, str], system: str) -> list[tuple[str, str]]:
-    """The extra columns of a flight, name and value; standard deviations stand behind what they are of."""
-    left = {name: text for name, text in extra.items() if name not in {c.sd_header for c in READOUTS}}
+    """The extra columns of a flight, name and value."""
+    left = dict(extra)
     lines = [
         (f"{c.title}, stated", _stated(c, left.pop(c.stated_header), system))
         for c in READOUTS

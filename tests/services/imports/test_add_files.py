@@ -157,7 +157,7 @@ def test_a_file_that_comes_later_leaves_what_the_flyer_typed(ledger: Ledger) -> 
     assert taken(ledger, RAVEN["app__high"], motor="F24-4W").joined == (id,)
     flight = ledger.flight(id)
     assert (flight.apogee, flight.notes, flight.rocket, flight.motor) == (123.0, "windy", "Astra", "F24-4W")
-    assert "apogee_sd_m" not in flight.extra
+    assert "apogee" not in flight.sd
     assert flight.peak_accel is not None
 
 
@@ -235,7 +235,8 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
         assert main(["--ledger", str(tmp_path / "ledger.db"), *arguments]) == 0
         return capsys.readouterr().out
 
-    ledger.renew([Renewal(id, before.with_changes(apogee=(before.apogee or 0) - 2))])
+    lower = before.with_changes(apogee=(before.apogee or 0) - 2, sd=before.sd, source=before.source)
+    ledger.renew([Renewal(id, lower)])
     capsys.readouterr()
     assert main(["--ledger", str(tmp_path / "ledger.db"), "show", id]) == 0
     assert f"`fieldkit remeasure {id}`" in capsys.readouterr().err
@@ -245,7 +246,7 @@ def test_remeasure_says_what_changes_changes_it_and_is_undone(
     (told,) = json.loads(run("remeasure", id, "--json"))["flights"]
     apogee = told["changes"]["apogee_m"]
     assert apogee["now"]["value"] - apogee["there"]["value"] == pytest.approx(1.0)
-    assert apogee["now"]["sd"] == float(before.extra["apogee_sd_m"])
+    assert apogee["now"]["sd"] == before.sd["apogee"]
     assert ledger.flight(id).apogee == pytest.approx((before.apogee or 0) + 1)
     assert "0 changed, 1 as before" in run("remeasure", id)
     run("undo")

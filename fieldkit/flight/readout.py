@@ -1,0 +1,97 @@
+"""How well a readout is known, and by what: the columns beside it, and what may stand in them."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from types import MappingProxyType
+from typing import Literal
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.flight.columns import BY_NAME, READOUTS
+
+SOURCES: Mapping[str, str] = MappingProxyType(
+    {
+        "typed": "Read off the altimeter and typed in.",
+        "baro": "Measured in the samples of a barometer.",
+        "accel": "Measured in the samples of an accelerometer, with or without a barometer's.",
+        "gps": "Measured in the heights of a satellite receiver.",
+        "stated": "As the device states it in its file.",
+        "simulated": "From a simulation.",
+    }
+)
+"""What a readout can have been measured by."""
+SENSORS = ("baro", "accel", "gps")
+"""Sources that are sensors, in whose samples a readout was measured."""
+
+
+@dataclass(frozen=True, slots=True)
+class Readout:
+    """The value of a readout and its standard deviation, in SI, and one of `SOURCES`.
+
+    A standard deviation of None and an empty source are "not recorded".
+    """
+
+    value: float
+    sd: float | None = None
+    source: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Beside:
+    """A column beside a readout: its standard deviation in a unit, empty if cells bring theirs, or its source."""
+
+    readout: str
+    part: Literal["sd", "source"]
+    unit: str = ""
+
+    def read(self, text: str) -> float | str | None:
+        """What a cell of the column says; None for an empty one. Raises BadValue. [SI]"""
+        if not text.strip():
+            return None
+        return read_sd(self.readout, text, self.unit) if self.part == "sd" else read_source(text)
+
+
+def beside(header: str) -> Beside | None:
+    """The column beside a readout that a lower-case header names, `apogee_sd_ft` or `apogee_source`; None for others.
+
+    Raises BadValue for a standard deviation in a unit that its readout cannot have.
+    """
+    for column in READOUTS:
+        ending = header.removeprefix(f"{column.name}_")
+        if header == column.source_header:
+            return Beside(column.name, "source")
+        if ending != header and ending.partition("_")[0] == "sd":
+            unit = ending[3:]
+            if unit:
+                units.unit(column.quantity, unit)
+            return Beside(column.name, "sd", unit)
+    return None
+
+
+def read_sd(name: str, text: str, unit: str = "") -> float:
+    """The standard deviation of a readout as typed; a number without a unit is in `unit`, or the column's own. [SI]
+
+    Raises BadValue for one that is not above zero.
+    """
+    column = BY_NAME[name]
+    value = units.parse_difference(text, column.quantity, unit or column.unit)
+    if not (math.isfinite(value) and value > 0):
+        raise BadValue(
+            f"found {text.strip()!r}, expected a standard deviation above 0 {unit or column.unit}, or nothing"
+        )
+    return value
+
+
+def render_sd(name: str, value: float) -> str:
+    """A standard deviation at the edge, in the unit of its readout's column."""
+    column = BY_NAME[name]
+    return units.render_difference(value, column.quantity, column.unit)
+
+
+def read_source(text: str) -> str:
+    """One of `SOURCES`, in any case. Raises BadValue."""
+    source = text.strip().lower()
+    if source not in SOURCES:
+        raise BadValue(f"found {text.strip()[:40]!r}, expected one of {', '.join(SOURCES)}")
+    return source
