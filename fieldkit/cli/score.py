@@ -8,6 +8,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.rivals import Report
@@ -25,6 +26,7 @@ def score(
         Path | None,
         typer.Option(metavar="FILE", help="Draw the calibration too: .png, .svg or .pdf.", show_default=False),
     ] = None,
+    force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
@@ -40,6 +42,7 @@ def score(
         from fieldkit.presentation.report.score import check_picture
 
         check_picture(out)
+        force = settled(out, force)
     with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
         motors = known_motors()
         rockets = [which_rocket(ledger, rocket)] if rocket else ledger.names("rocket")
@@ -54,7 +57,7 @@ def score(
     if out is not None:
         from fieldkit.presentation.report.score import write_picture
 
-        write_picture({"kept predictions": said, "replayed forward in time": replayed}, out)
+        write_picture({"kept predictions": said, "replayed forward in time": replayed}, out, force=force)
         complain(f"calibration drawn to {out}")
     if json:
         stale = sum(one.stale for one in made if one.flown is not None)

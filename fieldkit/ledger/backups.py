@@ -18,6 +18,7 @@ from datetime import UTC, datetime
 from pathlib import Path
 
 from fieldkit.errors import LedgerError
+from fieldkit.files import BACKUPS
 from fieldkit.ledger.soundness import fault, opened
 
 KEPT = 10
@@ -59,7 +60,7 @@ class Backup:
 
 def folder_of(file: Path) -> Path:
     """Where the copies of a ledger are, which may not be there."""
-    return file.with_name(f"{file.name}-backups")
+    return file.with_name(f"{file.name}{BACKUPS}")
 
 
 def backups(file: Path) -> list[Backup]:
