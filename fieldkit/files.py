@@ -14,6 +14,8 @@ from fieldkit.paths import own_files
 
 LARGEST = 1 << 30
 """No log or table is larger. [byte]"""
+LARGEST_OWN = 4 << 20
+"""No file of what a flyer chose is larger. [byte]"""
 BACKUPS = "-backups"
 """After the name of a ledger: the folder of its copies."""
 
@@ -26,30 +28,37 @@ _BINARY = getattr(os, "O_BINARY", 0)
 """Windows would write line ends of its own."""
 
 
-def read(file: Path, *, plain: bool = False) -> bytes:
-    """The bytes of a file from elsewhere; with `plain` no pipe and no device, which may never end or never begin.
+def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
+    """The bytes of a file from elsewhere, at most so many, by default `LARGEST`.
 
-    Raises OSError, also for a file that is larger than `LARGEST`.
+    A device or a pipe in a folder may never end or never begin: none is opened. What a shell pours in under a name such
+    as /dev/stdin is read to its end, but not with `plain`. Raises OSError, also for a file that is too large.
     """
+    most = LARGEST if most is None else most
     about = file.stat()
     if stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode):
-        content = file.read_bytes() if about.st_size <= LARGEST else None
-    elif plain:
-        raise OSError(errno.EINVAL, "not a plain file")
+        content = file.read_bytes() if about.st_size <= most else None
+    elif stat.S_ISFIFO(about.st_mode) and _is_stream(file) and not plain:
+        content = _poured(file, most)
     else:
-        content = _poured(file)
+        raise OSError(errno.EINVAL, "a pipe or a device, not a plain file")
     if content is None:
-        raise OSError(errno.EFBIG, f"more than {LARGEST >> 20} MiB")
+        raise OSError(errno.EFBIG, f"more than {most >> 20} MiB")
     return content
 
 
-def _poured(file: Path) -> bytes | None:
-    """What comes out of a pipe, None where that is more than `LARGEST`."""
+def read_own(file: Path) -> str:
+    """The text of a small file of the flyer's own, such as settings. Raises OSError, UnicodeDecodeError."""
+    return read(file, plain=True, most=LARGEST_OWN).decode()
+
+
+def _poured(file: Path, most: int) -> bytes | None:
+    """What comes out of a pipe, None where that is more than so many bytes."""
     content = bytearray()
     with file.open("rb") as source:
         while part := source.read(1 << 20):
             content += part
-            if len(content) > LARGEST:
+            if len(content) > most:
                 return None
     return bytes(content)
 

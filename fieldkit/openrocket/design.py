@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -17,6 +18,16 @@ if TYPE_CHECKING:
 
 PLAUSIBLE = {"dry_mass": (0.005, 50.0), "diameter": (0.005, 0.6), "length": (0.05, 10.0), "cd": (0.1, 3.0)}
 """What is taken from a file without a doubt. [kg, m, m, 1]"""
+USED = ("time", "mass", "motor mass", "drag coefficient", "reference area", "total velocity", "vertical velocity")
+"""Columns of a stored simulation that are read."""
+MOST_COLUMNS = 500
+"""Columns of a stored simulation: OpenRocket has some sixty, and a few for every plug-in. [1]"""
+MOST_PARTS = 1000
+"""Parts that follow each other along the body. [1]"""
+MOST_MOTORS = 1000
+"""Motors in all configurations of a design. [1]"""
+LONGEST_NAME = 80
+"""Of what is taken from the file as text. [characters]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -71,6 +82,8 @@ def _design(root: "Element", source: str) -> Design:
     parts = [part for stage in stages for part in airframe(stage)]
     if not parts:
         raise DamagedLog("found no nose cone, tube or transition, expected a rocket", source=source)
+    if len(parts) > MOST_PARTS:
+        raise DamagedLog(f"found {len(parts)} parts along the body, expected at most {MOST_PARTS}", source=source)
     body = sizes(parts)
     diameter = 2 * max(max(one.fore, one.aft) for one in body)
     stored = [one for one in map(_stored, root.iterfind("simulations/simulation")) if one is not None]
@@ -84,7 +97,7 @@ def _design(root: "Element", source: str) -> Design:
     figures = {"dry_mass": weight, "diameter": diameter, "length": sum(one.length for one in body), "cd": cd}
     known = {name: _plausible(name, value, notes) for name, value in figures.items()}
     return Design(
-        printable((rocket.findtext("name") or "").strip())[:80],
+        _text(rocket.findtext("name")),
         known["dry_mass"],
         mass_by,
         known["diameter"],
@@ -117,7 +130,7 @@ def _mass(
             notes.append(f"its parts add up to {total * 1e3:.0f} g by their geometry")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
     if unknown:
-        notes.append(f"the mass of {', '.join(map(printable, unknown[:5]))} is not known and left out")
+        notes.append(f"the mass of {', '.join(map(_text, unknown[:5]))} is not known and left out")
     return total or None, "the sum of its parts"
 
 
@@ -142,13 +155,18 @@ def _motors(rocket: "Element") -> "list[Motor]":
     names = {one.get("configid", ""): one.findtext("name") or "" for one in rocket.iterfind("motorconfiguration")}
     return [
         Motor(
-            printable(names.get(one.get("configid", ""), "")),
-            printable(one.findtext("manufacturer") or ""),
-            printable(one.findtext("designation") or ""),
-            printable(one.findtext("delay") or ""),
+            _text(names.get(one.get("configid", ""), "")),
+            _text(one.findtext("manufacturer")),
+            _text(one.findtext("designation")),
+            _text(one.findtext("delay")),
         )
-        for one in rocket.iter("motor")
+        for one in islice(rocket.iter("motor"), MOST_MOTORS)
     ]
+
+
+def _text(text: str | None) -> str:
+    """What a file calls something, as it is shown."""
+    return printable((text or "")[: 4 * LONGEST_NAME].strip())[:LONGEST_NAME]
 
 
 def _stored(simulation: "Element") -> Stored | None:
@@ -156,17 +174,18 @@ def _stored(simulation: "Element") -> Stored | None:
     branch = simulation.find("flightdata/databranch")
     if branch is None:
         return None
-    titles = [title.strip().lower() for title in (branch.get("types") or "").split(",")]
-    rows = [_row(point.text or "", len(titles)) for point in branch.iterfind("datapoint")]
+    titles = [title.strip().lower() for title in (branch.get("types") or "").split(",", MOST_COLUMNS)[:MOST_COLUMNS]]
+    places = {title: place for place, title in enumerate(titles) if title in USED}
+    rows = [_row(point.text or "", list(places.values())) for point in branch.iterfind("datapoint")]
     if len(rows) < 5:
         return None
-    values = dict(zip(titles, np.array(rows).T, strict=False))
+    values = dict(zip(places, np.array(rows).T, strict=True))
     events = {one.get("type", ""): one.get("time", "") for one in branch.iterfind("event")}
     weight, motor = values.get("mass"), values.get("motor mass")
     dry = float(weight[0] - motor[0]) if weight is not None and motor is not None else math.nan
     area = values.get("reference area")
     return Stored(
-        printable((simulation.findtext("name") or "").strip())[:60],
+        _text(simulation.findtext("name")),
         simulation.get("status") in ("uptodate", "loaded"),
         dry if math.isfinite(dry) and dry > 0 else None,
         _coast_cd(values, events),
@@ -174,16 +193,17 @@ def _stored(simulation: "Element") -> Stored | None:
     )
 
 
-def _row(text: str, count: int) -> list[float]:
-    """The numbers of a sample; what is no number is nan."""
-    cells = text.split(",")[:count]
-    row = [math.nan] * count
-    for place, cell in enumerate(cells):
-        try:
-            row[place] = float(cell)
-        except ValueError:
-            continue
-    return row
+def _row(text: str, places: list[int]) -> list[float]:
+    """The numbers at these places of a sample; what is no number is nan."""
+    cells = text.split(",", MOST_COLUMNS)
+    return [_float(cells[place]) if place < len(cells) else math.nan for place in places]
+
+
+def _float(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan
 
 
 def _coast_cd(values: dict[str, Float[Array, "row"]], events: dict[str, str]) -> float | None:

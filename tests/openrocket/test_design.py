@@ -140,7 +140,7 @@ DAMAGED = {
     "an encoding": (b'<?xml version="1.0" encoding="martian"?><openrocket/>', "skylark.ork"),
     "no end of parts": (
         design("<bulkhead><subcomponents>" * 3000 + "</subcomponents></bulkhead>" * 3000).encode(),
-        "without end",
+        "nested more than",
     ),
 }
 
