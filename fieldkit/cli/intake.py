@@ -62,7 +62,7 @@ def import_(
     defaults = read_settings(split_settings(given or ()), check_motor)
     gathered = gather(files, check_motor, format=format, defaults=defaults, choices=choices)
     with open_ledger(context) as ledger:
-        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run)
+        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=check_motor.catalogue)
         foretold = [] if json or dry_run or not receipt.ids else list(_foretold(ledger, receipt.ids))
     for mapped in receipt.mapped:
         if mapped.chosen and not dry_run:

@@ -25,9 +25,10 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[Kept]) -> list[For
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
     for rocket in dict.fromkeys(one.made.rocket for one in scored):
         history = flown(ledger, motors, rocket)
+        own = [one for one in scored if one.made.rocket == rocket and one.flight in [flight for flight, _ in history]]
         clean = [(flight, motor) for flight, motor in history if flight.clean and flight.apogee is not None]
         taught = [(*both, draws) for both, draws in zip(clean, certified(clean), strict=True)]
-        rows += [_beside(one, taught, motors) for one in scored if one.made.rocket == rocket]
+        rows += [_beside(one, taught, motors) for one in own]
     return sorted(rows, key=lambda row: row.when.isoformat() if row.when else "")
 
 
