@@ -19,7 +19,7 @@ from fieldkit.cli.main import app, main
 from fieldkit.errors import FieldkitError
 from fieldkit.ledger import Ledger
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 CHECK_SHAPES = False
 FILLERS = {"what": "1", "recipe": "paper", "motor": "F24-4W", "rocket": "Astra", "config": "A", "number": "1"}
 """What other arguments a command needs, by name."""
