@@ -5,7 +5,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 
 from fieldkit.errors import FieldkitError
-from fieldkit.files import replace
+from fieldkit.files import read_own, replace
 from fieldkit.paths import settings_file
 
 UNITS = ("SI", "US", "mixed")
@@ -31,8 +31,8 @@ class Settings:
 def read_settings(file: Path | None = None) -> Settings:
     """The settings that are kept; whatever cannot be read or is unknown is as it is at first."""
     try:
-        kept = json.loads((file or settings_file()).read_text(encoding="utf-8"))
-    except (OSError, ValueError):
+        kept = json.loads(read_own(file or settings_file()))
+    except (OSError, ValueError, RecursionError):
         return Settings()
     kept = kept if isinstance(kept, dict) else {}
     return Settings(

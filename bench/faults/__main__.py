@@ -17,7 +17,7 @@ from functools import partial
 from pathlib import Path
 from tempfile import mkdtemp
 
-from bench.faults import damage, discs, kills, servers, statements, writers
+from bench.faults import damage, discs, histories, kills, servers, statements, writers
 from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
@@ -46,6 +46,7 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
         yield "discs", lambda: missing
     yield "two_commands", partial(writers.two_commands, next(folders), others // 4)
     yield "app_and_command", partial(writers.app_and_command, next(folders), others // 4)
+    yield "restores", partial(histories.restores_beside_writers, next(folders), 5, 2 * others, max(2, others // 4))
     yield "clock_backwards", partial(writers.clock_backwards, next(folders), 15)
     yield "old_schemas", partial(writers.old_schemas, next(folders))
     yield "cut_short", partial(damage.cut_short, next(folders), others, SEED)

@@ -127,6 +127,7 @@ def _listen_to_pipe(_prompt: str) -> str | None:
 def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     """Put a flight in the ledger and show it."""
     from fieldkit.services.manual_entry import enter
+    from fieldkit.services.plausible_flights import implausible_flights
 
     flight, added = enter(ledger, flight, draft)
     if added.duplicates:
@@ -134,4 +135,6 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
         return
     print_card(flight, added.new[0])
     say_foretold(foretold(ledger, flight))
+    for line in implausible_flights([flight], MotorCheck().catalogue):
+        complain(f"note: {line}")
     complain("added; `fieldkit undo` takes it back")

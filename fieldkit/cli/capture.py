@@ -199,7 +199,8 @@ def _received(
         complain(f"not imported; `fieldkit import {end.file}` does it")
         return None
     with open_ledger(context) as ledger:
-        receipt = bring_in(ledger, [end.file], MotorCheck(), defaults=defaults)
+        check = MotorCheck()
+        receipt = bring_in(ledger, [end.file], check, defaults=defaults, motors=check.catalogue)
     for row in receipt.rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")

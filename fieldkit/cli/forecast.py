@@ -12,6 +12,8 @@ from fieldkit.cli.screen import complain, in_both_units, print_json, print_table
 from fieldkit.cli.session import MotorCheck, open_ledger
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
@@ -52,7 +54,7 @@ def predict(
         documents = [forecast_record(one) | about_plan(one, own) for one, own in zip(predictions, lines, strict=True)]
         print_json({"predictions": documents})
     elif flights is None:
-        _print_one(predictions[0])
+        _print_one(predictions[0], ledger.remarks)
         print_safety(predictions[0].plan, lines[0], starts)
     else:
         _print_table(predictions)
@@ -76,19 +78,21 @@ def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> 
 
     if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
-    plan = begun_plan(ledger, given)
+    plan = begun_plan(ledger, check.catalogue, given)
     if complaint := check(plan.motor):
         raise BadValue(f"--motor: {complaint}")
     return plan
 
 
-def _print_one(prediction: "Prediction") -> None:
+def _print_one(prediction: "Prediction", said: "Sequence[str]") -> None:
+    """Print a forecast, and what was left out of it that was not said yet."""
     from fieldkit.presentation.forecast_text import in_words
 
     for note in prediction.found.notes:
         complain(f"note: {note}")
     for line in prediction.left_out:
-        complain(line)
+        if line not in said:
+            complain(line)
     for line in in_words(prediction):
         say(line)
 

@@ -11,6 +11,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, say, say_lines, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
+from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -61,7 +62,7 @@ def import_(
     defaults = read_settings(split_settings(given or ()), check_motor)
     gathered = gather(files, check_motor, format=format, defaults=defaults, choices=choices)
     with open_ledger(context) as ledger:
-        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run)
+        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=check_motor.catalogue)
         foretold = [] if json or dry_run or not receipt.ids else list(_foretold(ledger, receipt.ids))
     for mapped in receipt.mapped:
         if mapped.chosen and not dry_run:
@@ -128,6 +129,7 @@ def export(
     rocket: Annotated[
         str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
     ] = None,
+    force: Force = False,
 ) -> None:
     """Write flights as a table or as JSON, to be imported again or opened in a spreadsheet."""
     import json
@@ -137,6 +139,7 @@ def export(
     from fieldkit.presentation.export import csv_table, document
 
     with open_ledger(context) as ledger:
+        force = file is not None and settled(file, force)
         flights = ledger.flights(rocket)
     as_json = format is Form.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
     if as_json:
@@ -150,5 +153,5 @@ def export(
             sys.stdout.reconfigure(encoding="utf-8", newline="")  # whatever the terminal: it is a file on its way
         sys.stdout.write(text)
     else:
-        write(file, text.encode())
+        write(file, text.encode(), force=force)
         complain(f"{len(flights)} flights written to {file}")

@@ -8,6 +8,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, print_table, say_report
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.targets import Force, settled
 
 app = typer.Typer()
 
@@ -29,6 +30,7 @@ def loop(
             "--report", metavar="FILE", help="Write a page with pictures too: .html or .png.", show_default=False
         ),
     ] = None,
+    force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
@@ -42,13 +44,14 @@ def loop(
         from fieldkit.presentation.report.loop.page import check_page, write_page
 
         check_page(page)
+        force = settled(page, force)
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
         given = effect.split("+") if effect else []
         with progress("looking for an effect") as tell:
             found = close_loop.look(ledger, known_motors(), name, tell, accept=not look, given=given)
     if page is not None:
-        write_page(found, page)
+        write_page(found, page, force=force)
         complain(f"report written to {page}")
     if json:
         print_json(loop_document(found))

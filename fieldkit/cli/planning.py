@@ -65,12 +65,12 @@ def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
     with open_ledger(context) as ledger, progress("planning") as tell:
         name = which_rocket(ledger, given.get("rocket"))
         tell(f"flying {name} on what its flights taught", 0.3)
-        flight = begun_plan(ledger, {**given, "rocket": name})
+        flight = begun_plan(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         yield Plan(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
 
 
-def begun_plan(ledger: "Ledger", given: Given) -> "Flight":
+def begun_plan(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
     """The flight that options describe; rocket, configuration, mass, rail and site are the last flown where not said.
 
     Raises BadValue.
@@ -88,7 +88,7 @@ def begun_plan(ledger: "Ledger", given: Given) -> "Flight":
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
-    return begun(ledger, plan, read_settings())
+    return begun(ledger, motors, plan, read_settings())
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":

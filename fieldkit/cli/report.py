@@ -7,6 +7,7 @@ import typer
 
 from fieldkit.cli.screen import progress, say
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.targets import Force, settled
 
 app = typer.Typer()
 
@@ -19,6 +20,7 @@ def report(
         typer.Argument(metavar="FLIGHT|ROCKET|DAY", help="A flight's id, a rocket, or a day such as 2026-05-01."),
     ],
     out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .html, .pdf, .png or .md.", show_default=False)],
+    force: Force = False,
 ) -> None:
     """Write a flight card, or a day's or a rocket's report with what the loop finds, for the log book."""
     from fieldkit.presentation.report.book import book
@@ -26,7 +28,8 @@ def report(
     from fieldkit.progress import part
 
     check_report(out)
+    force = settled(out, force)
     with open_ledger(context) as ledger, progress("report") as tell:
         made = book(ledger, known_motors(), what, part(tell, 0.0, 0.6))
-        files = write_report(made, out, part(tell, 0.6, 0.4))
+        files = write_report(made, out, part(tell, 0.6, 0.4), force=force)
     say(f"{made.title}: {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")

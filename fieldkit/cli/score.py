@@ -8,6 +8,7 @@ import typer
 from fieldkit.cli.completing import rocket_names
 from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
 from fieldkit.cli.session import known_motors, open_ledger
+from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import Report
@@ -29,6 +30,7 @@ def score(
         Path | None,
         typer.Option(metavar="FILE", help="Forecast with this hyperprior; nothing is kept.", hidden=True),
     ] = None,
+    force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
@@ -45,6 +47,7 @@ def score(
         from fieldkit.presentation.report.score import check_picture
 
         check_picture(out)
+        force = settled(out, force)
     other = read_hyperprior(hyperprior) if hyperprior else None
     with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
         motors = known_motors()
@@ -62,7 +65,7 @@ def score(
         from fieldkit.presentation.report.score import write_picture
 
         pictures = {"kept predictions": said, "replayed forward in time": later, "first flights": first}
-        write_picture({title: report for title, report in pictures.items() if report and report.rows}, out)
+        write_picture({title: report for title, report in pictures.items() if report and report.rows}, out, force=force)
         complain(f"calibration drawn to {out}")
     weights = next_weights(rows)
     if json:

@@ -11,17 +11,29 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
 
+REMARKS = 5
+"""How many flights a command names that no fit uses; the others it counts. [1]"""
+
 
 @contextmanager
 def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
-    """The ledger of `--ledger`, FIELDKIT_LEDGER, or the user's data folder; trouble with its backups is said."""
+    """The ledger of `--ledger`, FIELDKIT_LEDGER, or the user's data folder.
+
+    Trouble with its backups is said, and what was remarked of its flights, also where the command fails.
+    """
     from fieldkit.cli.screen import complain
     from fieldkit.ledger import Ledger
 
     with Ledger.open(context.find_root().obj) as ledger:
-        yield ledger
-        if ledger.trouble:
-            complain(f"warning: {ledger.trouble}")
+        try:
+            yield ledger
+        finally:
+            for line in ledger.remarks[:REMARKS]:
+                complain(f"note: {line}")
+            if len(ledger.remarks) > REMARKS:
+                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are left out of every fit")
+            if ledger.trouble:
+                complain(f"warning: {ledger.trouble}")
 
 
 def known_motors() -> "Catalogue":

@@ -7,6 +7,7 @@ import typer
 
 from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.studies import need_studies
+from fieldkit.cli.targets import Force, settled
 
 app = typer.Typer()
 study = typer.Typer(no_args_is_help=True, help="Compute a page about the reference flights, or about your own.")
@@ -18,19 +19,21 @@ Out = Annotated[
 
 
 @study.command()
-def reference(out: Out = None) -> None:
+def reference(out: Out = None, force: Force = False) -> None:
     """Trace the reference paper's bias in parts, and say what remains."""
     need_studies()
     from studies.paper.study import study
     from studies.paper.study_page import page
 
-    _hand_out(page(study()), out)
+    force = out is not None and settled(out, force)
+    _hand_out(page(study()), out, force)
 
 
 @study.command()
 def rockets(
     context: typer.Context,
     out: Out = None,
+    force: Force = False,
     unnamed: Annotated[bool, typer.Option("--unnamed", help="Number the rockets instead of naming them.")] = False,
 ) -> None:
     """Ask each rocket's history which effect it calls for, and how much better later flights are then forecast."""
@@ -41,20 +44,21 @@ def rockets(
     from fieldkit.services.track_record import replayed
     from studies.histories import histories, page
 
+    force = out is not None and settled(out, force)
     with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
         motors = known_motors()
         known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
         found = histories(known, part(tell, 0.0, 0.7))
         forecasts = [row for row in replayed(ledger, motors, tell=part(tell, 0.7, 0.3)) if row.earlier]
-    _hand_out(page(found, forecasts, unnamed=unnamed), out)
+    _hand_out(page(found, forecasts, unnamed=unnamed), out, force)
 
 
-def _hand_out(page: str, out: Path | None) -> None:
+def _hand_out(page: str, out: Path | None, force: bool) -> None:
     from fieldkit.cli.screen import complain, say_lines
     from fieldkit.files import write
 
     if out is None:
         say_lines(page)
         return
-    write(out, page.encode())
+    write(out, page.encode(), force=force)
     complain(f"page written to {out}")

@@ -2,12 +2,14 @@
 
 `Column.low` and `high` say what is usual. Here are the bounds beyond which a number is a slip of the
 pen, and the relations that the ten readouts of one flight obey. A figure that is merely odd is taken.
+What no rocket on a flight's motor can do is `implausible`: the flight is kept, named and left out of every fit.
 """
 
 import math
 from collections.abc import Iterable, Iterator, Mapping
 from statistics import median
 from types import MappingProxyType
+from typing import Protocol
 
 from fieldkit import units
 from fieldkit.errors import BadValue
@@ -54,6 +56,34 @@ Mass, wind and a lot of motors change it by less; a digit too many, or feet take
 SIGNED = ("apogee_to_eject",)
 """Readouts about zero, which no ratio can judge."""
 
+IMPULSE_SCATTER = 0.067
+"""Standard deviation of the total impulse of a certified motor at most, NFPA 1125. [1]"""
+STRONGEST = 1 + 3 * IMPULSE_SCATTER
+"""No motor has more impulse or thrust than its certified curve times this. [1]"""
+READ_TOO_HIGH = 1.2
+"""No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
+STEEPEST_LEAN = math.radians(45)
+"""A rail leans less: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes up. [rad]"""
+NARROWEST, WIDEST = 0.9, 25.0
+"""The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
+
+
+class Burning(Protocol):
+    """What is asked of a motor here, as `fieldkit.motors.Motor` has it. SI."""
+
+    @property
+    def designation(self) -> str: ...
+    @property
+    def diameter(self) -> float: ...
+    @property
+    def total_impulse(self) -> float: ...
+    @property
+    def propellant_mass(self) -> float: ...
+    @property
+    def casing_mass(self) -> float: ...
+    @property
+    def peak_thrust(self) -> float: ...
+
 
 def check(column: Column, value: float) -> float:
     """The SI value of a column, if a flight can have it. Raises BadValue with the range expected."""
@@ -64,6 +94,85 @@ def check(column: Column, value: float) -> float:
     if not math.isfinite(value) or not low - slack <= number <= high + slack:
         raise BadValue(f"found {number:.6g} {column.unit}, expected {low:.10g} to {high:.10g} {column.unit}")
     return value
+
+
+def implausible(flight: Flight, motor: Burning) -> str | None:
+    """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None where one can.
+
+    A plan is judged by what it says, a flight also by what its altimeter showed. Bounds are of physics, with room for
+    a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely odd passes.
+    """
+    found = (_not_a_number(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
+    return next((reason for reason in found if reason), None)
+
+
+def best_speed(dry_mass: float, motor: Burning) -> float:
+    """What a motor makes of a rocket without drag and gravity, a certified one of the strongest kind. [m/s]
+
+    Tsiolkovsky's equation, with the exhaust at the speed that total impulse and propellant give.
+    """
+    end = dry_mass + motor.casing_mass
+    if motor.propellant_mass <= 0:
+        return STRONGEST * motor.total_impulse / end
+    exhaust = motor.total_impulse / motor.propellant_mass
+    return STRONGEST * exhaust * math.log1p(motor.propellant_mass / end)
+
+
+def best_apogee(dry_mass: float, motor: Burning) -> float:
+    """Where `best_speed` at the pad leads without drag: all impulse at once and straight up beats any burn. [m]"""
+    return float(best_speed(dry_mass, motor) ** 2 / (2 * units.STANDARD_GRAVITY))
+
+
+def _not_a_number(flight: Flight) -> str:
+    """A phrase for the first figure that is not finite."""
+    odd = (column for column in COLUMNS if not math.isfinite(flight.number(column.name) or 0.0))
+    return next((f"{column.header}: found {flight.number(column.name)}, expected a number" for column in odd), "")
+
+
+def _misfit(flight: Flight, motor: Burning) -> str:
+    """A phrase for a body that is not one around its motor, or a rail that lies more than it stands."""
+    if flight.diameter is not None and not NARROWEST <= flight.diameter / motor.diameter <= WIDEST:
+        low, high = (_figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (NARROWEST, WIDEST))
+        return f"{_at_fault('diameter', flight)}, expected {low} to {high} around {motor.designation}"
+    if flight.rail_angle is not None and abs(flight.rail_angle) > STEEPEST_LEAN + 1e-9:
+        return f"{_at_fault('rail_angle', flight)}, expected at most {_figure(BY_NAME['rail_angle'], STEEPEST_LEAN)}"
+    return ""
+
+
+def _too_heavy(flight: Flight, motor: Burning) -> str:
+    """A phrase for a rocket that its motor does not lift, even at its peak and when all propellant is gone."""
+    if flight.dry_mass is None:
+        return ""
+    most = STRONGEST * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
+    if flight.dry_mass < most:
+        return ""
+    lifted = _figure(BY_NAME["dry_mass"], most)
+    return f"{_at_fault('dry_mass', flight)}, expected less than the {lifted} that {motor.designation} lifts"
+
+
+def _too_far(flight: Flight, motor: Burning) -> str:
+    """A phrase for a readout beyond what the motor's impulse allows without drag."""
+    if flight.dry_mass is None or flight.dry_mass + motor.casing_mass <= 0:
+        return ""
+    speed = best_speed(flight.dry_mass, motor)
+    bounds = {
+        "apogee": best_apogee(flight.dry_mass, motor),
+        "top_speed": speed,
+        "coast_to_apogee": speed / units.STANDARD_GRAVITY,
+    }
+    for name, bound in bounds.items():
+        value = flight.number(name)
+        if value is not None and value > READ_TOO_HIGH * bound:
+            most = _figure(BY_NAME[name], READ_TOO_HIGH * bound)
+            mass = _figure(BY_NAME["dry_mass"], flight.dry_mass)
+            return f"{_at_fault(name, flight)}, expected at most {most}: {mass} on {motor.designation} without drag"
+    return ""
+
+
+def _at_fault(name: str, flight: Flight) -> str:
+    """A column and what a flight has in it."""
+    column = BY_NAME[name]
+    return f"{column.header}: found {_figure(column, flight.number(name) or 0.0)}"
 
 
 def identity(flight: Flight) -> float | None:
@@ -118,4 +227,5 @@ def _spoken(column: Column, value: float) -> str:
 
 
 def _figure(column: Column, value: float) -> str:
-    return f"{units.unit(column.quantity, column.unit).from_si(value):.4g} {column.unit}"
+    number = units.unit(column.quantity, column.unit).from_si(value)
+    return f"{number:.0f} {column.unit}" if 1e4 <= abs(number) < 1e9 else f"{number:.4g} {column.unit}"

@@ -92,7 +92,8 @@ def predict(
     Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
     that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
     are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
-    `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
+    `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one.
+    Raises ImpossibleFlight for a flight without a dry mass.
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:

@@ -9,16 +9,18 @@ import os
 import re
 import shutil
 import sqlite3
-import tempfile
+import stat
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
 from datetime import UTC, datetime
+from itertools import count
 from pathlib import Path
 
 from fieldkit.errors import LedgerError
-from fieldkit.ledger.soundness import fault, opened
+from fieldkit.files import BACKUPS
+from fieldkit.ledger.soundness import damage_in, fault, opened
 
 KEPT = 10
 """So many copies are kept. [1]"""
@@ -28,7 +30,11 @@ EVERY = 50
 """So many changes since the last copy call for another on the same day. [1]"""
 ABANDONED = 3600.0
 """A half-made copy this old is nobody's any more. [s]"""
+AT_WORK = 60.0
+"""A half-made copy that grew within this time is somebody's. [s]"""
 
+_MAKING = ".new"
+"""Ends the name of a copy in the making, which begins with its number and claims it."""
 _NAME = re.compile(r"(\d{6,})_(\d{8}T\d{6}Z)_(\d+)\.db")
 _STAMP = "%Y%m%dT%H%M%SZ"
 
@@ -44,8 +50,11 @@ class Backup:
 
     @property
     def size(self) -> int:
-        """Of the file. [byte]"""
-        return self.file.stat().st_size
+        """Of the file, 0 where another process has let it go. [byte]"""
+        try:
+            return self.file.stat().st_size
+        except OSError:
+            return 0
 
     @property
     def flights(self) -> int | None:
@@ -59,7 +68,7 @@ class Backup:
 
 def folder_of(file: Path) -> Path:
     """Where the copies of a ledger are, which may not be there."""
-    return file.with_name(f"{file.name}-backups")
+    return file.with_name(f"{file.name}{BACKUPS}")
 
 
 def backups(file: Path) -> list[Backup]:
@@ -86,42 +95,85 @@ def is_due(file: Path, changes: int) -> bool:
     return newest.at.date() != datetime.now(UTC).date() or abs(changes - newest.changes) >= EVERY
 
 
+def being_made(file: Path) -> bool:
+    """Whether another process is at a copy of a ledger just now, which is enough."""
+    folder = folder_of(file)
+    return any(time.time() - since < AT_WORK for since in map(_touched, folder.glob(f"*{_MAKING}")))
+
+
+def _touched(file: Path) -> float:
+    """When a file was last written to, long ago where it is gone. [s since 1970]"""
+    try:
+        return file.stat().st_mtime
+    except OSError:
+        return 0.0
+
+
 def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
     """Copy an open ledger, and let the oldest copies go.
 
     Raises LedgerError where the ledger is damaged; OSError or sqlite3.Error where no copy can be made.
     """
     taken = _take(ledger, file, changes)
+    if isinstance(taken, str):
+        raise LedgerError(f"{file}: the file is damaged ({taken}); {offer(file)}")
     _rotate(file)
     return taken
 
 
-def _take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
+def _take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup | str:
+    """A copy of an open ledger, or what is wrong with it. Raises OSError, sqlite3.Error."""
     folder = folder_of(file)
     folder.mkdir(exist_ok=True)
-    last = next(iter(backups(file)), None)
-    number, at = (last.number if last else 0) + 1, datetime.now(UTC)
-    with _beside(folder) as new:
-        _copy(ledger, new)
+    last, at = next(iter(backups(file)), None), datetime.now(UTC)
+    with _claimed(file) as (number, new):
+        try:
+            _copy(ledger, new)
+        except sqlite3.DatabaseError as error:
+            return damage_in(error)
         if found := fault(new, since=last.file if last else None):
-            raise LedgerError(f"{file}: the file is damaged ({found}); {offer(file)}")
+            return found
         kept = folder / f"{number:06d}_{at:{_STAMP}}_{changes}.db"
         os.replace(new, kept)
     return Backup(kept, number, at, changes)
 
 
 @contextmanager
-def _beside(folder: Path) -> Iterator[Path]:
-    """A file for a copy in the making, gone at the end unless it was renamed; so are those of killed processes."""
-    for old in folder.glob("*.new*"):
-        if time.time() - old.stat().st_mtime > ABANDONED:
+def _claimed(file: Path) -> Iterator[tuple[int, Path]]:
+    """A number that no other copy of a ledger has or gets, and a file for it in the making, of the ledger's own mode.
+
+    The file is gone at the end unless it was renamed; so are those of killed processes.
+    """
+    folder = folder_of(file)
+    for old in folder.glob(f"*{_MAKING}*"):
+        if time.time() - _touched(old) > ABANDONED:
             old.unlink(missing_ok=True)
-    handle, name = tempfile.mkstemp(suffix=".new", dir=folder)
-    os.close(handle)
+    number, new = _claim(file)
     try:
-        yield Path(name)
+        if file.exists():
+            new.chmod(stat.S_IMODE(file.stat().st_mode))
+        yield number, new
     finally:
-        Path(name).unlink(missing_ok=True)
+        new.unlink(missing_ok=True)
+
+
+def _claim(file: Path) -> tuple[int, Path]:
+    """The next number, claimed by a new file: of several processes that ask at once each gets its own."""
+    folder, number = folder_of(file), 0
+    while True:
+        number = max(number, _last(file)) + 1
+        new = folder / f"{number:06d}{_MAKING}"
+        try:
+            os.close(os.open(new, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o600))
+        except FileExistsError:
+            continue
+        if number > _last(file):
+            return number, new
+        new.unlink()  # it was claimed, made and named since the look at the folder
+
+
+def _last(file: Path) -> int:
+    return max((one.number for one in backups(file)), default=0)
 
 
 def _copy(ledger: sqlite3.Connection, target: Path) -> None:
@@ -150,47 +202,92 @@ def restore(file: Path, backup: Backup) -> Path | None:
     """Put a copy in a ledger's place; where what was there is kept now, None if that was nothing.
 
     A sound ledger becomes the newest copy, so that another restore takes this one back. A damaged file is put
-    aside, with what SQLite's journal held for it. A kill leaves the ledger as it was or as it will be.
-    Raises LedgerError where the copy is damaged itself or the disc takes no more.
+    aside, with what SQLite's journal held for it. From before the copy until the ledger is replaced nobody else
+    reads or writes it: what was written before is in the copy, what comes later goes into the restored ledger.
+    A kill leaves the ledger as it was or as it will be. Raises LedgerError where the copy is damaged itself,
+    the disc takes no more, or others do not let go of the ledger.
     """
+    file = file.resolve()
     try:
         if found := fault(backup.file):
             raise LedgerError(f"{backup.file}: this copy is damaged too ({found}); restore another one")
         if not file.exists() or not file.stat().st_size:
             return _put_aside(file, backup, keep=False)
-        changes = None if fault(file, since=backup.file) else _changes(file)
-        return _put_aside(file, backup) if changes is None else _overwrite(file, backup, changes)
+        with opened(file) as ledger:
+            kept = _kept(ledger, file)
+            if kept is None:
+                return _put_aside(file, backup)
+            with opened(backup.file) as then:
+                then.backup(ledger)
+        _rotate(file)
+        return kept.file
     except (OSError, sqlite3.Error) as error:
         raise LedgerError(f"{file}: cannot be restored ({error}); nothing was changed") from error
 
 
-def _changes(file: Path) -> int | None:
+def _kept(ledger: sqlite3.Connection, file: Path) -> Backup | None:
+    """A copy of a ledger that is held against everybody else from now on, until it is closed; None for a damaged one.
+
+    Raises sqlite3.OperationalError where others do not let go of it.
+    """
+    try:
+        _hold(ledger)
+        changes = _changes(ledger)
+    except sqlite3.DatabaseError as error:
+        damage_in(error)
+        return None
+    kept = None if changes is None else _take(ledger, file, changes)
+    return kept if isinstance(kept, Backup) else None
+
+
+def _hold(ledger: sqlite3.Connection) -> None:
+    """Keep everybody else out of a database until the connection is closed, beyond the end of a transaction.
+
+    SQLite copies into no database that is in a transaction of its own, hence the locking mode. It is set once the lock
+    is had: set before, a try that fails would keep a lock for reading, and with it the writer it waits for from ending.
+    """
+    ledger.isolation_level = None
+    for command in ("PRAGMA synchronous = EXTRA", "BEGIN EXCLUSIVE", "PRAGMA locking_mode = EXCLUSIVE", "COMMIT"):
+        ledger.execute(command)
+
+
+def _changes(ledger: sqlite3.Connection) -> int | None:
     """The length of a ledger's journal; None where SQLite finds nothing wrong with a file that has lost it. [1]"""
-    with opened(file) as ledger:
-        if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
-            return None
-        return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
-
-
-def _overwrite(file: Path, backup: Backup, changes: int) -> Path:
-    """Change a sound ledger into a copy, as one transaction that other processes see."""
-    with opened(file) as now, opened(backup.file) as then:
-        kept = _take(now, file, changes)
-        _copy(then, file)
-    _rotate(file)
-    return kept.file
+    if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
+        return None
+    return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
 
 
 def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
-    """Put a copy in a damaged file's place, which keeps its bytes under another name."""
-    with _beside(folder_of(file)) as new:
+    """Put a copy in a damaged file's place, which keeps its bytes under another name.
+
+    The damaged file is never opened for that: closing it would let go of a lock that SQLite holds on it. Who waits
+    for that lock is told by SQLite that the file has moved.
+    """
+    with _claimed(file) as (_, new):
         with opened(backup.file) as then:
             _copy(then, new)
-        aside = file.with_name(f"{file.name}.damaged-{datetime.now(UTC):{_STAMP}}")
-        if keep:
-            shutil.copy2(file, aside)
+        if not file.exists():
+            new.chmod(stat.S_IMODE(backup.file.stat().st_mode))
+        aside = _also_named(file, f"{file.name}.damaged-{datetime.now(UTC):{_STAMP}}") if keep else None
         journal = file.with_name(f"{file.name}-journal")
         if journal.exists():  # it would be played back into the copy
-            os.replace(journal, aside.with_name(f"{aside.name}-journal"))
+            os.replace(journal, _free(file, f"{aside.name if aside else file.name + '.damaged'}-journal"))
         os.replace(new, file)
-    return aside if keep else None
+    return aside
+
+
+def _also_named(file: Path, name: str) -> Path:
+    """Give a file's bytes another name beside it, and a number where that is taken."""
+    aside = _free(file, name)
+    try:
+        os.link(file, aside)
+    except OSError:  # a disc without hard links
+        shutil.copy2(file, aside)
+    return aside
+
+
+def _free(file: Path, name: str) -> Path:
+    """A name beside a file that nothing bears, with a number where something does."""
+    names = (file.with_name(name if not number else f"{name}-{number}") for number in count())
+    return next(one for one in names if not one.exists())

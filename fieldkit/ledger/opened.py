@@ -22,6 +22,8 @@ class OpenLedger:
         self.name = name
         self.trouble = ""
         """Why no backup could be made before a change, empty where one could; the change was made all the same."""
+        self.remarks: list[str] = []
+        """What whoever opened the ledger is to be told of its flights, a line each, in the order found."""
 
     @classmethod
     def open(cls: type[Kind], where: str | Path | None = None) -> Kind:
@@ -45,6 +47,10 @@ class OpenLedger:
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.close()
+
+    def remark(self, *lines: str) -> None:
+        """Have something said of the flights, once."""
+        self.remarks += [line for line in dict.fromkeys(lines) if line not in self.remarks]
 
     def close(self) -> None:
         """Let go of the file or the server."""

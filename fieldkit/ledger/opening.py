@@ -87,7 +87,7 @@ def keep_backup(engine: Engine, *, always: bool = False) -> str:
         return ""
     with reading(engine) as connection:
         changes = connection.scalar(select(func.max(journal.c.number))) or 0
-        if not (always or backups.is_due(file, changes)):
+        if not (always or (backups.is_due(file, changes) and not backups.being_made(file))):
             return ""
     try:
         with closing(engine.raw_connection()) as ledger:

@@ -55,7 +55,7 @@ def file_fault(file: Path, *, thorough: bool = False) -> str:
         with opened(file) as ledger:
             said = str(ledger.execute(f"PRAGMA {check}(1)").fetchone()[0])
     except sqlite3.DatabaseError as error:
-        said = _damage(error)
+        said = damage_in(error)
     return "" if said == "ok" else said
 
 
@@ -74,10 +74,10 @@ def row_fault(file: Path, *, since: Path | None = None) -> str:
         except DBAPIError as error:
             if not isinstance(error.orig, sqlite3.DatabaseError):
                 raise
-            return _damage(error.orig)
+            return damage_in(error.orig)
 
 
-def _damage(error: sqlite3.DatabaseError) -> str:
+def damage_in(error: sqlite3.DatabaseError) -> str:
     """What SQLite says of damage, in a line; any other trouble is raised again."""
     said = " ".join(str(error).split())
     if getattr(error, "sqlite_errorname", "").startswith(_DAMAGE) or said.startswith("Could not decode"):

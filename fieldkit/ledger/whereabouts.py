@@ -36,6 +36,12 @@ def name_of(url: URL) -> str:
 
 
 def file_of(url: URL) -> Path | None:
-    """The file of a ledger, None for one in memory, on a server, or opened by a URL of SQLite's own."""
+    """The file of a ledger, None for one in memory, on a server, or opened by a URL of SQLite's own.
+
+    Of a link it is the file that the link names: there SQLite keeps its journal, and backups are kept.
+    """
     plain = url.get_backend_name() == "sqlite" and url.database and not url.database.startswith((":", "file:"))
-    return Path(str(url.database)) if plain else None
+    if not plain:
+        return None
+    file = Path(str(url.database))
+    return file.resolve() if file.is_symlink() else file

@@ -72,8 +72,8 @@ than 2 % for nineteen motors in twenty, in wind by twice as much, which are a sm
 class Model:
     """A rocket's flights, in the order flown, and the unknowns they share.
 
-    `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms they
-    have in common with this one. A `coarse` one flies by `COARSE` curves and steps: to fit flights, or for hundreds of
+    `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms
+    they have in common with this one. A `coarse` one flies by `COARSE` curves and steps: to fit flights, or for hundreds of
     motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer chooses among
     share one.
     """
@@ -203,7 +203,7 @@ def _quantity_terms(
 
 
 def _shared_days(days: Sequence[str], flown: int) -> list[str]:
-    """Days that one of the first `flown` flights shares with another; that of a single flight is part of its scatter."""
+    """Days that one of the first `flown` flights shares with another; that of a single one is part of its scatter."""
     return [day for day in dict.fromkeys(days[:flown]) if day and days.count(day) > 1]
 
 

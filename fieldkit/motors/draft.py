@@ -12,6 +12,8 @@ _EXHAUST = (20.0, 200_000.0)
 """Impulse per propellant mass outside of which a mass must be in another unit. [m/s]"""
 _LARGEST = 1e7
 """No length, mass, time or thrust in a motor file is beyond it, whatever its unit."""
+MOST = 10_000
+"""Motors in one file: all that ever were certified are some thousands. [1]"""
 _ROCKSIM_PLUGGED = 1000.0
 """The delay by which RockSim marks a motor without an ejection charge. [s]"""
 
@@ -128,6 +130,13 @@ def delays(text: str, place: Place) -> tuple[float, ...]:
         elif not re.fullmatch(r"[A-Z*]*", word):
             raise place.damaged(f"found {word!r}, expected delays such as 4-7-10 or P", "delays")
     return tuple(found)
+
+
+def add_draft(drafts: list[Draft], draft: Draft) -> None:
+    """Put a motor to those of a file. Raises DamagedLog where there are too many."""
+    if len(drafts) >= MOST:
+        raise draft.place.damaged(f"found more than {MOST} motors, expected at most that in a file")
+    drafts.append(draft)
 
 
 def decoded(data: bytes) -> str:

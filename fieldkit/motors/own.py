@@ -2,8 +2,8 @@
 
 from pathlib import Path
 
+from fieldkit import files
 from fieldkit.errors import DamagedLog, FieldkitError
-from fieldkit.files import replace
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 
@@ -27,8 +27,7 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
     """
     motors: list[Motor] = []
     errors: list[FieldkitError] = []
-    files = sorted(folder.iterdir()) if folder.is_dir() else []
-    for path in files:
+    for path in sorted(folder.iterdir()) if folder.is_dir() else []:
         if path.suffix.lower() in SUFFIXES:
             try:
                 motors += read(_content(path), path.name)
@@ -51,16 +50,12 @@ def import_file(path: Path, folder: Path) -> list[Motor]:
     content = _content(path)
     motors = read(content, path.name)
     suffix = path.suffix.lower() if path.suffix.lower() in SUFFIXES else SUFFIXES[0]
-    replace(folder / f"{path.stem}{suffix}", content)
+    files.replace(folder / f"{path.stem}{suffix}", content)
     return motors
 
 
 def _content(path: Path) -> bytes:
     try:
-        with path.open("rb") as file:
-            data = file.read(LARGEST + 1)
+        return files.read(path, plain=True, most=LARGEST)
     except OSError as error:
         raise DamagedLog(f"cannot be read ({error.strerror}), expected a motor file", source=path.name) from error
-    if len(data) > LARGEST:
-        raise DamagedLog(f"found more than {LARGEST} bytes, expected a motor file of at most that", source=path.name)
-    return data

@@ -8,7 +8,7 @@
 Source: the format as ThrustCurve.org describes it, https://www.thrustcurve.org/info/raspformat.html.
 """
 
-from fieldkit.motors.draft import Draft, Place, decoded, delays
+from fieldkit.motors.draft import Draft, Place, add_draft, decoded, delays
 from fieldkit.motors.motor import PLUGGED, Motor
 
 _HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg maker"
@@ -28,7 +28,7 @@ def read(data: bytes, source: str) -> list[Motor]:
             time, thrust = place.number(words[0], "time", "s"), place.number(words[1], "thrust", "N")
             drafts[-1].add(place, time, thrust)
         elif len(words) >= 6:
-            drafts.append(_header(words, place))
+            add_draft(drafts, _header(words, place))
         elif words:
             expected = f"`seconds newtons` or {_HEADER}" if drafts else _HEADER
             raise place.damaged(f"found {' '.join(words)!r}, expected {expected}")

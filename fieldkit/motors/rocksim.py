@@ -8,7 +8,7 @@ Source: the format as ThrustCurve.org offers it for download, https://www.thrust
 from xml.parsers.expat import ExpatError, ParserCreate
 
 from fieldkit.errors import DamagedLog
-from fieldkit.motors.draft import Draft, Place, delays
+from fieldkit.motors.draft import Draft, Place, add_draft, delays
 from fieldkit.motors.motor import Motor
 
 _KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
@@ -48,7 +48,7 @@ class _Reader:
     def _start(self, element: str, attributes: dict[str, str]) -> None:
         fields = _Fields(self._place, element, attributes)
         if element == "engine":
-            self.drafts.append(_engine(fields))
+            add_draft(self.drafts, _engine(fields))
         elif element == "eng-data":
             if not self.drafts:
                 raise self._place.damaged("found <eng-data>, expected an <engine> around it")

@@ -1,9 +1,12 @@
 """From the bytes of an `.ork` file to its XML: a zip with `rocket.ork` in it, a gzip, or plain XML.
 
 Nothing is unpacked past `MOST`, and defusedxml refuses document types and entities, which swell or reach elsewhere.
+Whatever is counted in a file has a bound: files in the archive, elements and how deep they are nested, and how long one
+piece of markup or text is.
 """
 
 import io
+import re
 import zipfile
 import zlib
 from typing import TYPE_CHECKING
@@ -11,10 +14,24 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import DamagedLog
 
 if TYPE_CHECKING:
-    from xml.etree.ElementTree import Element
+    from xml.etree.ElementTree import Element, TreeBuilder
 
 MOST = 64 * 2**20
 """Bytes that a file may unpack to; a design with many stored simulations has a few millions. [byte]"""
+
+MOST_FILES = 1000
+"""Files in an archive: a design with pictures on its parts has some dozens. [1]"""
+MOST_ELEMENTS = 500_000
+"""Elements of a design: a stored simulation has one for each of some thousand samples. [1]"""
+DEEPEST = 200
+"""How deep elements are nested: a part in a part takes two. [1]"""
+LONGEST = 1 << 20
+"""From the end of one tag to that of the next: its attributes and the text before it. [byte]"""
+ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252", "cp1252")
+"""Those whose tags are found without reading them."""
+
+_FILE_IN_ZIP = b"PK\x01\x02"
+_DECLARED = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}[\"']([\w.-]{1,40})")
 
 
 def root_of(content: bytes, source: str) -> "Element":
@@ -22,10 +39,14 @@ def root_of(content: bytes, source: str) -> "Element":
     from xml.etree.ElementTree import ParseError
 
     from defusedxml.common import DefusedXmlException
-    from defusedxml.ElementTree import fromstring
+    from defusedxml.ElementTree import DefusedXMLParser
 
+    text = _unpacked(content, source)
+    _check_markup(text, source)
+    parser = DefusedXMLParser(target=_builder(source), forbid_dtd=True)
     try:
-        root: Element = fromstring(_unpacked(content, source), forbid_dtd=True)
+        parser.feed(text)
+        root: Element = parser.close()
     except ParseError as error:
         row, _ = error.position
         raise DamagedLog(f"found broken XML ({str(error).split(':')[0]})", row=row, source=source) from error
@@ -40,6 +61,48 @@ def root_of(content: bytes, source: str) -> "Element":
     return root
 
 
+def _check_markup(text: bytes, source: str) -> None:
+    """Raise DamagedLog for markup in pieces too long to be taken apart, or in an encoding where that cannot be told."""
+    declared = _DECLARED.match(text[:400])
+    if declared and declared[1].decode().lower() not in ENCODINGS:
+        raise DamagedLog(f"found the encoding {declared[1].decode()}, expected UTF-8", source=source)
+    if text.count(b">") > 4 * MOST_ELEMENTS:
+        raise _too_many(source)
+    start = 0
+    while start < len(text):
+        end = text.find(b">", start, start + LONGEST)
+        if end < 0 and len(text) - start > LONGEST:
+            found = f"found {LONGEST >> 20} MiB without the end of a tag, expected a design"
+            raise DamagedLog(found, row=text.count(b"\n", 0, start) + 1, source=source)
+        start = end + 1 if end >= 0 else len(text)
+
+
+def _builder(source: str) -> "TreeBuilder":
+    """What makes a tree of elements, until there are too many or they are nested too deep."""
+    from xml.etree.ElementTree import TreeBuilder
+
+    class Bounded(TreeBuilder):
+        count = depth = 0
+
+        def start(self, tag: str, attributes: "dict[str, str]") -> "Element":
+            self.count, self.depth = self.count + 1, self.depth + 1
+            if self.count > MOST_ELEMENTS:
+                raise _too_many(source)
+            if self.depth > DEEPEST:
+                raise DamagedLog(f"found elements nested more than {DEEPEST} deep, expected a design", source=source)
+            return super().start(tag, attributes)
+
+        def end(self, tag: str) -> "Element":
+            self.depth -= 1
+            return super().end(tag)
+
+    return Bounded()
+
+
+def _too_many(source: str) -> DamagedLog:
+    return DamagedLog(f"found more than {MOST_ELEMENTS} elements, expected a design", source=source)
+
+
 def _unpacked(content: bytes, source: str) -> bytes:
     if content.startswith(b"PK"):
         return _from_zip(content, source)
@@ -51,6 +114,8 @@ def _unpacked(content: bytes, source: str) -> bytes:
 
 
 def _from_zip(content: bytes, source: str) -> bytes:
+    if content.count(_FILE_IN_ZIP) > MOST_FILES:
+        raise DamagedLog(f"found a zip of more than {MOST_FILES} files, expected an OpenRocket design", source=source)
     try:
         with zipfile.ZipFile(io.BytesIO(content)) as archive:
             names = [name for name in archive.namelist() if name.lower().endswith(".ork")]

@@ -2,13 +2,13 @@
 
 import re
 from dataclasses import dataclass
+from itertools import islice
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
 from fieldkit.openrocket.archive import root_of
 from fieldkit.openrocket.parts import airframe, children, everything, mass, number, override, sizes
-from fieldkit.openrocket.stored import Simulation, reference_diameter, simulations
-from fieldkit.safe_text import printable
+from fieldkit.openrocket.stored import Simulation, reference_diameter, shown, simulations
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -20,6 +20,10 @@ ROUNDED = 0.0011
 """Two stored masses, of three decimals each, may be off by this together. [kg]"""
 DIFFERENT = 0.05
 """Cd of simulations that differ by more are told. [1]"""
+MOST_PARTS = 1000
+"""Parts that follow each other along the body. [1]"""
+MOST_MOTORS = 1000
+"""Motors in all configurations of a design. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,6 +72,8 @@ def _design(root: "Element", source: str) -> Design:
     parts = [part for stage in stages for part in airframe(stage)]
     if not parts:
         raise DamagedLog("found no nose cone, tube or transition, expected a rocket", source=source)
+    if len(parts) > MOST_PARTS:
+        raise DamagedLog(f"found {len(parts)} parts along the body, expected at most {MOST_PARTS}", source=source)
     body = sizes(parts)
     diameter = 2 * max(max(one.fore, one.aft) for one in body)
     stored = simulations(root)
@@ -81,7 +87,7 @@ def _design(root: "Element", source: str) -> Design:
     figures = {"dry_mass": weight, "diameter": diameter, "length": sum(one.length for one in body), "cd": cd}
     known = {name: _plausible(name, value, notes) for name, value in figures.items()}
     return Design(
-        printable((rocket.findtext("name") or "").strip())[:80],
+        shown(rocket.findtext("name")),
         known["dry_mass"],
         mass_by,
         known["diameter"],
@@ -120,7 +126,7 @@ def _mass(
             notes.append(f"its parts add up to {total * 1e3:.0f} g by their geometry")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
     if unknown and fresh is None:
-        notes.append(f"the mass of {', '.join(map(printable, unknown[:5]))} is not known and left out")
+        notes.append(f"the mass of {', '.join(map(shown, unknown[:5]))} is not known and left out")
     return total or None, "the sum of its parts"
 
 
@@ -156,16 +162,16 @@ def _on(cd: float, reference: float, diameter: float) -> float:
 
 def _motors(rocket: "Element") -> "list[Motor]":
     names = {one.get("configid", ""): one.findtext("name") or "" for one in rocket.iterfind("motorconfiguration")}
+    held = ((one, count) for mount, count in _mounts(rocket, 1) for one in mount.iterfind("motormount/motor"))
     return [
         Motor(
-            printable(names.get(one.get("configid", ""), "")),
-            printable(one.findtext("manufacturer") or ""),
-            printable(one.findtext("designation") or ""),
-            printable(one.findtext("delay") or ""),
+            shown(names.get(one.get("configid", ""), "")),
+            shown(one.findtext("manufacturer")),
+            shown(one.findtext("designation")),
+            shown(one.findtext("delay")),
             count,
         )
-        for mount, count in _mounts(rocket, 1)
-        for one in mount.iterfind("motormount/motor")
+        for one, count in islice(held, MOST_MOTORS)
     ]
 
 

@@ -22,6 +22,21 @@ COASTING = 0.3
 """Share of the top speed below which a Cd says little of the climb: it rises as the rocket slows. [1]"""
 LEAST_RADIUS = 0.0005
 """A nose that is thinner does not set the reference. [m]"""
+USED = (
+    "time",
+    "mass",
+    "motor mass",
+    "drag coefficient",
+    "drag force",
+    "air density",
+    "total velocity",
+    "vertical velocity",
+)
+"""Columns of a stored simulation that are read."""
+MOST_COLUMNS = 500
+"""Columns of a stored simulation: OpenRocket has some sixty, and a few for every plug-in. [1]"""
+LONGEST_NAME = 80
+"""Of what is taken from the file as text. [characters]"""
 APART = 0.05
 """By how much Cd by the drag force may differ from the stored one; in sound files it is 1 to 2 %. [1]"""
 
@@ -60,17 +75,18 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
     data, branch = simulation.find("flightdata"), simulation.find("flightdata/databranch")
     if data is None or branch is None:
         return None
-    titles = [title.strip().lower() for title in (branch.get("types") or "").split(",")]
-    rows = [_row(point.text or "", len(titles)) for point in branch.iterfind("datapoint")]
+    titles = [title.strip().lower() for title in (branch.get("types") or "").split(",", MOST_COLUMNS)[:MOST_COLUMNS]]
+    places = {title: place for place, title in enumerate(titles) if title in USED}
+    rows = [_row(point.text or "", list(places.values())) for point in branch.iterfind("datapoint")]
     if len(rows) < 5:
         return None
-    values = dict(zip(titles, np.array(rows).T, strict=False))
+    values = dict(zip(places, np.array(rows).T, strict=True))
     configuration = simulation.findtext("conditions/configid") or ""
     coast = _coast(values, branch)
     reference = reference_diameter(rocket, configuration)
     cd = float(np.median(values["drag coefficient"][coast])) if coast.any() else None
     return Simulation(
-        printable((simulation.findtext("name") or "").strip())[:60],
+        shown(simulation.findtext("name"))[:60],
         simulation.get("status") in ("uptodate", "loaded"),
         _default(rocket, configuration),
         _dry_mass(values),
@@ -80,6 +96,11 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
         _moment(data.get("maxvelocity", "")),
         cd is None or _consistent(values, coast, cd, reference),
     )
+
+
+def shown(text: str | None) -> str:
+    """What a file calls something, as it is shown."""
+    return printable((text or "")[: 4 * LONGEST_NAME].strip())[:LONGEST_NAME]
 
 
 def reference_diameter(rocket: "Element", configuration: str = "") -> float:
@@ -165,13 +186,14 @@ def _moment(text: str) -> float | None:
     return value if math.isfinite(value) else None
 
 
-def _row(text: str, count: int) -> list[float]:
-    """The numbers of a sample; what is no number is nan."""
-    cells = text.split(",")[:count]
-    row = [math.nan] * count
-    for place, cell in enumerate(cells):
-        try:
-            row[place] = float(cell)
-        except ValueError:
-            continue
-    return row
+def _row(text: str, places: list[int]) -> list[float]:
+    """The numbers at these places of a sample; what is no number is nan."""
+    cells = text.split(",", MOST_COLUMNS)
+    return [_float(cells[place]) if place < len(cells) else math.nan for place in places]
+
+
+def _float(cell: str) -> float:
+    try:
+        return float(cell)
+    except ValueError:
+        return math.nan

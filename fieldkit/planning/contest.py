@@ -96,7 +96,7 @@ def season(year: int, own: Path | None = None) -> Season:
     if not file.exists():
         raise BadValue(f"found no season {year}, expected one of {', '.join(map(str, seasons(own)))}")
     try:
-        rule = tomllib.loads(file.read_text(encoding="utf-8"))
+        rule = tomllib.loads(files.read_own(file))
         low, high = (float(end) for end in rule["window_s"])
         most = rule.get("limits", {})
         return Season(
@@ -113,7 +113,7 @@ def season(year: int, own: Path | None = None) -> Season:
             impulse=_scaled(most.get("impulse_ns"), 1.0),
             length=_scaled(most.get("length_mm_at_least"), 1e-3),
         )
-    except (KeyError, ValueError, TypeError, AttributeError, OSError) as error:
+    except (KeyError, ValueError, RecursionError, TypeError, AttributeError, OSError) as error:
         raise BadValue(
             f"{file.name}: found {error}, expected every key of a season with a value of its kind"
         ) from error

@@ -9,6 +9,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.errors import BadValue, ImpossibleFlight
+from fieldkit.files import read_own
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
@@ -105,9 +106,9 @@ def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
 
 def _drills(file: Path) -> dict[str, Drill]:
     try:
-        tables = tomllib.loads(file.read_text(encoding="utf-8"))
+        tables = tomllib.loads(read_own(file))
         return {maker: _drill(maker, table, f"your own {file.name}") for maker, table in tables.items()}
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError, KeyError, TypeError, ValueError) as error:
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, KeyError, TypeError, ValueError) as error:
         raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
 
 

@@ -1,7 +1,7 @@
 """Forecasts of plans that a flyer chooses among, from what is known of a rocket."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, design_cds
@@ -29,6 +29,8 @@ class Rocket:
     earlier: int
     starts: tuple[Start, ...] = ()
     shared: SharedPrior | None = None
+    implausible: tuple[str, ...] = ()
+    """A line for each flight that no rocket can have flown, and that no forecast rests on."""
 
     @property
     def flights(self) -> list[Flight]:
@@ -77,4 +79,5 @@ def flown_ahead(
 ) -> list[Prediction]:
     """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
     made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd)
-    return [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]
+    made = [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]
+    return [replace(one, left_out=(*rocket.implausible, *one.left_out)) for one in made]

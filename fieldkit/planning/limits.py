@@ -8,6 +8,7 @@ from typing import Any
 
 from fieldkit import units
 from fieldkit.errors import BadValue
+from fieldkit.files import read_own
 
 DATA = Path(__file__).parents[1] / "data" / "limits.toml"
 QUANTITIES = {
@@ -52,8 +53,8 @@ def limits(own: Path | None = None) -> dict[str, Limit]:
 
 def _read(file: Path) -> dict[str, Limit]:
     try:
-        tables = tomllib.loads(file.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        tables = tomllib.loads(read_own(file))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError) as error:
         raise BadValue(f"{file.name}: found {error}, expected TOML") from error
     return {name: _limit(file, name, table) for name, table in tables.items()}
 

@@ -1,6 +1,7 @@
 """A closed loop as lines for a flyer: what is missing, how sure that is, and what it rests on."""
 
 from collections.abc import Iterator
+from math import isfinite
 
 from fieldkit.selection.force.text import climbs_in_words
 from fieldkit.services.findings import Findings
@@ -90,6 +91,11 @@ def _errors(found: Findings) -> Iterator[str]:
     yield "  in brackets: 90 % intervals over the flights (bootstrap)"
 
 
+def _signed(figure: float) -> str:
+    """A figure in a column of nine, a dash where there is none: residuals all alike, or too few of them."""
+    return f"{figure:+9.2f}" if isfinite(figure) else f"{'-':>9}"
+
+
 def _fingerprints(found: Findings) -> Iterator[str]:
     """Readouts as they were off, in expected scatter, and what the likeliest effects would leave there."""
     short = {
@@ -101,9 +107,9 @@ def _fingerprints(found: Findings) -> Iterator[str]:
     }
     names = [row.readout for row in found.spreads]
     yield f"  {'off, in its scatter':24}" + "".join(f"{short.get(n, n.replace('_', ' ')[:9]):>9}" for n in names)
-    yield f"  {'mean':24}" + "".join(f"{row.bias:+9.2f}" for row in found.spreads)
-    yield f"  {'one to the next alike':24}" + "".join(f"{row.autocorrelation:+9.2f}" for row in found.spreads)
+    yield f"  {'mean':24}" + "".join(_signed(row.bias) for row in found.spreads)
+    yield f"  {'one to the next alike':24}" + "".join(_signed(row.autocorrelation) for row in found.spreads)
     for trial, row in found.fingerprints:
         marks = {mark.readout: mark for mark in row}
-        yield f"  {trial.candidate.effect + ' leaves':24}" + "".join(f"{marks[n].expected:+9.2f}" for n in names)
-        yield f"  {'  and there was':24}" + "".join(f"{marks[n].found:+9.2f}" for n in names)
+        yield f"  {trial.candidate.effect + ' leaves':24}" + "".join(_signed(marks[n].expected) for n in names)
+        yield f"  {'  and there was':24}" + "".join(_signed(marks[n].found) for n in names)

@@ -9,11 +9,12 @@ import json
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from fieldkit.errors import LedgerError, UnknownMotor
+from fieldkit.errors import LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
+from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import flight_digest, motor_digest
 
 if TYPE_CHECKING:
@@ -40,13 +41,9 @@ def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str) -> "SharedPrior 
 def _by_rocket(ledger: Ledger, motors: Catalogue, rocket: str) -> dict[str, list[tuple[Flight, Found]]]:
     """The flights of all other rockets that show something, rocket by rocket."""
     found: dict[str, list[tuple[Flight, Found]]] = {}
-    for flight in ledger.flights():
-        if flight.rocket == rocket or not flight.clean or flight.dry_mass is None or not flight.readouts():
-            continue
-        try:
-            found.setdefault(flight.rocket, []).append((flight, motors.resolve(flight.motor)))
-        except UnknownMotor:
-            continue
+    for flight, motor in followed(ledger.flights(), motors):
+        if flight.rocket != rocket and flight.clean and flight.readouts():
+            found.setdefault(flight.rocket, []).append((flight, motor))
     return found
 
 

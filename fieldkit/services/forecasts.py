@@ -3,11 +3,12 @@
 import hashlib
 import json
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
-from fieldkit.errors import NoFlights, UnknownMotor
+from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import kept_surprises, stretch
@@ -18,6 +19,7 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.selection.candidates import Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
+from fieldkit.services.plausible_flights import followed, implausible_flights
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
 if TYPE_CHECKING:
@@ -31,22 +33,12 @@ Which = Literal["before", "after"]
 def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, Found]]:
     """The flights of a rocket that physics can follow, in order, each with its motor.
 
-    Clusters, stages and flights without a dry mass are left out.
+    Clusters, stages and flights without a dry mass are left out, and so are those that no rocket can have flown: the
+    ledger remarks on each of them.
     """
-    return followed(ledger.flights(rocket), motors)
-
-
-def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
-    """Those of some flights that physics can follow, each with its motor."""
-    known = []
-    for flight in flights:
-        if flight.dry_mass is None:
-            continue
-        try:
-            known.append((flight, motors.resolve(flight.motor)))
-        except UnknownMotor:
-            continue
-    return known
+    flights = ledger.flights(rocket)
+    ledger.remark(*implausible_flights(flights, motors))
+    return followed(flights, motors)
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
@@ -116,6 +108,8 @@ def predict_plans(
         )
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]
+        if names := implausible_flights(ledger.flights(rocket), motors):
+            finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
         if keep:
             _keep(ledger, finished, before, which)
         answers |= dict(zip(rows, finished, strict=True))

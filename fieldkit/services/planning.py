@@ -11,6 +11,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecasts import accepted_places, accepted_widening, flown, start_of
+from fieldkit.services.plausible_flights import implausible_flights, plausible
 from fieldkit.settings import Settings
 
 SHORTLIST = "shortlist"
@@ -28,14 +29,15 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
         earlier=len(surprises),
         starts=tuple(ledger.starts(name)),
         shared=fleet_prior(ledger, motors, name),
+        implausible=tuple(implausible_flights(ledger.flights(name), motors)),
     )
 
 
-def begun(ledger: Ledger, plan: Flight, settings: Settings) -> Flight:
+def begun(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
     """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
     diameter else of its design, the rail else the flyer's usual one; the site as last, and its elevation. Weather is
     the day's, and nothing is made up for it."""
-    alike = [flight for flight in ledger.flights(plan.rocket) if flight.dry_mass is not None]
+    alike = plausible(ledger.flights(plan.rocket), motors)
     plan = completed(plan, alike, start_of(ledger, plan))
     last = ledger.latest()
     if not plan.site and plan.site_elevation is None and last is not None:

@@ -10,8 +10,9 @@ from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, start_among
 from fieldkit.ledger import Ledger, Past, Prediction
 from fieldkit.motors import Catalogue
-from fieldkit.services.forecasts import followed, used_version
+from fieldkit.services.forecasts import used_version
 from fieldkit.services.match_forecasts import LAPSES, made_for, residual, resolved
+from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
 
 State = Literal["open", "stale", "flown", "replaced", "lapsed"]

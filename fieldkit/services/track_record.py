@@ -20,7 +20,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, untold
-from fieldkit.services.forecasts import followed
+from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import TEACHES, Parts
 from fieldkit.services.saved_forecasts import Kept
 
@@ -56,11 +56,10 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[Kept]) -> list[For
     before, and the plan as it was then.
     """
     scored = [one for one in found if one.flight and one.flight.clean and one.flown is not None]
-    if not scored:
-        return []
-    known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean]
+    known = [one for one in simulate(followed(ledger.flights(), motors)) if one.flight.clean] if scored else []
     known = [one for one in known if one.flight.apogee is not None]
-    rows = [_beside(one, known, motors) for one in scored]
+    judged = [one.flight for one in known]
+    rows = [_beside(one, known, motors) for one in scored if one.flight in judged]
     return sorted(rows, key=lambda row: row.when.isoformat() if row.when else "")
 
 

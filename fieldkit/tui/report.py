@@ -3,9 +3,10 @@
 from functools import partial
 from pathlib import Path
 
+from fieldkit.files import check_target, is_taken
 from fieldkit.progress import untold
 from fieldkit.tui.page import PageScreen
-from fieldkit.tui.widgets.dialogs import AskText
+from fieldkit.tui.widgets.dialogs import AskText, AskYes
 
 ABOUT = "A name that ends in .html, .pdf, .png or .md; the same as `fieldkit report`."
 
@@ -22,12 +23,21 @@ def _write(page: PageScreen, what: str, name: str | None) -> None:
         return
     path = Path(name.strip()).expanduser()
 
+    if is_taken(path):
+        question = f"{path} is there already. Replace it?"
+        page.app.push_screen(AskYes(question), lambda yes: _make(page, what, path, force=True) if yes else None)
+    else:
+        _make(page, what, path, force=False)
+
+
+def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
     def work() -> list[Path]:
         from fieldkit.presentation.report.book import book
         from fieldkit.presentation.report.write import check_report, write_report
 
         check_report(path)
-        return write_report(book(page.desk.ledger, page.desk.motors, what, untold), path)
+        check_target(path, force=force)
+        return write_report(book(page.desk.ledger, page.desk.motors, what, untold), path, force=force)
 
     page.tell("writing the report ...")
     page.ask(work, lambda files: page.tell(f"report written: {path if path in files else files[0]}"), "report")

@@ -16,7 +16,7 @@ from fieldkit.ledger import Ledger, journal
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
 
-from bench.faults import damage, kills, ledgers, servers, statements
+from bench.faults import damage, histories, kills, ledgers, servers, statements
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 
@@ -49,6 +49,12 @@ def test_the_bench_sees_a_half_written_change(tmp_path: Path) -> None:
 def test_bits_that_flip_are_seen_or_harmless(tmp_path: Path) -> None:
     assert damage.bits_flipped(tmp_path / "bits", 3, seed=1).faults == []
     assert damage.cut_short(tmp_path / "cut", 6, seed=1).faults == []
+
+
+def test_what_was_acknowledged_beside_restores_is_kept(tmp_path: Path) -> None:
+    outcome = histories.restores_beside_writers(tmp_path / "ledger", writers=3, each=10, restores=4)
+    assert outcome.tried >= 20
+    assert outcome.faults == []
 
 
 @pytest.fixture(scope="module")

@@ -78,7 +78,7 @@ def test_the_whole_catalogue_for_one_rocket(
     day = PLAN.with_changes(wind=wind)
 
     def work() -> None:
-        guide(rocket_of(ledger, motors, "Astra"), begun(ledger, day, Settings()), every, limits(), Site())
+        guide(rocket_of(ledger, motors, "Astra"), begun(ledger, motors, day, Settings()), every, limits(), Site())
 
     benchmark.extra_info["motors"] = len(every)
     assert timed(benchmark, one, work) < CATALOGUE
@@ -93,15 +93,15 @@ def test_one_predict(
 
 
 def test_a_delay(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
-    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
+    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, motors, PLAN, Settings())
     timed(benchmark, one, lambda: delays(rocket, plan, motors.resolve("F67W"), 15.0))
 
 
 def test_ballast(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
-    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
+    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, motors, PLAN, Settings())
     timed(benchmark, one, lambda: ballast(rocket, plan, motors.resolve("F24-4W"), Goal(240.0, 3.0)))
 
 
 def test_a_contest(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
-    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, PLAN, Settings())
+    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, motors, PLAN, Settings())
     timed(benchmark, one, lambda: outlook(season(2027), rocket, plan, motors.resolve("F24-4W")))

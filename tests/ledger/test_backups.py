@@ -1,11 +1,15 @@
 """The copies that are kept of a ledger, and what a damaged one says: found, offered, put back."""
 
+import os
 import re
 import sqlite3
+import stat
 import zlib
 from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import closing
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -54,6 +58,81 @@ def test_a_restore_can_be_taken_back_by_another(file: Path) -> None:
     assert flown(file) == ["1"]
     assert main(["--ledger", str(file), "backups", "restore", "--yes"]) == 0
     assert flown(file) == ["1", "2", "3"]
+
+
+def test_a_linked_ledger_is_restored_at_its_target_with_its_own_mode(file: Path) -> None:
+    link = file.with_name("link.db")
+    link.symlink_to(file)
+    add(link, "1", "2", "3")
+    for hurt in (False, True):
+        file.chmod(0o640)
+        if hurt:
+            file.write_bytes(file.read_bytes()[:5000])
+        assert main(["--ledger", str(link), "backups", "restore", "1", "--yes"]) == 0
+        assert link.is_symlink()
+        assert stat.S_IMODE(file.stat().st_mode) == 0o640
+        assert flown(file) == flown(link) == ["1"]
+    assert {stat.S_IMODE(one.file.stat().st_mode) for one in backups.backups(file)[:1]} == {0o640}
+    assert not backups.folder_of(link).exists()
+
+
+def test_a_restore_holds_the_ledger_from_copy_to_replacement(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    add(file, "1", "2")
+    taken, refused = backups._take, []
+
+    def meddled(*given: Any) -> Any:
+        made = taken(*given)
+        with closing(sqlite3.connect(file, timeout=0)) as other:
+            try:
+                other.execute("DELETE FROM flights")
+                other.commit()
+            except sqlite3.OperationalError as error:
+                refused.append(error.sqlite_errorname)
+        return made
+
+    monkeypatch.setattr(backups, "_take", meddled)
+    backups.restore(file, backups.backups(file)[-1])
+    assert refused == ["SQLITE_BUSY"]
+
+
+def test_who_waits_for_a_damaged_ledger_does_not_write_into_what_was_put_aside(file: Path) -> None:
+    add(file, "1", "2")
+    with closing(sqlite3.connect(file)) as waiting:
+        assert waiting.execute("SELECT count(*) FROM flights").fetchone() == (2,)
+        with closing(sqlite3.connect(file)) as hurt:
+            hurt.execute("UPDATE flights SET rocket = 'Asura' WHERE entry = 1")
+            hurt.commit()
+        aside = backups.restore(file, backups.backups(file)[-1])
+        assert aside is not None
+        assert "damaged" in aside.name
+        with pytest.raises(sqlite3.OperationalError, match="readonly"):
+            waiting.execute("DELETE FROM flights")
+    assert flown(file) == ["1"]
+
+
+def test_copies_made_at_once_get_numbers_of_their_own(file: Path) -> None:
+    add(file, "1", "2")
+
+    def copied(_: int) -> int:
+        with closing(sqlite3.connect(file)) as ledger:
+            return backups.take(ledger, file, 2).number
+
+    with ThreadPoolExecutor(8) as pool:
+        numbers = list(pool.map(copied, range(8)))
+    assert len(set(numbers)) == 8
+    assert [one.number for one in backups.backups(file)][:8] == sorted(numbers, reverse=True)
+
+
+def test_one_copy_is_enough_where_many_begin_to_write(file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    add(file, "1")
+    backups.folder_of(file).mkdir()
+    claim = backups._claim(file)[1]
+    add(file, "2")
+    assert backups.backups(file) == [], "another process is at it"
+    os.utime(claim, (0, 0))
+    add(file, "3")
+    assert [one.flights for one in backups.backups(file)] == [2]
+    assert not claim.exists(), "of a process that was killed"
 
 
 CHANGES = (

@@ -140,7 +140,7 @@ DAMAGED = {
     "an encoding": (b'<?xml version="1.0" encoding="martian"?><openrocket/>', "skylark.ork"),
     "no end of parts": (
         design("<bulkhead><subcomponents>" * 3000 + "</subcomponents></bulkhead>" * 3000).encode(),
-        "without end",
+        "nested more than",
     ),
 }
 
@@ -188,7 +188,7 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.keep_start(Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork"))
         (predicted,) = predict_plans(ledger, motors, [plan])
-        rocket, begins = rocket_of(ledger, motors, "Skylark"), begun(ledger, plan, Settings())
+        rocket, begins = rocket_of(ledger, motors, "Skylark"), begun(ledger, motors, plan, Settings())
         assert (begins.dry_mass, begins.diameter) == (0.4, 0.066)
         planned = [(begins, motors.resolve("F24-4W"))]
         (said,) = forecasts(rocket, planned, draws=400)

@@ -74,7 +74,7 @@ def rocket(path: str, motors: Catalogue) -> Rocket:
 def plan(path: str) -> Flight:
     """The plan with mass and diameter as last flown."""
     with Ledger.open(path) as ledger:
-        return begun(ledger, PLAN, Settings())
+        return begun(ledger, catalogue(), PLAN, Settings())
 
 
 @pytest.fixture(scope="module")
@@ -292,7 +292,7 @@ def test_a_site_is_saved_beside_what_flights_say_of_it() -> None:
         keep_site(ledger, "Meadow", size=400.0)
         keep_site(ledger, "Meadow", ceiling=900.0)
         assert site_of(ledger, "Meadow") == Site("Meadow", 212.0, 400.0, 900.0)
-        plan = begun(ledger, Flight(rocket="A"), Settings(rail_length=1.8))
+        plan = begun(ledger, catalogue(), Flight(rocket="A"), Settings(rail_length=1.8))
         assert (plan.site, plan.site_elevation, plan.rail_length) == ("Meadow", 212.0, 1.8)
         with pytest.raises(BadValue, match="size"):
             keep_site(ledger, "Meadow", size=-1.0)

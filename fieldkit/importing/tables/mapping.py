@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 from fieldkit.errors import BadValue, FieldkitError
-from fieldkit.files import replace
+from fieldkit.files import read_own, replace
 from fieldkit.importing.reading import Choice
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.paths import data_folder
@@ -49,7 +49,7 @@ def remembered() -> tuple[Choice, ...]:
 
     file = mapping_file()
     try:
-        entries = json.loads(file.read_text(encoding="utf-8"))["mappings"]
+        entries = json.loads(read_own(file))["mappings"]
         return tuple(Choice(_texts(entry["map"]), tuple(map(str, entry["headers"]))) for entry in entries)
     except FileNotFoundError:
         return ()

@@ -1,8 +1,8 @@
 """What one rocket's flights say of the terms that all rockets of a flyer share, and what many say together.
 
-Given the shared terms (those of the fleet, and of motor types) rockets are independent. Each one's fit, by itself, is a
-normal posterior of the shared terms; divided by their prior it is the rocket's message, a likelihood. The prior times the
-messages of other rockets is what a rocket starts from: exact for a linear model, belief propagation on a star otherwise.
+Given the shared terms (those of the fleet, and of motor types) rockets are independent. Each one's fit, by itself, is
+a normal posterior of the shared terms; divided by their prior it is the rocket's message, a likelihood. The prior times
+the messages of other rockets is what a rocket starts from: exact for a linear model, belief propagation otherwise.
 """
 
 from collections.abc import Sequence

@@ -1,10 +1,10 @@
 """Learn the hyperprior from real flights: the marginal likelihood's maximum by expectation-maximization.
 
 The flights of several flyers are independent given the hyperprior. Each step takes every rocket's posterior given all
-flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the posterior
-mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few groups can
-tell is held near a stated start: each variance has a scaled inverse chi squared prior at the start, worth `WORTH` groups.
-Readouts are linear about the last fits, which are made again in every round.
+flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the
+posterior mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few
+groups can tell is held near a stated start: each variance has a scaled inverse chi squared prior there, worth `WORTH`
+groups. Readouts are linear about the last fits, which are made again in every round.
 """
 
 from collections.abc import Mapping, Sequence
@@ -192,8 +192,8 @@ def _variance_name(term: str) -> str:
 def _scatter_squares(result: Fit) -> Mapping[str, float]:
     """Posterior mean squares of the standardized random effects of single flights, summed over the flights.
 
-    With S = U diag(s) their slopes and N the noise, z = S' N^-1 r for the miss r that terms leave, and what stays open of
-    z is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
+    With S = U diag(s) their slopes and N the noise, z = S' N^-1 r for the miss r that terms leave, and what stays open
+    of z is I - S' N^-1 S + S' N^-1 A C A' N^-1 S.
     """
     model, told = result.model, result.told
     scale = model.hyperprior.scales()[0]

@@ -6,6 +6,7 @@ from typing import Any, Literal
 
 from fieldkit.errors import FieldkitError, ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import implausible
 from fieldkit.motors import Catalogue, Found
 
 Model = Literal["field", "paper"]
@@ -44,7 +45,7 @@ class Inferences:
 
 def infer(flights: Sequence[Flight], motors: Catalogue, model: Model = "field") -> Inferences:
     """Cd and alpha of every flight that an ensemble can judge. Raises DamagedModel."""
-    return _paper(flights) if model == "paper" else _field(flights, motors)
+    return _paper(flights, motors) if model == "paper" else _field(flights, motors)
 
 
 def _known(flights: Sequence[Flight], motors: Catalogue) -> tuple[list[tuple[Flight, Found]], list[str]]:
@@ -91,10 +92,21 @@ def _flyable(flight: Flight, motors: Catalogue) -> Found:
         raise ImpossibleFlight("dry_mass_g: found nothing, expected the rocket's mass without its motor")
     if not flight.readouts():
         raise ImpossibleFlight("found no readout, expected at least the apogee")
-    return motors.resolve(flight.motor)
+    found = motors.resolve(flight.motor)
+    if reason := implausible(flight, found.motor):
+        raise ImpossibleFlight(reason)
+    return found
 
 
-def _paper(flights: Sequence[Flight]) -> Inferences:
+def _doubted(flight: Flight, motors: Catalogue) -> str | None:
+    """Why no rocket can have flown so, where its motor is known."""
+    try:
+        return implausible(flight, motors.resolve(flight.motor).motor)
+    except FieldkitError:
+        return None
+
+
+def _paper(flights: Sequence[Flight], motors: Catalogue) -> Inferences:
     from fieldkit.inference.network.ensemble import load
     from fieldkit.inference.network.posterior import infer_paper
 
@@ -105,6 +117,9 @@ def _paper(flights: Sequence[Flight]) -> Inferences:
             found = infer_paper([flight], ensemble)
         except FieldkitError as error:
             left_out.append(str(error))
+            continue
+        if reason := _doubted(flight, motors):
+            left_out.append(f"flight {flight.flight_id}, {reason}")
             continue
         cd, cd_sd, alpha, alpha_sd = (float(x[0]) for x in (found.cd, found.cd_sd, found.alpha, found.alpha_sd))
         inferred.append(Inferred(flight, cd, cd_sd, alpha, alpha_sd, found.model))

@@ -7,13 +7,15 @@ from pathlib import Path
 from typing import Any
 
 from fieldkit.errors import BadValue
+from fieldkit.files import check_target, write_all
 from fieldkit.inference.network.ensemble import CARD, GRAPH
 
 
 def claim(out: Path) -> None:
     """Make the folder. Raises BadValue where it holds an ensemble already: one is never overwritten."""
-    if (out / CARD).exists():
+    if any((out / name).exists() for name in (CARD, GRAPH)):
         raise BadValue(f"{out}: found an ensemble there already, expected a new or empty folder")
+    check_target(out / GRAPH)
     try:
         out.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -23,7 +25,6 @@ def claim(out: Path) -> None:
 def ship(out: Path, graph: bytes, card: Mapping[str, Any]) -> list[str]:
     """Write graph and card, the card last because it vouches for the rest; the paths written."""
     digests = {GRAPH: hashlib.sha256(graph).hexdigest()}
-    (out / GRAPH).write_bytes(graph)
     text = json.dumps({**card, "digests": digests}, indent=2, allow_nan=False)
-    (out / CARD).write_text(text + "\n", encoding="utf-8")
+    write_all({out / GRAPH: graph, out / CARD: f"{text}\n".encode()})
     return [str(out / GRAPH), str(out / CARD)]

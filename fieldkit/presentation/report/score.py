@@ -28,8 +28,11 @@ def check_picture(path: Path) -> None:
         raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_picture(reports: Mapping[str, Report | None], path: Path) -> None:
-    """Draw each report that there is as a row of three pictures, to a file of the kind that its name says."""
+def write_picture(reports: Mapping[str, Report | None], path: Path, *, force: bool = False) -> None:
+    """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
+
+    Raises FieldkitError, where the file is there already too, unless with `force`.
+    """
     from matplotlib.figure import Figure
 
     check_picture(path)
@@ -40,7 +43,7 @@ def write_picture(reports: Mapping[str, Report | None], path: Path) -> None:
         for part, (title, report) in zip(parts, there.items(), strict=True):
             part.suptitle(f"{title}: {len(report.rows)} flights", fontsize=11, weight="bold", x=0.02, ha="left")
             draw(part, report)
-        write(path, drawn(figure, path.suffix.lower()[1:]))
+        write(path, drawn(figure, path.suffix.lower()[1:]), force=force)
 
 
 def draw(figure: "Figure | SubFigure", report: Report) -> None:

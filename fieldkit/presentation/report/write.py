@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from fieldkit.errors import BadValue
-from fieldkit.files import write
+from fieldkit.files import write_all
 from fieldkit.presentation.report.book import Book, table
 from fieldkit.presentation.report.card import Card
 from fieldkit.presentation.report.html import embedded, rendered
@@ -31,12 +31,14 @@ def check_report(path: Path) -> None:
         raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_report(book: Book, path: Path, tell: Tell = untold) -> list[Path]:
-    """Write a report as the kind that its file's name says; the files written. Raises FieldkitError."""
+def write_report(book: Book, path: Path, tell: Tell = untold, *, force: bool = False) -> list[Path]:
+    """Write a report as the kind that its file's name says, all of it or nothing; the files written.
+
+    Raises FieldkitError, where one is there already too, unless with `force`.
+    """
     check_report(path)
     files = dict(_files(book, path, tell))
-    for file, content in files.items():
-        write(file, content)
+    write_all(files, force=force)
     return list(files)
 
 

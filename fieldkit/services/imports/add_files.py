@@ -1,14 +1,18 @@
 """What files hold, put into the ledger as one change; a file that comes later joins the flight that it is of."""
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from fieldkit.errors import DamagedLog
 from fieldkit.importing import Choice, Mapped, Rejected
+from fieldkit.importing.incoming import Arrival
 from fieldkit.importing.to_flights import CheckMotor
+from fieldkit.motors import Catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
+from fieldkit.services.plausible_flights import implausible_flights
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -16,7 +20,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, slots=True)
 class Receipt:
-    """What became of files: ids of the new flights, what the flyer should know, flights that files were added to."""
+    """What became of files: ids of the new flights, what the flyer should know, flights that files were added to.
+
+    `implausible` are those of the notes that name a new flight which no rocket can have flown.
+    """
 
     ids: tuple[str, ...]
     duplicates: int
@@ -24,6 +31,7 @@ class Receipt:
     notes: tuple[str, ...]
     mapped: tuple[Mapped, ...] = ()
     joined: tuple[str, ...] = ()
+    implausible: tuple[str, ...] = ()
 
 
 def bring_in(
@@ -35,22 +43,42 @@ def bring_in(
     defaults: Mapping[str, object] | None = None,
     choices: Sequence[Choice] = (),
     dry_run: bool = False,
+    motors: Catalogue | None = None,
 ) -> Receipt:
     """Import files as one command: `gather` and `take_in`."""
     gathered = gather(paths, check_motor, format=format, defaults=defaults, choices=choices)
-    return take_in(ledger, gathered, choices=choices, dry_run=dry_run)
+    return take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=motors)
 
 
-def take_in(ledger: "Ledger", gathered: Gathered, *, choices: Sequence[Choice] = (), dry_run: bool = False) -> Receipt:
-    """Put what was gathered into a ledger, as one change; `choices` are those that it was gathered with."""
+def take_in(
+    ledger: "Ledger",
+    gathered: Gathered,
+    *,
+    choices: Sequence[Choice] = (),
+    dry_run: bool = False,
+    motors: Catalogue | None = None,
+) -> Receipt:
+    """Put what was gathered into a ledger, as one change; `choices` are those that it was gathered with.
+
+    With `motors` known, flights that come in and that no rocket can have flown on theirs are named in the notes.
+    """
     sorting = sorted_out(ledger, gathered.arrivals, choices)
     added = ledger.add(sorting.new, renewals=sorting.renewals, dry_run=dry_run)
     conflicts = (Rejected(one.arrival.source, one.arrival.row, "flight_id", one.error) for one in added.conflicts)
+    implausible = tuple(_implausible(sorting.new, motors)) if motors else ()
     return Receipt(
         added.new,
         added.duplicates + sorting.there,
         (*gathered.rejected, *conflicts),
-        (*gathered.notes, *sorting.notes),
+        (*gathered.notes, *sorting.notes, *implausible),
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
+        implausible,
     )
+
+
+def _implausible(arrivals: Sequence[Arrival], motors: Catalogue) -> Iterator[str]:
+    """A line for each of some arrivals that no rocket can have flown."""
+    for one in arrivals:
+        for line in implausible_flights([one.flight], motors):
+            yield str(DamagedLog(line, row=one.row, source=one.source))

@@ -103,12 +103,13 @@ def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, obje
     return given
 
 
-def read_file(path: Path) -> bytes:
-    """The bytes of a log or a table. Raises DamagedLog that says why they cannot be read."""
+def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a flight table") -> bytes:
+    """The bytes of a file of a kind, by default at most `files.LARGEST`. Raises DamagedLog that says why they cannot be
+    read."""
     try:
-        return files.read(path)
+        return files.read(path, most=most)
     except OSError as error:
-        found = f"cannot be read ({error.strerror}), expected a log or a flight table"
+        found = f"cannot be read ({error.strerror}), expected {kind}"
         raise DamagedLog(found, source=_name(path)) from error
 
 

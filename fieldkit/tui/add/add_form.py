@@ -45,7 +45,7 @@ class Begun:
 @dataclass(frozen=True, slots=True)
 class Saved:
     """The number a flight was added under, empty where it was there already, and what it lacks to tell of drag; or the
-    question at fault, and why."""
+    question at fault, and why; or why no fit uses it."""
 
     id: str = ""
     lacks: str = ""
@@ -175,6 +175,7 @@ class Draft:
     def save(self, said: Answered) -> Saved:
         """Put the flight in the ledger, if all of it can be read and its motor is known."""
         from fieldkit.services.manual_entry import DRAFT, enter
+        from fieldkit.services.plausible_flights import implausible_flights
 
         for name, why in said.wrong.items():
             return Saved(wrong=name, trouble=f"{BY_NAME[name].title}: {why}")
@@ -182,11 +183,12 @@ class Draft:
             return Saved(wrong="motor", trouble=trouble)
         try:
             with self._lock:
-                _, added = enter(self._desk.ledger, said.flight, DRAFT)
+                flight, added = enter(self._desk.ledger, said.flight, DRAFT)
                 self.flight += 1
         except FieldkitError as error:
             return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
-        return Saved(added.new[0] if added.new else "", lacks(said.flight))
+        odd = implausible_flights([flight], self._desk.motors) if added.new else []
+        return Saved(added.new[0] if added.new else "", lacks(said.flight), trouble="; ".join(odd))
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is not known, empty where it is or none is named."""

@@ -42,11 +42,15 @@ def said_by(flight: Flight, motors: "Catalogue") -> Said:
     import numpy as np
 
     from fieldkit.errors import ImpossibleFlight
+    from fieldkit.flight.plausibility import implausible
     from fieldkit.inference.network.field_ensemble import infer_field
 
     if flight.dry_mass is None or not flight.readouts():
         raise ImpossibleFlight("drag and thrust need the dry mass and at least one readout")
-    found = infer_field([flight], [motors.resolve(flight.motor)])
+    motor = motors.resolve(flight.motor)
+    if reason := implausible(flight, motor.motor):
+        raise ImpossibleFlight(reason)
+    found = infer_field([flight], [motor])
     area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
     if flight.diameter:
         return Said(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])

@@ -141,7 +141,7 @@ def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "
     choices = [*reading.named(), *remembered()]
     paths, defaults = reading.together(path), reading.defaults()
     found = gather(paths, desk.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
-    receipt = take_in(desk.ledger, found, choices=choices, dry_run=dry_run)
+    receipt = take_in(desk.ledger, found, choices=choices, dry_run=dry_run, motors=desk.motors)
     return receipt, tuple(arrival.flight for arrival in found.arrivals)
 
 

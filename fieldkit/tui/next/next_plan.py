@@ -110,7 +110,7 @@ def read_plan(desk: "Desk") -> Plan | None:
     plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
     plan = plan.with_changes(**plan_changes(draft))
     rocket = rocket_of(ledger, desk.motors, plan.rocket)
-    full = begun(ledger, plan, desk.settings)
+    full = begun(ledger, desk.motors, plan, desk.settings)
     if full.dry_mass is None:
         raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}

@@ -280,6 +280,8 @@ class AddScreen(PageScreen):
             return
         silent = f"; without its {saved.lacks} it says nothing of drag" if saved.lacks else ""
         self.tell(f"added as flight {saved.id}{silent}; u takes it back" if saved.id else "it is in the ledger already")
+        if saved.trouble:
+            self.complain(saved.trouble)
         self._sheet.clear()
         self.set_focus(self._sheet.button)  # from it u takes back, and a digit is a page
         self.field_app.changed()

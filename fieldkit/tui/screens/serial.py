@@ -250,12 +250,15 @@ class CaptureScreen(PageScreen):
     def _store(self, end: "Ended") -> "Receipt":
         from fieldkit.services.imports import bring_in
 
-        return bring_in(self.desk.ledger, [end.file], self.desk.motors.complaint)
+        motors = self.desk.motors
+        return bring_in(self.desk.ledger, [end.file], motors.complaint, motors=motors)
 
     def _stored(self, receipt: "Receipt") -> None:
         self.tell(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
+        for line in receipt.implausible:
+            self.complain(line)
         self.field_app.changed()
 
     def action_stop(self) -> None:

@@ -265,7 +265,12 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED) -> tuple[M
     shape = (5, len(OBSERVED))
     seen = np.ones(shape, bool)
     seen[2, 3] = False
-    data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), seen, rng.uniform(0.2, 1.0, shape) if doubtful else np.ones(shape))
+    data = Data(
+        rng.normal(size=shape),
+        rng.uniform(0.2, 1.0, shape),
+        seen,
+        rng.uniform(0.2, 1.0, shape) if doubtful else np.ones(shape),
+    )
     near = Tangent(
         rng.normal(size=3), rng.normal(size=shape), rng.normal(size=(*shape, 3)), rng.normal(size=(*shape, 5)) * 0.3
     )
@@ -286,7 +291,9 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
         spread = near.scatter_slope[flight]
-        noise[block, block] = scatter**2 * spread @ spread.T + np.diag(((every * data.sd[flight]) ** 2 + own**2) / data.trust[flight])
+        noise[block, block] = scatter**2 * spread @ spread.T + np.diag(
+            ((every * data.sd[flight]) ** 2 + own**2) / data.trust[flight]
+        )
     mean = near.values.ravel() + slope @ (prior - near.at)
     covariance = slope @ prior_covariance(model, scale) @ slope.T + noise
     return mean[seen], covariance[np.ix_(seen, seen)], slope[seen]

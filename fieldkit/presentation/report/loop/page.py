@@ -27,11 +27,11 @@ def check_page(path: Path) -> None:
         raise BadValue(f"--report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_page(found: Findings, path: Path) -> None:
-    """Write the report to a file, as HTML or PNG by its name."""
+def write_page(found: Findings, path: Path, *, force: bool = False) -> None:
+    """Write the report to a file, as HTML or PNG by its name; with `force` in the place of another one."""
     check_page(path)
     content = png(found) if path.suffix.lower() == ".png" else page(found).encode()
-    write(path, content)
+    write(path, content, force=force)
 
 
 def page(found: Findings) -> str:

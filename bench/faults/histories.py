@@ -1,0 +1,80 @@
+"""Histories of several processes on one ledger, checked as Jepsen does: what was acknowledged must be somewhere.
+
+Each writer notes in a file of its own what it was told is kept, and notes it after it was told. At the end every such
+flight must be in the ledger, or in a copy that a restore kept of what it replaced; nothing may be there twice.
+"""
+
+import multiprocessing
+import sqlite3
+import time
+from collections import Counter
+from contextlib import closing
+from pathlib import Path
+from unittest.mock import patch
+
+from bench.faults.ledgers import Outcome, fieldkit, season, unsound
+from fieldkit.ledger import backups
+
+ENOUGH = 10_000
+"""So many copies are kept here, lest rotation be taken for a loss. [1]"""
+
+
+def restores_beside_writers(folder: Path, writers: int, each: int, restores: int) -> Outcome:
+    """Processes that add flights as fast as they can, while another puts the first copy back again and again."""
+    folder.mkdir(parents=True, exist_ok=True)
+    file = folder / "ledger.db"
+    season(file)
+    outcome = Outcome("histories", f"{writers} writers beside {restores} restores")
+    with patch.object(backups, "KEPT", ENOUGH):
+        assert fieldkit(file, "tag", "1", "mine")[0] == 0  # before which the copy is made that is put back
+        context = multiprocessing.get_context("fork")
+        running = [context.Process(target=_add, args=(file, place, each)) for place in range(writers)]
+        running.append(context.Process(target=_restore, args=(file, restores)))
+        for process in running:
+            process.start()
+        for process in running:
+            process.join()
+        if any(process.exitcode for process in running):
+            outcome.faults.append("a process died")
+        return _judged(outcome, file, _acknowledged(folder))
+
+
+def _add(file: Path, writer: int, each: int) -> None:
+    with file.with_name(f"writer-{writer}.txt").open("a", encoding="ascii") as told:
+        for number in range(each):
+            id = f"{writer}-{number}"
+            if fieldkit(file, "add", "--rocket", "Astra", "--flight-id", id, "--apogee", "100m")[0] == 0:
+                told.write(f"{id}\n")
+                told.flush()
+
+
+def _restore(file: Path, restores: int) -> None:
+    for _ in range(restores):
+        time.sleep(0.05)
+        status, _, said = fieldkit(file, "backups", "restore", "1", "--yes")
+        assert status == 0, said
+
+
+def _acknowledged(folder: Path) -> list[str]:
+    return [id for told in sorted(folder.glob("writer-*.txt")) for id in told.read_text(encoding="ascii").split()]
+
+
+def _flights(file: Path) -> list[str]:
+    with closing(sqlite3.connect(file)) as raw:
+        return [id for (id,) in raw.execute("SELECT flight_id FROM flights")]
+
+
+def _judged(outcome: Outcome, file: Path, told: list[str]) -> Outcome:
+    copies = backups.backups(file)
+    held = [_flights(one) for one in (file, *(copy.file for copy in copies))]
+    outcome.tried = len(told)
+    there = {id for flights in held for id in flights}
+    if lost := [id for id in told if id not in there]:
+        outcome.faults.append(f"{len(lost)} of {len(told)} acknowledged flights are nowhere: {', '.join(lost[:5])}")
+    if twice := [id for flights in held for id, times in Counter(flights).items() if times > 1]:
+        outcome.faults.append(f"there twice: {', '.join(twice[:5])}")
+    if same := [number for number, times in Counter(one.number for one in copies).items() if times > 1]:
+        outcome.faults.append(f"copies of the same number: {same}")
+    outcome.faults += [f"{one.name}: {found}" for one in (file, *(c.file for c in copies)) if (found := unsound(one))]
+    outcome.counts = {"acknowledged": len(told), "in the ledger at the end": len(set(told) & set(held[0]))}
+    return outcome

@@ -1,0 +1,23 @@
+"""Files that commands write where the flyer says: what is there already is replaced only after a yes or `--force`."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there already.")]
+
+
+def settled(file: Path, force: bool) -> bool:
+    """Whether a file may be replaced: as the option says or, where one is there and somebody sits here, as they answer.
+
+    Called before the work whose result goes there. Raises FieldkitError for a file that must not be written.
+    """
+    from fieldkit.files import check_target, is_taken
+
+    asks = is_taken(file) and not force and sys.stdin.isatty() and sys.stderr.isatty()
+    check_target(file, force=force or asks)
+    if asks:
+        typer.confirm(f"{file} is there already. Replace it?", abort=True, err=True)
+    return force or asks

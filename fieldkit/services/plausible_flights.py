@@ -1,0 +1,43 @@
+"""Which flights fits may use: those that a rocket can have flown, each with its motor; the others by name."""
+
+from collections.abc import Iterator, Sequence
+
+from fieldkit.errors import UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import implausible
+from fieldkit.motors import Catalogue, Found
+
+
+def followed(flights: Sequence[Flight], motors: Catalogue) -> list[tuple[Flight, Found]]:
+    """Those of some flights that physics can follow, each with its motor."""
+    return [(flight, found) for flight, found in _with_motors(flights, motors) if not implausible(flight, found.motor)]
+
+
+def plausible(flights: Sequence[Flight], motors: Catalogue) -> list[Flight]:
+    """Those of some flights whose set-up a plan can begin from, whatever was read off; clusters are not judged."""
+    odd = {id(one) for one, found in _with_motors(flights, motors) if implausible(_set_up(one), found.motor)}
+    return [flight for flight in flights if flight.dry_mass is not None and id(flight) not in odd]
+
+
+def _set_up(flight: Flight) -> Flight:
+    return flight.with_changes(**dict.fromkeys(flight.readouts()))
+
+
+def implausible_flights(flights: Sequence[Flight], motors: Catalogue) -> list[str]:
+    """A line for each clean one of some flights that no rocket can have flown, and that no fit uses therefore."""
+    found = [(flight, implausible(flight, found.motor)) for flight, found in _with_motors(flights, motors)]
+    return [
+        f"flight {flight.flight_id} of {flight.rocket} is left out of every fit: {reason}"
+        for flight, reason in found
+        if reason and flight.clean
+    ]
+
+
+def _with_motors(flights: Sequence[Flight], motors: Catalogue) -> Iterator[tuple[Flight, Found]]:
+    for flight in flights:
+        if flight.dry_mass is None:
+            continue
+        try:
+            yield flight, motors.resolve(flight.motor)
+        except UnknownMotor:
+            continue

@@ -1,0 +1,228 @@
+"""What may be written where a flyer says: never a file that fieldkit keeps data in, and no other one unasked.
+
+The commands and their files are taken from the command tree, so that a new command is in by itself.
+"""
+
+import ast
+import os
+import shlex
+import stat
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+
+from fieldkit import files
+from fieldkit.cli.main import app, main
+from fieldkit.errors import FieldkitError
+from fieldkit.ledger import Ledger
+
+ROOT = Path(__file__).parents[2]
+CHECK_SHAPES = False
+FILLERS = {"what": "1", "recipe": "paper", "motor": "F24-4W", "rocket": "Astra", "config": "A", "number": "1"}
+"""What other arguments a command needs, by name."""
+
+
+def commands(tree: Any, names: tuple[str, ...] = ()) -> Iterator[tuple[tuple[str, ...], Any]]:
+    """Every command of the tree, groups that do something themselves too."""
+    if names:
+        yield names, tree
+    for name, child in getattr(tree, "commands", {}).items():
+        yield from commands(child, (*names, name))
+
+
+def with_files() -> list[tuple[tuple[str, ...], Any, Any]]:
+    """Every command that takes a file's name, and the parameter that it takes it in."""
+    found = [
+        (names, one, command) for names, command in commands(typer.main.get_command(app)) for one in command.params
+    ]
+    return [(names, one, command) for names, one, command in found if one.type.name == "path"]
+
+
+WITH_FILES = with_files()
+
+
+def line(names: tuple[str, ...], parameter: Any, command: Any, file: Path) -> list[str]:
+    """A command line that hands a command a file, and else only what it needs."""
+    words = list(names)
+    for one in command.params:
+        value = str(file) if one is parameter else FILLERS.get(str(one.name), "1")
+        if one is not parameter and not one.required:
+            continue
+        words += [value] if one.param_type_name == "argument" else [one.opts[0], value]
+    return words
+
+
+@pytest.fixture
+def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """A folder with a ledger of three flights, a backup of it, links to both, and settings."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
+    monkeypatch.chdir(tmp_path)
+    table = tmp_path / "three.csv"
+    rows = [f"{n},2025-05-0{n}T10:00,Astra,A,322,66,F24-4W,{250 + n}" for n in (1, 2, 3)]
+    table.write_text("\n".join(["flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m", *rows]))
+    assert main(["import", str(table)]) == 0
+    assert main(["tag", "1", "windy"]) == 0  # before which a backup is made
+    (tmp_path / "home").mkdir(exist_ok=True)
+    (tmp_path / "home" / "settings.json").write_text('{"units": "US"}')
+    (tmp_path / "home" / "motors").mkdir()
+    (tmp_path / "home" / "motors" / "own.eng").write_text("; nothing")
+    for name, target in (("linked.db", "ledger.db"), ("linked.json", "home/settings.json")):
+        (tmp_path / name).symlink_to(tmp_path / target)
+    for name, target in (("hard.db", "ledger.db"), ("hard.json", "home/settings.json")):
+        os.link(tmp_path / target, tmp_path / name)
+    return tmp_path
+
+
+def kept(home: Path) -> list[Path]:
+    """Every name under which a command could reach what fieldkit keeps, and those that would harm it if they came."""
+    (backup, *_) = (home / "ledger.db-backups").iterdir()
+    names = (
+        "ledger.db",
+        "linked.db",
+        "hard.db",
+        "linked.json",
+        "hard.json",
+        "home/settings.json",
+        "home/motors/own.eng",
+    )
+    beside = ("ledger.db-journal", "ledger.db-wal", "ledger.db-shm", "linked.db-journal", "ledger.db-backups/out.csv")
+    return [*(home / name for name in (*names, *beside)), backup]
+
+
+def bytes_of(home: Path) -> dict[str, bytes]:
+    """All files there are, by name, but the half-made ones of commands at work."""
+    return {str(file.relative_to(home)): file.read_bytes() for file in sorted(home.rglob("*")) if file.is_file()}
+
+
+def test_the_command_tree_is_walked() -> None:
+    found = {" ".join(names) for names, _, _ in WITH_FILES}
+    assert {"export", "report", "loop", "score", "study reference", "study rockets", "train", "import"} <= found
+
+
+@pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
+def test_no_command_writes_over_what_fieldkit_keeps(
+    home: Path, names: tuple[str, ...], parameter: Any, command: Any
+) -> None:
+    before = bytes_of(home)
+    for file in kept(home):
+        for suffix in ("", *_suffixes(parameter)):
+            target = file if not suffix else _under(home, file, suffix)
+            force = ["--force"] if any("--force" in one.opts for one in command.params) else []
+            words = [*line(names, parameter, command, target), *force]
+            status = main(words)
+            if force:
+                assert status, shlex.join(words)
+            assert {**before, **bytes_of(home)} == {**bytes_of(home), **before}, shlex.join(words)
+    with Ledger.open() as ledger:
+        assert len(ledger.flights()) == 3
+
+
+def _suffixes(parameter: Any) -> tuple[str, ...]:
+    """Endings that a command asks of its file, under which a link may come."""
+    return tuple(end for end in (".html", ".png") if end in (getattr(parameter, "help", None) or ""))
+
+
+def _under(home: Path, file: Path, suffix: str) -> Path:
+    """A link to a file that bears another ending."""
+    link = home / f"another{suffix}"
+    link.unlink(missing_ok=True)
+    link.symlink_to(file)
+    return link
+
+
+@pytest.mark.parametrize(("names", "parameter", "command"), WITH_FILES, ids=lambda one: str(getattr(one, "name", one)))
+def test_no_command_replaces_a_file_unasked(home: Path, names: tuple[str, ...], parameter: Any, command: Any) -> None:
+    for suffix in ("", *_suffixes(parameter)):
+        mine = home / f"mine{suffix}"
+        mine.write_text("what I wrote")
+        main(line(names, parameter, command, mine))
+        assert mine.read_text() == "what I wrote"
+
+
+def test_a_file_is_replaced_when_that_is_said(home: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    out = home / "out.csv"
+    assert main(["export", str(out)]) == 0
+    out.chmod(0o640)
+    (link := home / "link.csv").symlink_to(out)
+    assert main(["export", str(link)]) == 1
+    assert "--force" in capsys.readouterr().err
+    out.write_text("old")
+    assert main(["export", str(link), "--force"]) == 0
+    assert out.read_text().startswith("flight_id")
+    assert link.is_symlink()
+    assert stat.S_IMODE(out.stat().st_mode) == 0o640
+
+
+def test_a_file_that_came_in_the_meantime_is_not_replaced(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "out.csv"
+    link = os.link
+
+    def late(new: Path, target: Path) -> None:
+        out.write_text("another's")
+        link(new, target)
+
+    monkeypatch.setattr(os, "link", late)
+    with pytest.raises(FieldkitError, match="already"):
+        files.write(out, b"mine")
+    assert out.read_text() == "another's"
+    assert [file.name for file in tmp_path.iterdir()] == ["out.csv"]
+
+
+def test_a_write_that_fails_leaves_the_old_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    out = tmp_path / "out.csv"
+    out.write_text("old")
+
+    def full(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    with pytest.raises(FieldkitError, match="No space left"):
+        files.write(out, b"new", force=True)
+    assert bytes_of(tmp_path) == {"out.csv": b"old"}
+
+
+def test_files_that_belong_together_are_written_together_or_not_at_all(tmp_path: Path) -> None:
+    (tmp_path / "b").write_text("mine")
+    with pytest.raises(FieldkitError, match="already"):
+        files.write_all({tmp_path / "a": b"a", tmp_path / "b": b"b"})
+    assert bytes_of(tmp_path) == {"b": b"mine"}
+
+
+def test_the_place_of_a_ledger_that_is_gone_or_damaged_is_kept(home: Path) -> None:
+    ledger = home / "ledger.db"
+    for harm in (lambda: ledger.write_bytes(b"\0" * 4096), ledger.unlink):
+        harm()
+        with pytest.raises(FieldkitError, match="never written over"):
+            files.write(ledger, b"x", force=True)
+
+
+def test_folders_of_the_flyers_own_are_no_backups(tmp_path: Path) -> None:
+    (tmp_path / "season-backups").mkdir()
+    (tmp_path / "season").mkdir()
+    files.write(tmp_path / "season-backups" / "out.csv", b"x")
+    files.write(tmp_path / "season" / "out.csv", b"x")
+
+
+def test_a_device_gets_what_is_written(tmp_path: Path) -> None:
+    files.write(Path(os.devnull), b"x")
+
+
+WRITERS = {"files.py", "capture/tape.py"}
+"""The modules that may write files themselves: this guard, and the tape, whose file is always a new one."""
+
+
+def test_every_file_is_written_past_the_guard() -> None:
+    for file in sorted((ROOT / "fieldkit").rglob("*.py")):
+        if str(file.relative_to(ROOT / "fieldkit")) in WRITERS:
+            continue
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute | ast.Name):
+                name = node.func.attr if isinstance(node.func, ast.Attribute) else node.func.id
+                texts = [one.value for one in node.args if isinstance(one, ast.Constant)]
+                opens = name == "open" and any(isinstance(one, str) and set(one) & set("wax+") for one in texts)
+                found = opens or name in ("write_text", "write_bytes", "FileIO")
+                assert not found, f"{file}:{node.lineno}"

@@ -1,0 +1,199 @@
+"""What is counted in a file from elsewhere has a bound, and neither pipe nor device is waited for."""
+
+import contextlib
+import gzip
+import io
+import os
+import resource
+import subprocess
+import sys
+import threading
+import time
+import zipfile
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import DamagedLog, FieldkitError
+from fieldkit.importing.read import read
+from fieldkit.motors import draft, own
+from fieldkit.openrocket import archive, read_design
+from fieldkit.openrocket import design as designs
+from fieldkit.settings import Settings, read_settings
+from tests.openrocket.test_design import design
+
+CHECK_SHAPES = False
+ROOT = Path(__file__).parents[2]
+POINT = "1," * 60 + "1"
+
+
+def zipped(text: str, names: int = 1) -> bytes:
+    """A design as OpenRocket writes it, among other files."""
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w", zipfile.ZIP_DEFLATED) as packed:
+        packed.writestr("rocket.ork", text)
+        for number in range(names - 1):
+            packed.writestr(f"decals/{number}", "")
+    return out.getvalue()
+
+
+def simulated(titles: str, points: str) -> str:
+    """A design with a stored simulation."""
+    branch = f'<flightdata><databranch types="{titles}">{points}</databranch></flightdata>'
+    simulation = f'<simulations><simulation status="uptodate"><name>s</name>{branch}</simulation></simulations>'
+    return design().replace("</openrocket>", f"{simulation}</openrocket>")
+
+
+def nested(depth: int) -> str:
+    """A design whose parts are in parts."""
+    inside = "<subcomponents><innertube>" * depth + "</innertube></subcomponents>" * depth
+    return design().replace("</subcomponents>", f"{inside}</subcomponents>", 1)
+
+
+HOSTILE: dict[str, Callable[[], bytes]] = {
+    "titles and points": lambda: zipped(simulated("Time," * 200_000, "<datapoint>1,2,3</datapoint>" * 100_000)),
+    "points": lambda: zipped(simulated("Time", "<datapoint>1</datapoint>" * 600_000)),
+    "cells": lambda: zipped(simulated("Time", f"<datapoint>{'1,' * 400_000}</datapoint>" * 5)),
+    "elements": lambda: gzip.compress(b"<openrocket><rocket>" + b"<a/>" * 5_000_000),
+    "attributes": lambda: zipped("<openrocket " + " ".join(f'a{n}="1"' for n in range(400_000)) + "/>"),
+    "nesting": lambda: zipped(nested(20_000)),
+    "parts": lambda: zipped(design().replace("<nosecone>", "<bodytube/>" * 100_000 + "<nosecone>", 1)),
+    "files": lambda: zipped(design(), names=2000),
+    "encoding": lambda: b'<?xml version="1.0" encoding="cp037"?>' + ("<a>" * 100).encode("cp037"),
+    "a name without end": lambda: zipped(design().replace("Skylark", "x" * 3_000_000)),
+}
+"""Designs that count too much of something, by what."""
+
+
+READ_ALL = """
+import sys, time
+from fieldkit.cli.main import main
+for file in sys.argv[1:]:
+    began = time.monotonic()
+    print(main(["ork", "--look", file]), time.monotonic() - began, flush=True, file=sys.stderr)
+memory = [line.split()[1] for line in open("/proc/self/status") if line.startswith("VmHWM")]
+print(int(memory[0]) // 1024, file=sys.stderr)
+"""
+"""Reads designs one after the other; status and time of each, and the memory that the process took. [s, MiB]"""
+
+
+@pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="memory is told by Linux")
+def test_designs_that_count_too_much_of_something_are_read_or_refused_at_once(tmp_path: Path) -> None:
+    files = [tmp_path / f"{what.replace(' ', '_')}.ork" for what in HOSTILE]
+    for file, content in zip(files, HOSTILE.values(), strict=True):
+        file.write_bytes(content())
+    flyer = {name: text for name, text in os.environ.items() if name != "FIELDKIT_CHECK_SHAPES"}
+    done = subprocess.run(
+        [sys.executable, "-c", READ_ALL, *map(str, files)],
+        env=flyer | {"PYTHONPATH": str(ROOT)},
+        capture_output=True,
+        text=True,
+        timeout=300,
+    )
+    *said, megabytes = done.stderr.splitlines()
+    assert int(megabytes) < 600
+    assert "Traceback" not in done.stderr
+    statuses = dict(zip(files, (line.split() for line in said if line[0] in "01"), strict=True))
+    assert statuses[files[0]][0] == "0", "titles beyond those known are passed over"
+    for file, (status, seconds) in statuses.items():
+        assert float(seconds) < 60
+        assert status == "0" or any(line.startswith(f"{file.name}") for line in said)
+
+
+def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pytest.MonkeyPatch) -> None:
+    for module, name, most, text, said in (
+        (archive, "MOST_ELEMENTS", 20, zipped(design()), "more than 20 elements"),
+        (archive, "DEEPEST", 5, zipped(design()), "nested more than 5 deep"),
+        (archive, "LONGEST", 20, zipped(design()), "without the end of a tag"),
+        (archive, "MOST_FILES", 2, zipped(design(), names=3), "more than 2 files"),
+        (designs, "MOST_PARTS", 1, zipped(design()), "parts along the body"),
+    ):
+        with monkeypatch.context() as patch:
+            patch.setattr(module, name, most)
+            with pytest.raises(DamagedLog, match=said):
+                read_design(text, "x.ork")
+
+
+def test_columns_of_a_simulation_beyond_those_counted_are_passed_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    points = "".join(f"<datapoint>{t},0.35,0.05</datapoint>" for t in range(10))
+    titles = "Time,Mass,Motor mass"
+    assert read_design(zipped(simulated(titles, points)), "x.ork").dry_mass == pytest.approx(0.30)
+    monkeypatch.setattr(designs, "MOST_COLUMNS", 2)
+    assert read_design(zipped(simulated(titles, points)), "x.ork").dry_mass != pytest.approx(0.30)
+
+
+def test_motors_in_a_file_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(draft, "MOST", 2)
+    motor = b"X1 18 70 4 0.01 0.02 Me\n0.1 5\n1 0\n"
+    assert len(own.read(2 * motor, "x.eng")) == 2
+    with pytest.raises(DamagedLog, match="more than 2 motors"):
+        own.read(3 * motor, "x.eng")
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")
+@pytest.mark.parametrize("of", ["pipe", "device"])
+@pytest.mark.parametrize(
+    "words",
+    [["import"], ["ork"], ["motors", "--import"], ["predict", "--flights"], ["compare", "1"]],
+    ids=lambda words: words[0],
+)
+def test_no_command_waits_for_a_pipe_or_a_device(
+    words: list[str], of: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    monkeypatch.setenv("FIELDKIT_LEDGER", str(tmp_path / "ledger.db"))
+    (tmp_path / "t.csv").write_text("flight_id,rocket,motor,apogee_m\n1,Astra,F24-4W,100\n")
+    assert main(["import", str(tmp_path / "t.csv")]) == 0
+    file = tmp_path / "hanging.ork"
+    os.mkfifo(file) if of == "pipe" else file.symlink_to("/dev/zero")
+    status: list[int] = []
+    command = threading.Thread(target=lambda: status.append(main([*words, str(file)])), daemon=True)
+    command.start()
+    command.join(20)
+    assert status == [1]
+    *_, said = capsys.readouterr().err.splitlines()
+    assert "hanging.ork" in said
+    assert "a pipe or a device" in said or words == ["compare", "1"]
+
+
+@pytest.mark.skipif(not hasattr(os, "mkfifo"), reason="Windows has no named pipes in folders")
+@pytest.mark.parametrize("name", ["settings.json", "mappings.json", "limits.toml", "drills.toml", "motors/x.eng"])
+def test_a_pipe_in_the_place_of_a_file_of_ours_is_not_waited_for(
+    name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    (tmp_path / "motors").mkdir()
+    os.mkfifo(tmp_path / name)
+    words = ["--ledger", str(tmp_path / "ledger.db"), "predict", "--motor", "F24-4W", "--dry-mass", "300g"]
+    command = threading.Thread(target=lambda: main(words), daemon=True)
+    command.start()
+    command.join(30)
+    assert not command.is_alive()
+
+
+@pytest.mark.parametrize("text", ["[" * 100_000, '{"units": ' * 50_000, "\ud800".encode("utf-8", "surrogatepass")])
+def test_settings_that_nobody_wrote_are_those_at_first(text: str | bytes, tmp_path: Path) -> None:
+    file = tmp_path / "settings.json"
+    file.write_bytes(text if isinstance(text, bytes) else text.encode())
+    assert read_settings(file) == Settings()
+
+
+DEEP = {
+    "json": b'{"flights": ' + b"[" * 200_000,
+    "json of objects": b'{"flights": [' + b'{"a":' * 100_000,
+    "columns": (",".join(f"c{n}" for n in range(200_000)) + "\n" + ("1," * 199_999 + "1\n") * 3).encode(),
+    "time and columns": (
+        "time,altitude," + ",".join(f"c{n}" for n in range(100_000)) + "\n" + (POINT + "\n") * 500
+    ).encode(),
+}
+
+
+@pytest.mark.parametrize("what", DEEP)
+def test_a_log_that_is_nested_or_wide_without_end_is_read_or_refused(what: str) -> None:
+    began, before = time.monotonic(), resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    with contextlib.suppress(FieldkitError):
+        read(DEEP[what], "wide.csv", lambda name: None)
+    assert time.monotonic() - began < 20
+    assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 600 * 1024

@@ -1,0 +1,230 @@
+"""Flights that no rocket can have flown: named when they come in, left out of every fit, and no number of theirs."""
+
+import json
+import math
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import READ_TOO_HIGH, best_apogee, best_speed, implausible
+from fieldkit.motors import catalogue
+from fieldkit.motors.motor import Motor
+from fieldkit.services.plausible_flights import followed
+from fieldkit.units import STANDARD_GRAVITY
+
+CHECK_SHAPES = False
+COLUMNS = (
+    "flight_id",
+    "date_time",
+    "rocket",
+    "config",
+    "dry_mass_g",
+    "diameter_mm",
+    "motor",
+    "rail_angle_deg",
+    "apogee_m",
+)
+F24 = catalogue().resolve("F24-4W").motor
+GOOD = Flight(flight_id="1", rocket="Astra", motor="F24-4W", dry_mass=0.322, diameter=0.066, apogee=250.0)
+FITS = {
+    "predict": ["--motor", "F24-4W", "--config", "A"],
+    "loop": [],
+    "score": [],
+    "ballast": ["--motor", "F24-4W", "--target", "240m"],
+    "delay": ["--motor", "F24-4W"],
+    "motors": ["--fit", "Astra", "--class", "F", "--target", "240m"],
+    "infer": [],
+}
+"""Commands that fit a rocket's flights, or infer from each."""
+
+
+def season(count: int, **changes: object) -> list[dict[str, object]]:
+    """Flights of a rocket that scatter by some metres."""
+    apogees = np.random.default_rng(1).normal(250, 6, count)
+    return [
+        {
+            "flight_id": number + 1,
+            "date_time": f"2025-05-{number + 1:02d}T10:00",
+            "rocket": "Astra",
+            "config": "A",
+            "dry_mass_g": 322,
+            "diameter_mm": 66,
+            "motor": "F24-4W",
+            "rail_angle_deg": "",
+            "apogee_m": round(float(apogee), 1),
+            **changes,
+        }
+        for number, apogee in enumerate(apogees)
+    ]
+
+
+def with_one(**changes: object) -> list[dict[str, object]]:
+    """Ten flights, of which the last is changed."""
+    rows = season(10)
+    rows[-1] |= changes
+    return rows
+
+
+IMPOSSIBLE = {
+    "one that no motor lifts": with_one(dry_mass_g=32200),
+    "one from a rail that lies": with_one(rail_angle_deg=90),
+    "one ten times too high": with_one(apogee_m=2500),
+    "one narrower than its motor": with_one(diameter_mm=6.6),
+    "all too heavy": season(6, dry_mass_g=32200),
+    "all at 200 km": season(5, apogee_m=200_000),
+}
+WHOLLY = ("one that no motor lifts", "all too heavy", "all at 200 km")
+"""Those that the commands which take their time are tried with too."""
+Told = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def told(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> Told:
+    """A command on a ledger of its own: exit status, output and messages."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*words: str, rows: list[dict[str, object]] | None = None) -> tuple[int, str, str]:
+        if rows is not None:
+            table = [",".join(COLUMNS), *(",".join(str(row[name]) for name in COLUMNS) for row in rows)]
+            (tmp_path / "flights.csv").write_text("\n".join(table))
+            words = ("import", str(tmp_path / "flights.csv"))
+        status = main(["--ledger", str(tmp_path / "ledger.db"), *words])
+        said = capsys.readouterr()
+        return status, said.out, said.err
+
+    return run
+
+
+@pytest.mark.parametrize("what", IMPOSSIBLE)
+def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_none(what: str, told: Told) -> None:
+    rows = IMPOSSIBLE[what]
+    odd = len(rows) if what.startswith("all") else 1
+    _, out, err = told(rows=rows)
+    assert out.startswith(f"{len(rows)} imported")
+    assert err.count("left out of every fit") == odd
+    few = {name: words for name, words in FITS.items() if what in WHOLLY or name not in ("loop", "score")}
+    for command, words in few.items():
+        status, out, err = told(command, *words)
+        last = rows[-1]["flight_id"]
+        assert re.search(rf"flight {last}\b|more flights", err), f"{command}: {err}"
+        assert not re.search(r"\bnan\b|\binf\b|Traceback|Warning", out + err, re.IGNORECASE), command
+        assert status == 0 or what.startswith("all"), err
+
+
+def median(told: Told, rows: list[dict[str, object]]) -> dict[str, Any]:
+    told(rows=rows)
+    plan = ["--motor", "F24-4W", "--config", "A", "--dry-mass", "322g", "--diameter", "66mm"]
+    (made,) = json.loads(told("predict", *plan, "--json")[1])["predictions"]
+    return dict(made)
+
+
+@pytest.mark.parametrize("what", [name for name in IMPOSSIBLE if name.startswith("one")])
+def test_one_impossible_flight_changes_no_forecast(what: str, told: Told) -> None:
+    rows = IMPOSSIBLE[what]
+    without = median(told, rows[:-1])
+    beside = median(told, rows)
+    assert beside["apogee_m"] == without["apogee_m"]
+    assert beside["flights"] == without["flights"] == 9
+    assert "flight 10 of Astra" in beside["left_out"][0]
+
+
+def test_a_flight_that_is_typed_in_is_doubted_at_once(told: Told) -> None:
+    words = ["--rocket", "Astra", "--motor", "F24-4W", "--apogee", "250m", "--dry-mass", "32200g"]
+    status, _, err = told("add", *words)
+    assert status == 0
+    assert "left out of every fit: dry_mass_g: found 32200 g, expected less than the" in err
+
+
+def test_a_plan_begins_from_a_set_up_that_can_fly(told: Told) -> None:
+    told(rows=IMPOSSIBLE["one that no motor lifts"])
+    _, out, _ = told("predict", "--motor", "F24-4W")
+    assert "322 g without the motor" in out
+
+
+def test_residuals_that_are_all_alike_have_a_dash(told: Told) -> None:
+    told(rows=season(6, apogee_m=0.1))
+    _, out, _ = told("loop")
+    assert "nan" not in out
+
+
+ODD_BUT_POSSIBLE = (
+    {"dry_mass": 1.5, "apogee": 20.0},
+    {"rail_angle": math.radians(40)},
+    {"diameter": 0.3},
+    {"diameter": 0.024},
+    {"apogee": 900.0, "diameter": None},
+    {"dry_mass": None},
+    {"apogee": 1.0},
+)
+
+
+@pytest.mark.parametrize("changes", ODD_BUT_POSSIBLE, ids=str)
+def test_what_is_merely_odd_passes(changes: dict[str, object]) -> None:
+    assert implausible(GOOD.with_changes(**changes), F24) is None
+
+
+BEYOND = {
+    "dry_mass_g": {"dry_mass": 32.2},
+    "rail_angle_deg": {"rail_angle": math.radians(90)},
+    "apogee_m": {"apogee": 2500.0},
+    "diameter_mm": {"diameter": 0.0066},
+    "top_speed_mps": {"top_speed": 900.0},
+    "coast_to_apogee_s": {"coast_to_apogee": 60.0},
+    "wind_mps": {"wind": math.nan},
+    "pressure_hpa": {"pressure": math.inf},
+}
+
+
+@pytest.mark.parametrize("column", BEYOND)
+def test_the_reason_names_the_column(column: str) -> None:
+    said = implausible(GOOD.with_changes(**BEYOND[column]), F24)
+    assert said is not None
+    assert said.startswith(f"{column}: found ")
+
+
+MOTORS = [motor for motor in catalogue().motors if motor.total_impulse > 1]
+
+
+@given(st.sampled_from(MOTORS), st.floats(0.02, 50.0), st.floats(0.9, 1.15))
+def test_no_simulated_flight_without_drag_is_beyond_the_bound(motor: Motor, dry_mass: float, alpha: float) -> None:
+    top, speed = climbed(motor, dry_mass, alpha)
+    assert top <= best_apogee(dry_mass, motor) * (1 + 1e-3)
+    assert speed <= best_speed(dry_mass, motor) * (1 + 1e-3)
+    flight = Flight(dry_mass=dry_mass, apogee=top or None, top_speed=speed or None)
+    if top > 0.5:
+        assert implausible(flight, motor) is None
+
+
+def climbed(motor: Motor, dry_mass: float, alpha: float) -> tuple[float, float]:
+    """Apogee [m] and top speed [m/s] straight up without drag on a motor's curve, integrated step by step."""
+    time = np.linspace(0, motor.thrust_end, 4001)
+    thrust = alpha * np.interp(time, motor.time, motor.thrust)
+    step = time[1]
+    burned = np.concatenate([[0], np.cumsum((thrust[1:] + thrust[:-1]) / 2 * step)]) / (alpha * motor.total_impulse)
+    mass = dry_mass + motor.casing_mass + motor.propellant_mass * (1 - np.clip(burned, 0, 1))
+    height = speed = highest = fastest = 0.0
+    for push, own in zip(thrust, mass, strict=True):
+        speed += (push / own - STANDARD_GRAVITY) * step
+        speed = max(speed, 0.0) if height <= 0 else speed
+        height += speed * step
+        highest, fastest = max(highest, height), max(fastest, speed)
+    return max(highest, height + max(speed, 0.0) ** 2 / (2 * STANDARD_GRAVITY)), fastest
+
+
+@given(st.floats(1e-4, 1e3), st.floats(1e-3, 3.0), st.floats(0, math.pi / 2), st.floats(0.1, 2e5))
+def test_what_passes_is_within_the_bound_whatever_was_typed(
+    dry_mass: float, diameter: float, angle: float, apogee: float
+) -> None:
+    flight = GOOD.with_changes(dry_mass=dry_mass, diameter=diameter, rail_angle=angle, apogee=apogee)
+    assert bool(followed([flight], catalogue())) == (implausible(flight, F24) is None)
+    if implausible(flight, F24) is None:
+        assert apogee <= READ_TOO_HIGH * best_apogee(dry_mass, F24)
