@@ -2,7 +2,7 @@
 
 from fieldkit.analysis.columns import columns, measured_sd
 from fieldkit.analysis.measure import measure
-from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded
+from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded, Track
 
 __all__ = [
     "Climb",
@@ -10,6 +10,7 @@ __all__ = [
     "Figure",
     "Forces",
     "Recorded",
+    "Track",
     "columns",
     "measure",
     "measured_sd",

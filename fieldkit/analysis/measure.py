@@ -11,7 +11,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
-from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.analysis.records import Event, Figure, Recorded, Track
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
@@ -68,7 +68,8 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
     told = _told(_Log(track, seen, ascent, shape, push, stated), lift, clocks)
-    return replace(told, notes=(*told.notes, CLIPPED)) if clipped else told
+    above = Track(track.time, seen.calm - seen.pad, track.source)
+    return replace(told, notes=(*told.notes, CLIPPED) if clipped else told.notes, track=above)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

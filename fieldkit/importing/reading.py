@@ -2,10 +2,14 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight, Series
+
+if TYPE_CHECKING:
+    from fieldkit.analysis import Recorded
+    from fieldkit.importing.tables.columns_read import ColumnRead
 
 HEAD = 65_536
 """How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
@@ -21,7 +25,8 @@ class Reading:
     for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
     to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
     with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
-    for one flight; their clocks then share one zero, and those read together become one reading.
+    for one flight; their clocks then share one zero, and those read together become one reading. `recorded` is what
+    was measured in the samples, once that is done.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
@@ -36,6 +41,7 @@ class Reading:
     firmware: str = ""
     serial: str = ""
     part: str = ""
+    recorded: "Recorded | None" = None
 
     @property
     def clocks(self) -> tuple[Series, ...]:
@@ -103,8 +109,21 @@ class Rejected:
 
 
 @dataclass(frozen=True, slots=True)
+class Recognition:
+    """How a file was read: why its parser was taken, the columns it took, rows used and rows dropped as damaged."""
+
+    why: str = ""
+    columns: "tuple[ColumnRead, ...]" = ()
+    rows: int = 0
+    dropped: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Intake:
-    """What one file brought: flights and the rows they are from, rows that are none, what one should know."""
+    """What one file brought: flights and the rows they are from, rows that are none, what one should know.
+
+    `recorded` is what was measured in the samples of each flight, None for one that has none.
+    """
 
     source: str
     format: str
@@ -113,3 +132,5 @@ class Intake:
     notes: tuple[str, ...]
     rows: tuple[int | None, ...]
     mapped: tuple[Mapped, ...] = ()
+    recorded: "tuple[Recorded | None, ...]" = ()
+    recognition: Recognition = Recognition()

@@ -1,9 +1,12 @@
 """Which parser reads a log: the one that recognises it, or the one that the flyer names."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 from fieldkit.errors import DamagedLog, UnknownFormat
-from fieldkit.importing.reading import HEAD, Choice, Found, Parser
+from fieldkit.flight import BY_NAME
+from fieldkit.importing.reading import HEAD, Choice, Found, Mapped, Parser, Reading, Recognition
+from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
@@ -88,16 +91,61 @@ def _claims(parser: Parser, head: bytes) -> bool:
         return False
 
 
-def open_log(
-    log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()
-) -> tuple[str, Sequence[Found]]:
-    """The name of the parser that reads a log, and what it finds in it."""
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A log as one parser, by its name, read it: what it found, why it was taken, and the columns it used."""
+
+    format: str
+    found: Sequence[Found]
+    recognition: Recognition
+
+
+def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()) -> Opened:
+    """A log as the parser reads it that recognises it. Raises UnknownFormat or DamagedLog."""
     name = _format_of(log, format, source, choices)
     parser = parsers()[name]
-    try:
-        return name, parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
-    except DamagedLog as error:
-        raise told(error, source) from error
+    with watched() as tables:
+        try:
+            found = parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
+        except DamagedLog as error:
+            raise told(error, source) from error
+    return Opened(name, found, _recognition(_why(parser, found, format), found, tables))
+
+
+def _why(parser: Parser, found: Sequence[Found], format: str | None) -> str:
+    """Why a parser was taken, in a phrase."""
+    if format is not None:
+        return "named with --format"
+    if any(isinstance(item, Mapped) and item.choice.channels for item in found):
+        return "its columns were named for it"
+    if parser.fallback:
+        return "no logger's parser recognizes it, and its columns are named as those of a table of samples"
+    return f"it begins as a file of {parser.title} does"
+
+
+def _recognition(why: str, found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
+    """How a log was read: by the tables that were read of it, or where there is none by what was found."""
+    readings = [item for item in found if isinstance(item, Reading)]
+    damaged = sum(isinstance(item, DamagedLog) for item in found)
+    if tables:
+        columns = dict.fromkeys(column for table in tables for column in table.columns)
+        dropped = max(damaged, sum(table.dropped for table in tables))
+        return Recognition(why, tuple(columns), sum(table.rows for table in tables), dropped)
+    clocks = [series for item in readings for series in item.clocks]
+    if clocks:
+        return Recognition(why, of_series(clocks), samples_in(clocks), damaged)
+    named = {
+        field: name for item in readings for field, name in {**dict.fromkeys(item.stated, ""), **item.columns}.items()
+    }
+    columns_read = (_stated_column(field, name) for field, name in named.items())
+    return Recognition(why, tuple(columns_read), len(readings), damaged)
+
+
+def _stated_column(field: str, name: str) -> ColumnRead:
+    """A column of a flight table, or what a summary states: its name there, else fieldkit's own."""
+    column = BY_NAME.get(field)
+    unit = column.unit if column else ""
+    return ColumnRead(name or (column.header if column else field), field, unit, "stated")
 
 
 MOST_TOLD = 1500

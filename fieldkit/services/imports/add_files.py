@@ -9,6 +9,7 @@ from fieldkit.importing import Choice, Mapped, Rejected
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
+from fieldkit.services.imports.view import FileView
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -24,6 +25,7 @@ class Receipt:
     notes: tuple[str, ...]
     mapped: tuple[Mapped, ...] = ()
     joined: tuple[str, ...] = ()
+    files: tuple[FileView, ...] = ()
 
 
 def bring_in(
@@ -53,4 +55,5 @@ def take_in(ledger: "Ledger", gathered: Gathered, *, choices: Sequence[Choice] =
         (*gathered.notes, *sorting.notes),
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
+        gathered.files,
     )
