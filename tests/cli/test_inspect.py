@@ -10,11 +10,11 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.ledger import Ledger
-from tests.recordings import SMALL, Logger, fly, log
+from tests.analysis.recordings import SMALL, Logger, fly, log
 from tests.samples import SAMPLES, owner
 
 CHECK_SHAPES = False
-FOLDER = Path(__file__).parent.parent / "sample_logs"
+FOLDER = Path(__file__).parents[2] / "sample_logs"
 PNUT = FOLDER / "perfectflite__drogue_and_main.pf2"
 TABLE = FOLDER / "flight_table__some_rows_are_bad.csv"
 KEYS = {"file", "format", "why", "columns", "rows", "dropped", "readouts", "events", "notes", "would_store"}
