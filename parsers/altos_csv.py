@@ -200,4 +200,9 @@ def _events(part: Table) -> dict[str, float]:
     return {"liftoff": 0.0, **events} if "liftoff" not in events and time[0] < 0 < time[-1] else events
 
 
-PARSER = Parser("AltOS CSV", recognises, read)
+PARSER = Parser(
+    "AltOS CSV",
+    recognises,
+    read,
+    signs=("serial", "flight|tick", "time|ptype", "state", "state_name", "height", "pressure"),
+)

@@ -246,4 +246,14 @@ def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
     return [reading, *damage(damaged, "lines", log)]
 
 
-PARSER = Parser("AltOS .eeprom", recognises, read)
+PARSER = Parser(
+    "AltOS .eeprom",
+    recognises,
+    read,
+    signs=(
+        "log_format|log-format|Config version",
+        "serial|serial-number",
+        "flight",
+        "ground_pres|product|Config version",
+    ),
+)

@@ -213,4 +213,4 @@ def _numbers(packets: Int[Octets, "packet byte"], place: int, kind: str) -> Int[
     return np.frombuffer(raw.tobytes(), kind).astype(np.int64)
 
 
-PARSER = Parser("AltOS .telem", recognises, read)
+PARSER = Parser("AltOS .telem", recognises, read, signs=("TELEM",))

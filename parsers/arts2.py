@@ -72,4 +72,4 @@ def _series(table: Table, notes: list[Found]) -> Series:
     return series
 
 
-PARSER = Parser("ARTS2", recognises, read)
+PARSER = Parser("ARTS2", recognises, read, signs=("MET", "Acc|Acc(hi)", "Vel|Acc(lo)", "iAlt|Baro", "pAlt|Baro"))

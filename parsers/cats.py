@@ -99,4 +99,9 @@ def _series(table: Table, notes: list[Found]) -> list[Series]:
     return [Table(values, table.rows).series()]
 
 
-PARSER = Parser("CATS", recognises, read)
+PARSER = Parser(
+    "CATS",
+    recognises,
+    read,
+    signs=("ts", "height|filteredAltitudeAGL|latitude|id", "velocity|filteredAcceleration|longitude|P|ax"),
+)

@@ -74,4 +74,4 @@ def _text(name: str, value: object) -> object:
     return read_date(value) if name == "date_time" else value
 
 
-PARSER = Parser("fieldkit's own flights (JSON)", recognises, read)
+PARSER = Parser("fieldkit's own flights (JSON)", recognises, read, signs=('"flights":', "flight_id"))

@@ -1,7 +1,7 @@
 """From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
 from fieldkit.analysis.columns import columns, measured_sd
-from fieldkit.analysis.measure import measure
+from fieldkit.analysis.measure import measure, rises
 from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded, Track
 
 __all__ = [
@@ -14,4 +14,5 @@ __all__ = [
     "columns",
     "measure",
     "measured_sd",
+    "rises",
 ]

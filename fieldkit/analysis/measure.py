@@ -37,6 +37,18 @@ CLIPPED = "the accelerometer was at the end of its range in the boost: heights a
 NO_LANDING = "the log ends before landing: no duration"
 
 
+def rises(clocks: Sequence[Series]) -> bool:
+    """Whether something in a log rises as a rocket does, as far as a look at its heights tells.
+
+    Where it has none but an accelerometer that cannot be told, and it may.
+    """
+    track = heights(clocks)
+    if track is not None:
+        return outline(track) is not None
+    felt = (getattr(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total"))
+    return any(values is not None for values in felt)
+
+
 def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None) -> Recorded:
     """Events, figures and forces of one flight from its samples; what they do not show is left out.
 

@@ -41,7 +41,7 @@ class Reading:
     firmware: str = ""
     serial: str = ""
     part: str = ""
-    recorded: "Recorded | None" = None
+    recorded: "Recorded | None" = field(default=None, compare=False)
 
     @property
     def clocks(self) -> tuple[Series, ...]:
@@ -88,7 +88,10 @@ class Parser:
     `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
     log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
     about a log that no other parser recognises, so it never takes one from a parser that knows better.
-    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that.
+    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that. `signs`
+    are what the beginning of such a file holds, spellings of one parted by `|`: of several parsers that recognize a
+    log the one whose signs are there is asked first, and a file that nobody knows is told what it lacks. `simulates`
+    says that its files are simulations.
     """
 
     title: str
@@ -96,6 +99,8 @@ class Parser:
     read: Callable[[bytes], Sequence[Found]]
     fallback: bool = False
     mapped: Callable[[bytes, Sequence[Choice]], Sequence[Found]] | None = None
+    signs: tuple[str, ...] = ()
+    simulates: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,8 +115,9 @@ class Rejected:
 
 @dataclass(frozen=True, slots=True)
 class Recognition:
-    """How a file was read: why its parser was taken, the columns it took, rows used and rows dropped as damaged."""
+    """How a file was read: by which parser and why, the columns it took, rows used and rows dropped as damaged."""
 
+    title: str = ""
     why: str = ""
     columns: "tuple[ColumnRead, ...]" = ()
     rows: int = 0
@@ -132,5 +138,5 @@ class Intake:
     notes: tuple[str, ...]
     rows: tuple[int | None, ...]
     mapped: tuple[Mapped, ...] = ()
-    recorded: "tuple[Recorded | None, ...]" = ()
+    recorded: "tuple[Recorded | None, ...]" = field(default=(), compare=False)
     recognition: Recognition = Recognition()

@@ -12,7 +12,6 @@ from fieldkit.analysis.columns import measured_sd
 from fieldkit.analysis.labels import sensor_of
 from fieldkit.flight import READOUTS, Column, Flight
 from fieldkit.importing.reading import Intake
-from fieldkit.importing.recognize import parsers
 
 if TYPE_CHECKING:
     from fieldkit.analysis import Recorded
@@ -77,7 +76,7 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
     return FileView(
         intake.source,
         intake.format,
-        parsers()[intake.format].title,
+        how.title,
         how.why,
         how.columns,
         how.rows,
