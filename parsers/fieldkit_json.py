@@ -6,6 +6,7 @@ A flight's row is its place in the list, counted from 1.
 """
 
 import json
+import re
 import sys
 
 from fieldkit import units
@@ -14,12 +15,13 @@ from fieldkit.flight import COLUMNS, TEXT_COLUMNS, read_date, read_tags
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, shown
 
+_LIST = re.compile(r'"flights"\s*:\s*\[')
 HEADERS = {column.header: column for column in COLUMNS}
 
 
 def recognises(head: bytes) -> bool:
     text = decode(head).lstrip()
-    return text.startswith("{") and '"flights"' in text
+    return text.startswith("{") and _LIST.search(text) is not None
 
 
 def read(log: bytes) -> list[Found]:
