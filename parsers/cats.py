@@ -1,8 +1,8 @@
 """CATS flight computer: one CSV file for each kind of record of a flight, the clock `ts` in its first column.
 
 Names are joined (`filteredAltitudeAGL`) or parted by underscores (`filtered_altitude_AGL`); sensors are numbered or
-named (`BARO0`). `flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its filtered
-barometer and accelerometer, `baro` and `imu` raw samples of several sensors told apart by `id`, `gnssInfo`
+named (`BARO0`). `flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its
+filtered barometer and accelerometer, `baro` and `imu` raw samples of several sensors told apart by `id`, `gnssInfo`
 positions. Files of one flight bear neither a date nor a serial number; those read together are one flight.
 """
 
