@@ -1,5 +1,7 @@
 # A session that has every command in it. The tests run it line by line, in the folder of the checkout, on an empty ledger.
 
+# what a file is and what would be stored of it: nothing is
+fieldkit inspect sample_logs/perfectflite__drogue_and_main.pf2
 # a table of flights; what is there already changes nothing
 fieldkit import fieldkit/data/reference_flights.csv
 # say first what would happen

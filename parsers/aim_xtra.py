@@ -88,4 +88,9 @@ def _known(table: Table, clock: int) -> Float[Array, "row"]:
     return time[np.isfinite(time)]
 
 
-PARSER = Parser("AIM XTRA", recognises, read)
+PARSER = Parser(
+    "AIM XTRA",
+    recognises,
+    read,
+    signs=("time", "Pressure AGL", "Pressure MSL", "acceleration", "launch detect", "apogee detect"),
+)

@@ -93,4 +93,9 @@ def _stated(labels: Mapping[str, str]) -> dict[str, object]:
     return {}
 
 
-PARSER = Parser("AltimeterCloud (Nano, Mercury)", recognises, read)
+PARSER = Parser(
+    "AltimeterCloud (Nano, Mercury)",
+    recognises,
+    read,
+    signs=("time(ms)", "altitude(m)", "velocity_pressure(m/s)|pressure(pa)|pressure(hpa)", "acceleration_x(mG)"),
+)

@@ -171,4 +171,9 @@ def _tags(motors: str, readouts: Flight) -> list[str]:
     return tags + ["altimeter_fault"] * (above or (ratio is not None and not 0.5 <= ratio <= 2))
 
 
-PARSER = Parser("RocketLaunchJournal with AltimeterTwo readouts (CSV)", recognises, read)
+PARSER = Parser(
+    "RocketLaunchJournal with AltimeterTwo readouts (CSV)",
+    recognises,
+    read,
+    signs=("RocketID", "LaunchID|NumberOfLaunches", "Motors|Weight", "PeakAcceleration|Name"),
+)

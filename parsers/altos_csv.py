@@ -42,6 +42,8 @@ BAROMETER = {
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
+BLIND = 2.0
+"""A state that was entered in a longer silence of the radio was entered at an unknown moment of it. [s]"""
 WRAP = 65536 * TICK
 """After which the clock of the radio form starts anew. [s]"""
 
@@ -196,8 +198,13 @@ def _events(part: Table) -> dict[str, float]:
     if states is None:
         return {}
     time = part.values["time"]
-    events = {name: when for name, when in entered(states, time).items() if when > time[0]}
+    events = {name: when for name, when in entered(states, time, blind=BLIND).items() if when > time[0]}
     return {"liftoff": 0.0, **events} if "liftoff" not in events and time[0] < 0 < time[-1] else events
 
 
-PARSER = Parser("AltOS CSV", recognises, read)
+PARSER = Parser(
+    "AltOS CSV",
+    recognises,
+    read,
+    signs=("serial", "flight|tick", "time|ptype", "state", "state_name", "height", "pressure"),
+)

@@ -45,6 +45,8 @@ LARGEST_SETTINGS = 1 << 18
 """The first record is looked for in so much of a file. [bytes]"""
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
+OLDEST = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
+"""A record of a letter and three numbers: log format 1, whose first devices do not name it."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
 TELEMINI_1 = 2
 OTHERS = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
@@ -67,9 +69,7 @@ def read(log: bytes) -> list[Found]:
         return _telemini_1(settings, log, row)
     old = not settings.lstrip().startswith("{")
     if number is None and old:
-        number = (
-            1 if re.search(r"^[A-Z] [0-9a-fA-F]{1,4} [0-9a-fA-F]{3,4} [0-9a-fA-F]{3,4}$", _line(log, row)) else None
-        )
+        number = 1 if OLDEST.fullmatch(_line(log, row)) else None
     layout = LAYOUTS.get(number or 0)
     if layout is None:
         known = f"{number}, {OTHERS[number]}," if number in OTHERS else str(number) if number else "none"
@@ -246,4 +246,14 @@ def _telemini_1(settings: str, log: bytes, row: int) -> list[Found]:
     return [reading, *damage(damaged, "lines", log)]
 
 
-PARSER = Parser("AltOS .eeprom", recognises, read)
+PARSER = Parser(
+    "AltOS .eeprom",
+    recognises,
+    read,
+    signs=(
+        "log_format|log-format|Config version",
+        "serial|serial-number",
+        "flight",
+        "ground_pres|product|Config version",
+    ),
+)

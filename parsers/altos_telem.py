@@ -88,6 +88,8 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, Field]]] = {
     17: ("TeleMini 3", MINI),
 }
 """The packets that are read, by their type: whose they are, and what they hold."""
+BLIND = 2.0
+"""A state that was entered in a longer silence was entered at an unknown moment of it. [s]"""
 POSITION = 5
 FIX, HIGH = 0x10, 0x01
 """The bits of a position that say that it is one, and that its height has a third byte."""
@@ -163,7 +165,7 @@ def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
     states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
         packets[:, 5] <= 10
     )
-    events = entered(packets[states, 5], time[states])
+    events = entered(packets[states, 5], time[states], blind=BLIND)
     events = {name: when for name, when in events.items() if when > time[states][0]}
     start = events.get("liftoff", float(time[0]))
     order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
@@ -213,4 +215,4 @@ def _numbers(packets: Int[Octets, "packet byte"], place: int, kind: str) -> Int[
     return np.frombuffer(raw.tobytes(), kind).astype(np.int64)
 
 
-PARSER = Parser("AltOS .telem", recognises, read)
+PARSER = Parser("AltOS .telem", recognises, read, signs=("TELEM",))

@@ -1,6 +1,7 @@
 """ARTS2 of Loki Research: text, 50 samples a second, in two exports.
 
-The interpreted one has `# MET Acc Vel iAlt pAlt`: seconds, g, ft/s, ft from acceleration, ft from pressure.
+The interpreted one has `# MET Acc Vel iAlt pAlt`: seconds, g, ft/s, ft from acceleration, ft from pressure. Blanks may
+stand between its names and commas between its numbers.
 The raw one, `MET,Acc(HI),Acc/Baro(LO),Baro(HI),State`, holds counts of a converter whose scale is in no public
 document, so it is refused. Whether `Acc` counts gravity in is told by the rest on the pad.
 """
@@ -15,7 +16,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, Table, read_columns
-from fieldkit.importing.tables.header import find_header
+from fieldkit.importing.tables.header import SEPARATORS, find_header
 from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
@@ -27,10 +28,13 @@ RESTING = 25
 
 
 def _interpreted(head: bytes) -> tuple[int, str | None] | None:
-    """The row of the interpreted header and what parts its cells (None: blanks), or None."""
-    for row, line in enumerate(lines_of(decode(head[:HEAD])), start=1):
+    """The row of the interpreted header and what parts the cells below it (None: blanks), or None."""
+    lines = lines_of(decode(head[:HEAD]))
+    for row, line in enumerate(lines, start=1):
         if match := _INTERPRETED.match(line):
-            return row, match[1].strip() or None
+            below = next((one for one in lines[row:] if one.strip() and not one.startswith("#")), "")
+            parted = [mark for mark in SEPARATORS if below.count(mark) == len(NAMES) - 1]
+            return row, parted[0] if parted else None if below else match[1].strip() or None
     return None
 
 
@@ -72,4 +76,4 @@ def _series(table: Table, notes: list[Found]) -> Series:
     return series
 
 
-PARSER = Parser("ARTS2", recognises, read)
+PARSER = Parser("ARTS2", recognises, read, signs=("MET", "Acc|Acc(hi)", "Vel|Acc(lo)", "iAlt|Baro", "pAlt|Baro"))

@@ -175,4 +175,4 @@ def _live(table: Float[Array, "row column"]) -> Reading:
     return Reading(stated, series=Series(time=time, altitude=table[:, 0]), events=events)
 
 
-PARSER = Parser("bdureau AltiMulti and kin", recognises, read)
+PARSER = Parser("bdureau AltiMulti and kin", recognises, read, signs=("$start", "$data|$telemetry|$alticonfig"))

@@ -121,4 +121,9 @@ def _lift_off(table: Table, head: Header, log: bytes) -> datetime | None:
         return None
 
 
-PARSER = Parser("Blue Raven app (low or high rate)", recognises, read)
+PARSER = Parser(
+    "Blue Raven app (low or high rate)",
+    recognises,
+    read,
+    signs=("Flight_Time_(s)", "Sync", "Baro_Press_(atm)|Accel_X", "Baro_Altitude_AGL_(feet)|Gyro_X"),
+)

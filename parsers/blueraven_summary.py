@@ -116,4 +116,9 @@ def _moment(lines: Mapping[str, str], key: str) -> datetime | None:
         return None
 
 
-PARSER = Parser("Blue Raven summary", recognises, read)
+PARSER = Parser(
+    "Blue Raven summary",
+    recognises,
+    read,
+    signs=("Max Altitude", "Launch date|Launch time|Time to Apo channel fire", "Firmware", "Max Velocity"),
+)

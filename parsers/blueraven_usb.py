@@ -192,4 +192,4 @@ def _high(part: Float[Array, "frame axis"], notes: list[Found]) -> Series:
     return Series(time=time, felt=upright(axes * scale, rest), felt_total=total * scale)
 
 
-PARSER = Parser("Blue Raven over USB", recognises, read)
+PARSER = Parser("Blue Raven over USB", recognises, read, signs=("@ LOG_LOW|@ LOG_HIR", "CRC"))

@@ -1,11 +1,13 @@
 """CATS flight computer: one CSV file for each kind of record of a flight, the clock `ts` in its first column.
 
-`flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its filtered
-barometer and accelerometer, `baro` and `imu` raw samples of several sensors told apart by `id`, `gnssInfo`
+Names are joined (`filteredAltitudeAGL`) or parted by underscores (`filtered_altitude_AGL`); sensors are numbered or
+named (`BARO0`). `flightInfo` is what the computer believes (height, velocity, acceleration), `filteredDataInfo` its
+filtered barometer and accelerometer, `baro` and `imu` raw samples of several sensors told apart by `id`, `gnssInfo`
 positions. Files of one flight bear neither a date nor a serial number; those read together are one flight.
 """
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,7 +30,6 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "latitude": ("latitude", SI),
     "longitude": ("longitude", SI),
     "satellites": ("satellites", SI),
-    "id": ("id", SI),
     "p": ("raw pressure", SI),
 }
 KINDS: Mapping[str, tuple[str, ...]] = {
@@ -41,6 +42,8 @@ KINDS: Mapping[str, tuple[str, ...]] = {
 """Each kind of file, by columns that it has after `ts`."""
 MOST_ABOVE = 5
 """A header further down is that of another table. [1]"""
+MOST_SENSORS = 16
+"""So many sensors of one kind are read. [1]"""
 PASCAL = (1_000.0, 115_000.0)
 """What air a rocket flies in may measure. [Pa]"""
 
@@ -49,7 +52,11 @@ def kind_of(names: Sequence[str]) -> str:
     """The kind of file that a header belongs to, empty if to none."""
     if names[0] != "ts":
         return ""
-    return next((kind for kind, columns in KINDS.items() if set(columns) <= set(names)), "")
+    return next((kind for kind, columns in KINDS.items() if set(columns) <= set(map(_joined, names))), "")
+
+
+def _joined(name: str) -> str:
+    return name.replace("_", "")
 
 
 def recognises(head: bytes) -> bool:
@@ -59,10 +66,13 @@ def recognises(head: bytes) -> bool:
 
 def read(log: bytes) -> list[Found]:
     head = header_or_damage(log, lambda names: bool(kind_of(names)), "a header that begins with ts")
+    head = replace(head, names=tuple(map(_joined, head.names)))
     axes = [Channel(name, head.names.index(name)) for name in ("ax", "ay", "az") if name in head.names]
     wanted = head.channels(CHANNELS) + axes
+    place = head.place("id")
+    words = {} if place is None else {"id": place}
     parts, found = read_columns(
-        log, wanted, after=head.row, separator=head.separator, widths={len(head.names)}
+        log, wanted, after=head.row, separator=head.separator, widths={len(head.names)}, words=words
     ).flights()
     clocks = [tuple(one for sensor in _sensors(part) for one in _series(sensor, found)) for part in parts]
     if not any(clocks):
@@ -72,10 +82,11 @@ def read(log: bytes) -> list[Found]:
 
 def _sensors(table: Table) -> list[Table]:
     """The rows of each sensor by itself: a file of raw samples mixes those of several."""
-    sensors = table.get("id")
-    if sensors is None:
+    if "id" not in table.words:
         return [table]
-    return [table.pick(sensors == one) for one in np.unique(sensors[np.isfinite(sensors)])[:16]]
+    names, which = table.words["id"]
+    there = sorted((name, number) for number, name in enumerate(names) if name and (which == number).any())
+    return [table.pick(which == number) for _, number in there[:MOST_SENSORS]]
 
 
 def _series(table: Table, notes: list[Found]) -> list[Series]:
@@ -99,4 +110,13 @@ def _series(table: Table, notes: list[Found]) -> list[Series]:
     return [Table(values, table.rows).series()]
 
 
-PARSER = Parser("CATS", recognises, read)
+PARSER = Parser(
+    "CATS",
+    recognises,
+    read,
+    signs=(
+        "ts",
+        "height|filteredAltitudeAGL|filtered_altitude_AGL|latitude|id",
+        "velocity|filteredAcceleration|filtered_acceleration|longitude|P|ax",
+    ),
+)

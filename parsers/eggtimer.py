@@ -213,4 +213,4 @@ def _stated(summary: Mapping[str, str], length: Unit) -> dict[str, object]:
     return {}
 
 
-PARSER = Parser("Eggtimer", recognises, read)
+PARSER = Parser("Eggtimer", recognises, read, signs=("T", "Alt|Alt_ft|Alt_m", "VRaw|Veloc", "VFilt|LDA|Apogee|N-O"))

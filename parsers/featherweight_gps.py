@@ -116,4 +116,4 @@ def _utc(log: bytes, head: Header, table: Table, time: np.ndarray) -> dict[str, 
     return {"utc at the first sample": printable(cells[place].strip())} if place < len(cells) else {}
 
 
-PARSER = Parser("Featherweight GPS", recognises, read)
+PARSER = Parser("Featherweight GPS", recognises, read, signs=("UNIXTIME|TRACKER|TIME", "ALT", "LAT", "LON", "VERTV"))

@@ -7,6 +7,7 @@ A flight's row is its place in the list, counted from 1.
 """
 
 import json
+import re
 import sys
 from collections.abc import Mapping
 
@@ -17,6 +18,7 @@ from fieldkit.flight.readout import read_sd, read_source
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, shown
 
+_LIST = re.compile(r'"flights"\s*:\s*\[')
 HEADERS = {column.header: column for column in COLUMNS}
 SDS = {column.sd_header: column for column in READOUTS}
 SOURCES = {column.source_header: column for column in READOUTS}
@@ -24,7 +26,7 @@ SOURCES = {column.source_header: column for column in READOUTS}
 
 def recognises(head: bytes) -> bool:
     text = decode(head).lstrip()
-    return text.startswith("{") and '"flights"' in text
+    return text.startswith("{") and _LIST.search(text) is not None
 
 
 def read(log: bytes) -> list[Found]:
@@ -100,4 +102,4 @@ def _text(name: str, value: object) -> object:
     return read_date(value) if name == "date_time" else value
 
 
-PARSER = Parser("fieldkit's own flights (JSON)", recognises, read)
+PARSER = Parser("fieldkit's own flights (JSON)", recognises, read, signs=('"flights":', "flight_id"))

@@ -283,4 +283,14 @@ def _number(cell: str, heading: Heading, mark: str) -> float:
         raise BadValue(f"found {shown(cell)}, expected a number in {known}") from None
 
 
-PARSER = Parser("Flight table (CSV)", recognises, read)
+PARSER = Parser(
+    "Flight table (CSV)",
+    recognises,
+    read,
+    signs=(
+        "flight_id|rocket|config",
+        "motor",
+        "date_time|dry_mass_g|diameter_mm",
+        "apogee_m|apogee_ft|apogee (m)|apogee (ft)|apogee",
+    ),
+)

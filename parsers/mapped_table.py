@@ -28,6 +28,7 @@ from fieldkit.importing.tables.column_choice import (
 )
 from fieldkit.importing.tables.column_units import AXES, units_of
 from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.layout import Layout, layout_of
 from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.importing.tables.text import shown
@@ -80,6 +81,7 @@ def _one_table(log: bytes, layout: Layout, picks: Sequence[Pick], choice: Choice
     table = replace(table, values={}, words={})  # a long log is not kept twice
     units, left_out = units_of(picks, values)
     whole = {name: to_si(units[name][0], values[name]) for name in units}
+    note_columns([column_read(_column_of(picks, name), name, unit) for name, (_, unit, _) in units.items()])
     return _line(picks, units, left_out, choice), _readings(table, whole)
 
 
@@ -121,17 +123,25 @@ def _line(
     picks: Sequence[Pick], units: Mapping[str, tuple[Unit, str, str]], left_out: Sequence[str], choice: Choice | None
 ) -> str:
     """The mapping in one line."""
-    names = {pick.channel: pick.name for pick in picks}
-    aliases = {"felt": "felt?", "acceleration": "felt?", "altitude_msl": "altitude"}
     parts = []
     for name, (_, unit, why) in units.items():
-        column = names.get(name) or names.get(aliases.get(name, ""), "")
-        parts.append(f"{name} = {shown(column)} in {printable(unit)}{f' ({why})' if why else ''}")
+        column = shown(_column_of(picks, name))
+        parts.append(f"{name} = {column} in {printable(unit)}{f' ({why})' if why else ''}")
     source = "guessed from names and units"
     if choice:
         source = "as chosen before" if choice.headers else "as chosen"
     missing = f"; left out, no unit: {', '.join(map(shown, left_out))}" if left_out else ""
     return f"columns {source}: {', '.join(parts)}{missing}"
+
+
+_ALIASES = {"felt": "felt?", "acceleration": "felt?", "altitude_msl": "altitude"}
+"""What a channel was picked as before it proved to be another."""
+
+
+def _column_of(picks: Sequence[Pick], channel: str) -> str:
+    """The name of the column that a channel was read from."""
+    names = {pick.channel: pick.name for pick in picks}
+    return names.get(channel) or names.get(_ALIASES.get(channel, ""), "")
 
 
 def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[Found]:

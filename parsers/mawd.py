@@ -84,4 +84,4 @@ def _height(text: str) -> float:
     return np.nan if not match else float(match[2]) * (-1 if match[1] == "-" else 1)
 
 
-PARSER = Parser("PerfectFlite MAWD", recognises, read)
+PARSER = Parser("PerfectFlite MAWD", recognises, read, signs=("PerfectFlite", "miniAlt/WD"))

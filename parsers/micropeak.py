@@ -131,4 +131,4 @@ def _whole(ground: int, samples: Float[Array, "sample"]) -> Float[Array, "time"]
     return ground + np.cumsum((steps + 32768) % 65536 - 32768)
 
 
-PARSER = Parser("MicroPeak .mpd", recognises, read)
+PARSER = Parser("MicroPeak .mpd", recognises, read, signs=("MP",))

@@ -33,4 +33,4 @@ def read(log: bytes) -> list[Found]:
     return [*(Reading(series=part.series(), device="MicroPeak") for part in parts), *found]
 
 
-PARSER = Parser("MicroPeak CSV", recognises, read)
+PARSER = Parser("MicroPeak CSV", recognises, read, signs=("Time", "Press(Pa)", "Height(m)", "Speed(m/s)"))

@@ -136,4 +136,15 @@ def _description(lines: Sequence[str], mark: str) -> dict[str, str]:
     return extra
 
 
-PARSER = Parser("OpenRocket simulation (CSV)", recognises, read)
+PARSER = Parser(
+    "OpenRocket simulation (CSV)",
+    recognises,
+    read,
+    signs=(
+        "data points written for",
+        "Time (s)",
+        "Altitude (m)|Altitude (ft)|Höhe (m)",
+        "Event LIFTOFF occurred|Simulation warnings",
+    ),
+    simulates=True,
+)

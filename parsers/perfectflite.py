@@ -135,4 +135,9 @@ def _events(header: Mapping[str, str]) -> dict[str, float]:
     return events
 
 
-PARSER = Parser("PerfectFlite .pf2", recognises, read)
+PARSER = Parser(
+    "PerfectFlite .pf2",
+    recognises,
+    read,
+    signs=("PerfectFlite", "Firmware", "Serial Number", "NumSamps", "Data: (Time|Data:"),
+)

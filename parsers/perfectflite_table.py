@@ -107,4 +107,9 @@ def _length(unit: str, row: int) -> str:
         raise DamagedLog(f"found {shown(unit)}: {error}", row=row, column="altitude") from error
 
 
-PARSER = Parser("PerfectFlite exports (CSV, TAB)", recognises, read)
+PARSER = Parser(
+    "PerfectFlite exports (CSV, TAB)",
+    recognises,
+    read,
+    signs=("Time|time_s", "Altitude|altitude_ft", "Temp|Temp.|Temperature", "Voltage"),
+)

@@ -23,4 +23,10 @@ def read(log: bytes) -> list[Found]:
     return read_simulation(log, head.names, "RASAero II", after=head.row, separator=head.separator)[1]
 
 
-PARSER = Parser("RASAero II simulation (CSV)", recognises, read)
+PARSER = Parser(
+    "RASAero II simulation (CSV)",
+    recognises,
+    read,
+    signs=("Time (sec)", "Stage", "Stage Time (sec)", "Mach Number"),
+    simulates=True,
+)

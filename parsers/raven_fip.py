@@ -121,4 +121,9 @@ def _events(table: Table) -> dict[str, float]:
     return events
 
 
-PARSER = Parser("Raven (FIP export)", recognises, read)
+PARSER = Parser(
+    "Raven (FIP export)",
+    recognises,
+    read,
+    signs=("bILBA", "Axial Accel (Gs)", "Baro (Atm)|[Altitude (Baro-Ft-AGL)]|Altitude (Ft-AGL)"),
+)

@@ -56,4 +56,15 @@ def _is_rocksims(names: list[str]) -> bool:
     return found == {"height", "program"}
 
 
-PARSER = Parser("RockSim simulation (CSV)", recognises, read)
+PARSER = Parser(
+    "RockSim simulation (CSV)",
+    recognises,
+    read,
+    signs=(
+        "Time",
+        "Altitude Feet|Altitude Meters|Altitude",
+        "Velocity Feet / Sec|Velocity|y-Velocity",
+        "Thrust N|Thrust|Mass Grams|Mass",
+    ),
+    simulates=True,
+)

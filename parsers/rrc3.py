@@ -140,4 +140,9 @@ def _in_units(series: Series, table: Table, length: Unit, degrees: Unit) -> Seri
     )
 
 
-PARSER = Parser("RRC3 (mDACS)", recognises, read)
+PARSER = Parser(
+    "RRC3 (mDACS)",
+    recognises,
+    read,
+    signs=("Time", "Altitude", "Pressure", "Velocity", "Temperature", "Events", "Voltages"),
+)

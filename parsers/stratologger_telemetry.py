@@ -73,4 +73,9 @@ def _began(log: bytes, head: Header) -> str:
     return next((value.strip(head.separator) for name, _, value in parted if name == "began"), "")
 
 
-PARSER = Parser("PerfectFlite StratoLogger live telemetry", recognises, read)
+PARSER = Parser(
+    "PerfectFlite StratoLogger live telemetry",
+    recognises,
+    read,
+    signs=("StratoLogger live telemetry", "seconds", "feet"),
+)

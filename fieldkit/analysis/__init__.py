@@ -1,8 +1,8 @@
 """From the samples of a log to what is measured in them: `measure`, and the records it returns."""
 
 from fieldkit.analysis.columns import columns
-from fieldkit.analysis.measure import measure
-from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded
+from fieldkit.analysis.measure import measure, rises
+from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded, Track
 
 __all__ = [
     "Climb",
@@ -10,6 +10,8 @@ __all__ = [
     "Figure",
     "Forces",
     "Recorded",
+    "Track",
     "columns",
     "measure",
+    "rises",
 ]

@@ -10,6 +10,22 @@ TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in READOUTS}
 """Titles of the figures, in the order of the readouts."""
 
 
+_SENSORS = {
+    "barometric": "baro",
+    "pressure": "baro",
+    "GPS": "gps",
+    "inertial": "accel",
+    "acceleration": "accel",
+    "of the logger": "device",
+}
+"""Words of the source of a figure or an event, and the sensor that they mean."""
+
+
+def sensor_of(source: str) -> str:
+    """The sensors that a figure or an event rests on: `baro`, `accel`, `gps`, `device`, or several as `baro+accel`."""
+    return "+".join(dict.fromkeys(sensor for word, sensor in _SENSORS.items() if word in source)) or "device"
+
+
 def edge_header(name: str) -> str:
     """A figure's column, unit and all: `apogee_m`."""
     return BY_NAME[name].header if name in BY_NAME else f"{name}_s"

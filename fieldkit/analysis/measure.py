@@ -11,7 +11,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
-from fieldkit.analysis.records import Event, Figure, Recorded
+from fieldkit.analysis.records import Event, Figure, Recorded, Track
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
@@ -35,6 +35,18 @@ NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn
 NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
 CLIPPED = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
 NO_LANDING = "the log ends before landing: no duration"
+
+
+def rises(clocks: Sequence[Series]) -> bool:
+    """Whether something in a log rises as a rocket does, as far as a look at its heights tells.
+
+    Where it has none but an accelerometer that cannot be told, and it may.
+    """
+    track = heights(clocks)
+    if track is not None:
+        return outline(track) is not None
+    felt = (getattr(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total"))
+    return any(values is not None for values in felt)
 
 
 def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None) -> Recorded:
@@ -68,7 +80,8 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
     told = _told(_Log(track, seen, ascent, shape, push, stated), lift, clocks)
-    return replace(told, notes=(*told.notes, CLIPPED)) if clipped else told
+    above = Track(track.time, seen.calm - seen.pad, track.source)
+    return replace(told, notes=(*told.notes, CLIPPED) if clipped else told.notes, track=above)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

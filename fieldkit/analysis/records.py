@@ -3,6 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from fieldkit.shapes import Array, Flags, Float
 
 
@@ -67,6 +69,15 @@ class Forces:
     source: str
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Track:
+    """The heights of a whole log as they were measured with, cleaned: above the pad [m], on the log's own clock [s]."""
+
+    time: Float[Array, "time"]
+    height: Float[Array, "time"]
+    source: str
+
+
 @dataclass(frozen=True, slots=True)
 class Recorded:
     """All that the samples of one flight say.
@@ -80,3 +91,11 @@ class Recorded:
     climb: Climb | None = None
     forces: Forces | None = None
     notes: tuple[str, ...] = ()
+    track: Track | None = None
+
+    def height_at(self, time: float) -> float | None:
+        """The height above the pad at a time on the log's clock, by the smoothed ascent where it has that. [m]"""
+        for path in (self.climb, self.track):
+            if path is not None and path.time[0] <= time <= path.time[-1]:
+                return float(np.interp(time, path.time, path.height))
+        return None

@@ -1,4 +1,4 @@
-"""`fieldkit import` and `fieldkit export`: files in, files out."""
+"""`fieldkit inspect`, `fieldkit import` and `fieldkit export`: files looked at, files in, files out."""
 
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
@@ -14,13 +14,18 @@ from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_s
 from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
+    from fieldkit.importing import Choice, Rejected
     from fieldkit.ledger import Ledger
-    from fieldkit.services.imports import Receipt
+    from fieldkit.motors import Catalogue
+    from fieldkit.services.imports import Gathered, Receipt
 
 app = typer.Typer()
 
 FORETOLD = 6
 """How many flights that come in are laid beside their predictions, a line each."""
+
+FILES = 20
+"""What so many files were is said, a line each."""
 
 
 class Form(StrEnum):
@@ -30,56 +35,96 @@ class Form(StrEnum):
     JSON = "json"
 
 
+Files = Annotated[list[Path], typer.Argument(help="Logs and flight tables.", show_default=False)]
+Format = Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")]
+Given = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="COLUMN=VALUE", help="What the files leave open: rocket=Astra."),
+]
+Columns = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--map",
+        metavar="CHANNEL=COLUMN",
+        help="What a column of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
+    ),
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
+
+
+@app.command()
+def inspect(
+    files: Files, format: Format = None, given: Given = None, columns: Columns = None, json: AsJson = False
+) -> None:
+    """Say what logs and flight tables are, before anything is stored.
+
+    The format and why it was taken, the columns and their units, the readouts with how sure they are and which sensor
+    they rest on beside what the device states, the events, and what an import would store.
+    """
+    from fieldkit.presentation.import_view import document, lines
+
+    gathered = _gathered(files, format, given, columns)[0]
+    if json:
+        print_json(document(gathered.files))
+        return
+    _complain_of(gathered.rejected, ())
+    for place, one in enumerate(gathered.files):
+        if place:
+            say()
+        for line in lines(one):
+            say(line)
+
+
+def _gathered(
+    files: Sequence[Path], format: str | None, given: Sequence[str] | None, columns: Sequence[str] | None
+) -> "tuple[Gathered, list[Choice], Catalogue]":
+    """What files hold, read as for an import, the choices of columns that they were read with, and the motors."""
+    from fieldkit.importing.tables.mapping import read_choice, remembered
+    from fieldkit.services.imports import gather
+
+    choices = ([read_choice(columns)] if columns else []) + list(remembered())
+    check_motor = MotorCheck()
+    defaults = read_settings(split_settings(given or ()), check_motor)
+    return gather(files, check_motor, format=format, defaults=defaults, choices=choices), choices, check_motor.catalogue
+
+
 @app.command("import")
 def import_(
     context: typer.Context,
-    files: Annotated[list[Path], typer.Argument(help="Logs and flight tables.", show_default=False)],
-    format: Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")] = None,
-    given: Annotated[
-        list[str] | None,
-        typer.Option("--set", metavar="COLUMN=VALUE", help="What the files leave open: rocket=Astra."),
-    ] = None,
-    columns: Annotated[
-        list[str] | None,
-        typer.Option(
-            "--map",
-            metavar="CHANNEL=COLUMN",
-            help="What a column of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
-        ),
-    ] = None,
+    files: Files,
+    format: Format = None,
+    given: Given = None,
+    columns: Columns = None,
     dry_run: Annotated[bool, typer.Option("--dry-run", help="Say what would happen, change nothing.")] = False,
-    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    json: AsJson = False,
 ) -> None:
     """Take logs and flight tables into the ledger; what is there already changes nothing.
 
     What cannot be taken in is named, and the rest goes in.
     """
-    from fieldkit.importing.tables.mapping import read_choice, remember, remembered
-    from fieldkit.services.imports import gather, take_in
+    from fieldkit.importing.tables.mapping import remember
+    from fieldkit.services.imports import take_in
 
-    choices = ([read_choice(columns)] if columns else []) + list(remembered())
-    check_motor = MotorCheck()
-    defaults = read_settings(split_settings(given or ()), check_motor)
-    gathered = gather(files, check_motor, format=format, defaults=defaults, choices=choices)
+    gathered, choices, motors = _gathered(files, format, given, columns)
     with open_ledger(context) as ledger:
-        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=check_motor.catalogue)
+        receipt = take_in(ledger, gathered, choices=choices, dry_run=dry_run, motors=motors)
         foretold = [] if json or dry_run or not receipt.ids else list(_foretold(ledger, receipt.ids))
     for mapped in receipt.mapped:
         if mapped.chosen and not dry_run:
             remember(mapped.choice)
-    _complain_of(receipt)
+    _complain_of(receipt.rejected, receipt.notes)
     if json:
         print_json(_document(receipt))
     else:
         _say(receipt, "would be imported" if dry_run else "imported", foretold)
 
 
-def _complain_of(receipt: "Receipt") -> None:
+def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:
     """Rows that were refused and what else is worth a note, a line each."""
-    for row in receipt.rejected:
+    for row in rejected:
         place = [row.file, f"row {row.row}" if row.row is not None else "", row.column or ""]
         complain(f"{', '.join(part for part in place if part)}: {row.error}")
-    for note in receipt.notes:
+    for note in notes:
         complain(f"note: {note}")
 
 
@@ -87,20 +132,29 @@ def _document(receipt: "Receipt") -> dict[str, object]:
     """What came in, under the contract's keys."""
     from dataclasses import asdict
 
+    from fieldkit.presentation.import_view import receipts
+
     return {
         "imported": len(receipt.ids),
         "duplicates": receipt.duplicates,
         "rejected": [asdict(row) for row in receipt.rejected],
         "flights": list(receipt.ids),
         "joined": list(receipt.joined),
+        "files": receipts(receipt.files),
     }
 
 
 def _say(receipt: "Receipt", done: str, foretold: Sequence[str]) -> None:
-    """What came in, in a line, and beside it what had been foretold."""
+    """What came in, in a line; what each file was; and beside it what had been foretold."""
+    from fieldkit.presentation.import_view import in_a_line
+
     counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
     joined = f"{len(receipt.joined)} joined to their flight, " if receipt.joined else ""
     say(f"{len(receipt.ids)} {done}, {joined}{counts}")
+    for one in receipt.files[:FILES]:
+        say_wrapped(in_a_line(one), "  ")
+    if len(receipt.files) > FILES:
+        say(f"and {len(receipt.files) - FILES} more files; --json lists all")
     for line in foretold[:FORETOLD]:
         say_wrapped(line, "  ")
     if len(foretold) > FORETOLD:

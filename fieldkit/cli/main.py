@@ -25,7 +25,7 @@ from fieldkit.errors import FieldkitError
 GROUPS = {
     "tui": ("tui", "serve"),
     "demo": ("demo",),
-    "intake": ("import", "export"),
+    "intake": ("inspect", "import", "export"),
     "capture": ("capture",),
     "add": ("add",),
     "records": ("flights", "show", "edit", "tag", "untag", "remove"),

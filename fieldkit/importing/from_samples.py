@@ -38,7 +38,7 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
         start = f"{when:%Y-%m-%d}" if isinstance(when, datetime) else "flight"
         fields["flight_id"] = f"{start}-{digest}" + (f"-{part}" if parts > 1 else "")
     known = _origin(reading, format) | ({"log_part": str(part)} if parts > 1 else {})
-    measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known})
+    measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known}, recorded=recorded)
     return [measured, *(Note(text, reading.row) for text in recorded.notes)]
 
 

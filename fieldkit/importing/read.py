@@ -1,14 +1,15 @@
 """The logs that are given, read: into flights, into recordings as they stand, or into plans."""
 
 from collections.abc import Iterable, Sequence
+from dataclasses import replace
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
-from fieldkit.importing.reading import Choice, Found, Intake, Reading
-from fieldkit.importing.recognize import open_log, told
+from fieldkit.importing.reading import Choice, Intake, Reading
+from fieldkit.importing.recognize import Opened, open_log, told
 from fieldkit.importing.to_flights import CheckMotor, intake_of, plan_of
 
 
@@ -37,7 +38,7 @@ def read_together(
     before anything is taken from any. The bytes of a file are let go before its flights are measured.
     """
     return _intakes(
-        [(source, *open_log(log, source, format, choices), digest_of(log)) for source, log in files], check_motor
+        [(source, open_log(log, source, format, choices), digest_of(log)) for source, log in files], check_motor
     )
 
 
@@ -48,21 +49,25 @@ def read_kept(logs: Sequence[bytes], source: str, format: str | None, choices: S
     """
     formats = [format, *(None for _ in logs[1:])]
     read = [
-        (source, *open_log(log, source, form, choices), digest_of(log)) for log, form in zip(logs, formats, strict=True)
+        (source, open_log(log, source, form, choices), digest_of(log)) for log, form in zip(logs, formats, strict=True)
     ]
     return [flight for intake in _intakes(read, lambda motor: None) for flight in intake.flights]
 
 
-def _intakes(read: Sequence[tuple[str, str, Sequence[Found], str]], check_motor: CheckMotor) -> list[Intake]:
-    """What files bring, each given as its name, its parser, what that found and the digest of its bytes."""
+def _intakes(read: Sequence[tuple[str, Opened, str]], check_motor: CheckMotor) -> list[Intake]:
+    """What files bring, each given as its name, what it was opened as and the digest of its bytes."""
     digests = [digest for *_, digest in read]
-    opened = [
+    files = [(source, opened.format, opened.found) for source, opened, _ in read]
+    measured = [
         (source, name, with_figures(found, name, digest))
-        for (source, name, found), digest in zip(joined([one[:3] for one in read], digests), digests, strict=True)
+        for (source, name, found), digest in zip(joined(files, digests), digests, strict=True)
     ]
-    everything = [item for _, _, found in opened for item in found if isinstance(item, Reading)]
+    everything = [item for _, _, found in measured for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
-    return [intake_of(source, name, found, rockets, check_motor) for source, name, found in opened]
+    return [
+        replace(intake_of(source, name, found, rockets, check_motor), recognition=opened.recognition)
+        for (source, name, found), (_, opened, _) in zip(measured, read, strict=True)
+    ]
 
 
 def read_recordings(
@@ -77,8 +82,8 @@ def read_recordings(
     `others` are further files that its logger wrote of the same flights. Raises UnknownFormat or DamagedLog, also
     where the log has no samples.
     """
-    opened = [(source, *open_log(log, source, format, choices))]
-    opened += [(source, *open_log(other, source, None, choices)) for other in others]
+    logs = [open_log(log, source, format, choices), *(open_log(other, source, None, choices) for other in others)]
+    opened = [(source, one.format, one.found) for one in logs]
     opened = joined(opened, [""] * len(opened)) if others else opened
     readings = [item for _, _, found in opened for item in found if isinstance(item, Reading) and item.clocks]
     if not readings:
@@ -92,9 +97,8 @@ def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str |
     A plan without a `flight_id` is named after its row, `row-2`. Raises DamagedLog for the first bad
     row, because a forecast that skips a plan would be taken for another's.
     """
-    _, found = open_log(table, source, format)
     plans = []
-    for item in found:
+    for item in open_log(table, source, format).found:
         if isinstance(item, DamagedLog):
             raise told(item, source)
         if isinstance(item, Reading) and item.describes == "flight":

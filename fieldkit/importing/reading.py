@@ -2,10 +2,14 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import TYPE_CHECKING, Literal
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight, Series
+
+if TYPE_CHECKING:
+    from fieldkit.analysis import Recorded
+    from fieldkit.importing.tables.columns_read import ColumnRead
 
 HEAD = 65_536
 """How much of a log a parser sees when it is asked whether it recognises it. [bytes]"""
@@ -21,7 +25,8 @@ class Reading:
     for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
     to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
     with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
-    for one flight; their clocks then share one zero, and those read together become one reading.
+    for one flight; their clocks then share one zero, and those read together become one reading. `recorded` is what
+    was measured in the samples, once that is done.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
@@ -36,6 +41,7 @@ class Reading:
     firmware: str = ""
     serial: str = ""
     part: str = ""
+    recorded: "Recorded | None" = field(default=None, compare=False)
 
     @property
     def clocks(self) -> tuple[Series, ...]:
@@ -82,7 +88,10 @@ class Parser:
     `recognises` sees the first `HEAD` bytes; raising DamagedLog there means no. `read` gets the whole
     log, and raises DamagedLog when nothing of it can be used. A `fallback` knows no logger: it is asked
     about a log that no other parser recognises, so it never takes one from a parser that knows better.
-    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that.
+    `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that. `signs`
+    are what the beginning of such a file holds, spellings of one parted by `|`: of several parsers that recognize a
+    log the one whose signs are there is asked first, and a file that nobody knows is told what it lacks. `simulates`
+    says that its files are simulations.
     """
 
     title: str
@@ -90,6 +99,8 @@ class Parser:
     read: Callable[[bytes], Sequence[Found]]
     fallback: bool = False
     mapped: Callable[[bytes, Sequence[Choice]], Sequence[Found]] | None = None
+    signs: tuple[str, ...] = ()
+    simulates: bool = False
 
 
 @dataclass(frozen=True, slots=True)
@@ -103,8 +114,22 @@ class Rejected:
 
 
 @dataclass(frozen=True, slots=True)
+class Recognition:
+    """How a file was read: by which parser and why, the columns it took, rows used and rows dropped as damaged."""
+
+    title: str = ""
+    why: str = ""
+    columns: "tuple[ColumnRead, ...]" = ()
+    rows: int = 0
+    dropped: int = 0
+
+
+@dataclass(frozen=True, slots=True)
 class Intake:
-    """What one file brought: flights and the rows they are from, rows that are none, what one should know."""
+    """What one file brought: flights and the rows they are from, rows that are none, what one should know.
+
+    `recorded` is what was measured in the samples of each flight, None for one that has none.
+    """
 
     source: str
     format: str
@@ -113,3 +138,5 @@ class Intake:
     notes: tuple[str, ...]
     rows: tuple[int | None, ...]
     mapped: tuple[Mapped, ...] = ()
+    recorded: "tuple[Recorded | None, ...]" = field(default=(), compare=False)
+    recognition: Recognition = Recognition()

@@ -1,12 +1,19 @@
 """Which parser reads a log: the one that recognises it, or the one that the flyer names."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog, UnknownFormat
-from fieldkit.importing.reading import HEAD, Choice, Found, Parser
+from fieldkit.flight import BY_NAME, READOUTS
+from fieldkit.importing.likeness import Likeness, likeness, nearest, score
+from fieldkit.importing.reading import HEAD, Choice, Found, Mapped, Note, Parser, Reading, Recognition
+from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
+
+MOST_LACKING = 4
+"""So many signs of a format are named. [1]"""
 
 
 def parsers() -> Mapping[str, Parser]:
@@ -19,46 +26,64 @@ def parsers() -> Mapping[str, Parser]:
 
 
 def recognise(log: bytes, format: str | None = None, source: str = "") -> Parser:
-    """The one parser that recognises a log, or the one that `format` names.
+    """The parser that recognizes a log most surely, or the one that `format` names.
 
-    Raises UnknownFormat that lists what was tried, or the parsers that all claim the log.
+    Raises UnknownFormat that names the nearest formats, or the parsers that claim the log equally.
     """
-    return parsers()[_format_of(log, format, source)]
+    return parsers()[_candidates(log, format, source)[0]]
 
 
 def claims(log: bytes) -> list[str]:
-    """The names of the parsers that recognise a log; fallbacks are only asked where no other does."""
-    head, shelf = log[:HEAD], parsers()
+    """The names of the parsers that recognize a log, the surest first; fallbacks only where no other does."""
+    shelf = parsers()
     for fallback in (False, True):
-        if claimed := [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, head)]:
-            return claimed
+        claimed = [name for name, p in shelf.items() if p.fallback is fallback and _claims(p, log[:HEAD])]
+        if claimed:
+            return sorted(claimed, key=lambda name: score(shelf[name], log), reverse=True)
     return []
 
 
-def _format_of(log: bytes, format: str | None, source: str, choices: Sequence[Choice] = ()) -> str:
-    """The parser's name; where the flyer maps the columns, one that takes a mapping."""
+def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[Choice] = ()) -> list[str]:
+    """The parsers to try, by name and the surest first; where the flyer maps the columns, one that takes a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
-    names = ", ".join(parsers())
-    takers = [name for name, parser in parsers().items() if parser.mapped]
+    shelf = parsers()
+    takers = [name for name, parser in shelf.items() if parser.mapped]
     if format is not None:
-        if format not in parsers():
-            raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {names}")
+        if format not in shelf:
+            raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {', '.join(shelf)}")
         claimed = [format]
     else:
         claimed = claims(log)
     if not claimed and (mapped or _has_choice(log, choices)):
-        claimed = [name for name in takers if parsers()[name].fallback]
+        claimed = [name for name in takers if shelf[name].fallback]
     if not claimed:
-        raise UnknownFormat(f"{place}no parser recognises this log; tried {names}{_hint(log)}")
-    if len(claimed) > 1:
-        raise UnknownFormat(f"{place}{' and '.join(claimed)} both recognise this log; choose one with --format")
+        raise UnknownFormat(f"{place}no parser recognizes this file{_near(log)}{_hint(log)}")
+    if len(claimed) > 1 and score(shelf[claimed[0]], log) == score(shelf[claimed[1]], log):
+        both = " and ".join(sorted(claimed[:2]))
+        raise UnknownFormat(f"{place}{both} both recognize this file; choose one with --format")
     if mapped and claimed[0] not in takers:
         expected = f"expected none, or --format {' or '.join(takers)} with it"
         raise UnknownFormat(
             f"{place}found a mapping of columns for a log that {claimed[0]} reads by itself; {expected}"
         )
-    return claimed[0]
+    if format is not None or shelf[claimed[0]].fallback:
+        return claimed[:1]
+    return claimed + [name for name, parser in shelf.items() if parser.fallback and _claims(parser, log[:HEAD])]
+
+
+def _near(log: bytes) -> str:
+    """The formats that a file comes near to, and what it lacks of each."""
+    shelf = parsers()
+    near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
+    told = "; ".join(near)
+    return f"; nearest are {told}" if told else ", and it is near to none"
+
+
+def _lacks(like: Likeness) -> str:
+    if not like.missing:
+        return "has its names but not its form"
+    return "lacks " + ", ".join(map(repr, like.missing[:MOST_LACKING]))
 
 
 def _has_choice(log: bytes, choices: Sequence[Choice]) -> bool:
@@ -76,7 +101,7 @@ def _hint(log: bytes) -> str:
     if log.startswith(b"PK\x03\x04"):
         return "; it is a spreadsheet or an archive: save the sheet as CSV"
     start = log[:HEAD]
-    if any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
+    if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         return "; a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
     return ""
 
@@ -88,16 +113,112 @@ def _claims(parser: Parser, head: bytes) -> bool:
         return False
 
 
-def open_log(
-    log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()
-) -> tuple[str, Sequence[Found]]:
-    """The name of the parser that reads a log, and what it finds in it."""
-    name = _format_of(log, format, source, choices)
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """A log as one parser, by its name, read it: what it found, why it was taken, and the columns it used."""
+
+    format: str
+    found: Sequence[Found]
+    recognition: Recognition
+
+
+def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()) -> Opened:
+    """A log as the parser reads it that recognizes it most surely and finds a flight in it.
+
+    Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
+    of that one.
+    """
+    names = _candidates(log, format, source, choices)
+    tried: list[Opened | DamagedLog] = []
+    for name in names:
+        try:
+            opened = _opened(log, name, format, choices)
+        except DamagedLog as error:
+            tried.append(error)
+            if parsers()[name].simulates:
+                break  # what another parser took for a flight was never flown
+            continue
+        if len(names) == 1 or holds_flight(opened.found):
+            return _instead(opened, names[: len(tried)], tried)
+        tried.append(opened)
+    first = tried[0]
+    if isinstance(first, DamagedLog):
+        raise told(first, source) from first
+    return first
+
+
+def _opened(log: bytes, name: str, format: str | None, choices: Sequence[Choice]) -> Opened:
+    """A log as one parser reads it. Raises DamagedLog."""
     parser = parsers()[name]
-    try:
-        return name, parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
-    except DamagedLog as error:
-        raise told(error, source) from error
+    with watched() as tables:
+        found = parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
+    return Opened(
+        name, found, replace(_recognition(found, tables), title=parser.title, why=_why(parser, log, found, format))
+    )
+
+
+def holds_flight(found: Sequence[Found]) -> bool:
+    """Whether there is a flight in what a parser found: figures that were stated, or samples that rise as a rocket."""
+    return any(isinstance(item, Reading) and _is_flight(item) for item in found)
+
+
+def _is_flight(reading: Reading) -> bool:
+    from fieldkit.analysis import rises
+
+    if reading.describes != "flight" or reading.part or not reading.clocks:
+        return True
+    return any(isinstance(reading.stated.get(c.name), float) for c in READOUTS) or rises(reading.clocks)
+
+
+def _instead(opened: Opened, names: Sequence[str], tried: Sequence[Opened | DamagedLog]) -> Opened:
+    """What was opened, with a note of each parser that recognizes it more surely and made nothing of it."""
+    notes = [
+        Note(f"{parsers()[name].title} recognizes it and {_made(one)}; read as {parsers()[opened.format].title}")
+        for name, one in zip(names, tried, strict=True)
+    ]
+    return replace(opened, found=[*opened.found, *notes]) if notes else opened
+
+
+def _made(one: "Opened | DamagedLog") -> str:
+    return f"cannot read it ({one.found})" if isinstance(one, DamagedLog) else "finds no flight in it"
+
+
+def _why(parser: Parser, log: bytes, found: Sequence[Found], format: str | None) -> str:
+    """Why a parser was taken, in a phrase."""
+    if format is not None:
+        return "named with --format"
+    if any(isinstance(item, Mapped) and item.choice.channels for item in found):
+        return "its columns were named for it"
+    if parser.fallback:
+        return "no logger's parser reads it, and its columns are named as those of a table of samples"
+    like = likeness(parser, log)
+    signs = ", ".join(map(repr, like.found[:MOST_LACKING]))
+    return f"it has {signs} as files of {parser.title} do" if signs else f"it is written as files of {parser.title} are"
+
+
+def _recognition(found: Sequence[Found], tables: Sequence[TableRead]) -> Recognition:
+    """How a log was read: by the tables that were read of it, or where there is none by what was found."""
+    readings = [item for item in found if isinstance(item, Reading)]
+    damaged = sum(isinstance(item, DamagedLog) for item in found)
+    if tables:
+        columns = dict.fromkeys(column for table in tables for column in table.columns)
+        dropped = max(damaged, sum(table.dropped for table in tables))
+        return Recognition(columns=tuple(columns), rows=sum(table.rows for table in tables), dropped=dropped)
+    clocks = [series for item in readings for series in item.clocks]
+    if clocks:
+        return Recognition(columns=of_series(clocks), rows=samples_in(clocks), dropped=damaged)
+    named = {
+        field: name for item in readings for field, name in {**dict.fromkeys(item.stated, ""), **item.columns}.items()
+    }
+    columns_read = (_stated_column(field, name) for field, name in named.items())
+    return Recognition(columns=tuple(columns_read), rows=len(readings), dropped=damaged)
+
+
+def _stated_column(field: str, name: str) -> ColumnRead:
+    """A column of a flight table, or what a summary states: its name there, else fieldkit's own."""
+    column = BY_NAME.get(field)
+    unit = column.unit if column else ""
+    return ColumnRead(name or (column.header if column else field), field, unit, "stated")
 
 
 MOST_TOLD = 1500

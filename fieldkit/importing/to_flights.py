@@ -3,6 +3,7 @@
 import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import fields, replace
+from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
@@ -10,6 +11,9 @@ from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
 from fieldkit.importing.recognize import told
 from fieldkit.importing.tables.text import shown
+
+if TYPE_CHECKING:
+    from fieldkit.analysis import Recorded
 
 CheckMotor = Callable[[str], str | None]
 """A complaint about a motor's name as printed, or None if there is such a motor."""
@@ -19,6 +23,7 @@ def intake_of(
     source: str, format: str, found: Sequence[Found], rockets: Mapping[str, Reading], check_motor: CheckMotor
 ) -> Intake:
     kept: dict[tuple[str, str], tuple[Flight, int | None]] = {}
+    recorded: "dict[tuple[str, str], Recorded | None]" = {}
     rejected: list[Rejected] = []
     notes = [item for item in found if isinstance(item, Note)]
     for item in found:
@@ -32,6 +37,7 @@ def intake_of(
             elif isinstance(item, Reading):
                 flight = _measured(_named(item, rockets), check_motor)
                 notes += _keep(flight, item.row, kept)
+                recorded.setdefault((flight.rocket, flight.flight_id), item.recorded)
         except DamagedLog as error:
             whole = told(error, source)
             rejected.append(Rejected(source, whole.row, whole.column, whole.found))
@@ -45,7 +51,8 @@ def intake_of(
     lines = (str(told(DamagedLog(note.text, row=note.row), source)) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
-    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped)
+    measured = tuple(recorded[name] for name in kept)
+    return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured)
 
 
 _SIMULATED = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"

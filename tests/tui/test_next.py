@@ -66,9 +66,9 @@ async def test_a_file_that_nobody_recognises_says_so_and_changes_nothing(file: P
     (file.parent / "field" / "photo.jpg").write_bytes(b"\xff\xd8\xff\xe0 not a log")
     async with opened(file) as pilot:
         await press(pilot, "3", "down")
-        assert "no parser recognises this log" in told(pilot, "#said")
+        assert "no parser recognizes this file" in told(pilot, "#said")
         await press(pilot, "enter", "enter")
-        assert "✗ error photo.jpg: no parser recognises this log" in words(pilot)
+        assert "✗ error photo.jpg: no parser recognizes this file" in words(pilot)
         await press(pilot, "escape")
         assert "✗ error" not in words(pilot), "the same is to be read once"
         await press(pilot, "f", *typed("nonsense"), "enter")

@@ -104,7 +104,12 @@ def entered(
     states: Float[Array, "row"] | Int[Any, "row"],
     time: Float[Array, "row"],
     which: Mapping[str, Sequence[int]] = STATES,
+    blind: float = np.inf,
 ) -> dict[str, float]:
-    """When the first of the states of each event was entered; a state may return, or never come. [s]"""
+    """When the first of the states of each event was entered; a state may return, or never come. [s]
+
+    Where nothing was heard for longer than `blind` before it, it is not known when, and the event is left out.
+    """
     firsts = {name: np.flatnonzero(np.isin(states, numbers)) for name, numbers in which.items()}
-    return {name: float(time[found[0]]) for name, found in firsts.items() if len(found)}
+    known = {name: int(found[0]) for name, found in firsts.items() if len(found)}
+    return {name: float(time[row]) for name, row in known.items() if row == 0 or time[row] - time[row - 1] <= blind}

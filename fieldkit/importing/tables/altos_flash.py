@@ -24,7 +24,8 @@ from fieldkit.shapes import Int, Integers
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
 LARGEST_FLASH = 16 << 20
 """Twice the flash of the largest of these devices. [bytes]"""
-OLD_RECORD = re.compile(r"([A-Z]) ([0-9a-fA-F]{1,4})((?: [0-9a-fA-F]{1,4})+)\s*$")
+OLD_RECORD = re.compile(r"([A-Z]) +([0-9a-fA-F]{1,4})((?: +[0-9a-fA-F]{1,4})+)\s*$")
+"""A record of the old form; the oldest pads its numbers with blanks."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -9,6 +9,7 @@ import re
 from collections.abc import Collection, Mapping, Sequence
 
 from fieldkit.importing.tables.cell import SI, Channel
+from fieldkit.importing.tables.columns_read import note_table
 from fieldkit.importing.tables.layout import decimal_mark, split
 from fieldkit.importing.tables.rows import Rows
 from fieldkit.importing.tables.table import Table
@@ -53,7 +54,9 @@ def read_columns(
         reader.read([first + i for i in kept], rows)
         if reader.is_hopeless():
             break
-    return reader.table(cut=is_cut(log))
+    table = reader.table(cut=is_cut(log))
+    note_table(channels, reader.seen, reader.damaged)
+    return table
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:

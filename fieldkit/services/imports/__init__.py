@@ -3,8 +3,11 @@
 from fieldkit.services.imports.add_files import Receipt, bring_in, take_in
 from fieldkit.services.imports.gather import Gathered, gather, read_file
 from fieldkit.services.imports.remeasure import Remeasured, recordings_of, remeasured
+from fieldkit.services.imports.view import FileView, FlightView
 
 __all__ = [
+    "FileView",
+    "FlightView",
     "Gathered",
     "Receipt",
     "Remeasured",

@@ -13,6 +13,7 @@ from fieldkit.motors import Catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
 from fieldkit.services.plausible_flights import implausible_flights
+from fieldkit.services.imports.view import FileView
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
@@ -32,6 +33,7 @@ class Receipt:
     mapped: tuple[Mapped, ...] = ()
     joined: tuple[str, ...] = ()
     implausible: tuple[str, ...] = ()
+    files: tuple[FileView, ...] = ()
 
 
 def bring_in(
@@ -74,6 +76,7 @@ def take_in(
         gathered.mapped,
         tuple(one.id for one in sorting.renewals),
         implausible,
+        gathered.files,
     )
 
 

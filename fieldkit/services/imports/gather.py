@@ -13,6 +13,7 @@ from fieldkit.importing import Choice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import read, read_together
 from fieldkit.importing.to_flights import CheckMotor
+from fieldkit.services.imports.view import FileView, file_view
 
 BESIDE = ("sd", "source")
 """Fields of a flight that say something of its readouts."""
@@ -26,6 +27,7 @@ class Gathered:
     rejected: tuple[Rejected, ...]
     notes: tuple[str, ...]
     mapped: tuple[Mapped, ...] = ()
+    files: tuple[FileView, ...] = ()
 
 
 def gather(
@@ -57,9 +59,11 @@ def gather(
     arrivals: list[Arrival] = []
     rejected: list[Rejected] = []
     notes: list[str] = []
+    views: list[FileView] = []
     for folder, original, intake in zip(folders, originals, intakes, strict=True):
         name = intake.source
         rejected += intake.rejected
+        first, first_note = len(arrivals), len(notes)
         notes += intake.notes
         for flight, row in zip(intake.flights, intake.rows, strict=True):
             given = _left_open(flight, defaults or {})
@@ -72,8 +76,9 @@ def gather(
             else:
                 arrivals.append(arrival)
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
+        views.append(file_view(intake, [one.flight for one in arrivals[first:]], notes[first_note:]))
     mapped = tuple(one for intake in intakes for one in intake.mapped)
-    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped)
+    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped, tuple(views))
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:

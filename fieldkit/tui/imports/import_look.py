@@ -93,9 +93,6 @@ def listed(folder: Path) -> list[Path]:
 
 def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
     """What a file would bring; nothing is stored."""
-    from fieldkit.importing.recognize import parsers, recognise
-    from fieldkit.services.imports import read_file
-
     try:
         if path.suffix.lower() == SUFFIX:
             start, words = design_at(path, reading.given, desk.settings.units)
@@ -105,12 +102,8 @@ def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
         return Look(path, "", None, by_keys(str(error)))
     if (count := len(reading.together(path))) > 1:
         return Look(path, f"{count} files together", receipt, flights=flights)
-    try:
-        parser = recognise(read_file(path), reading.format, path.name)
-    except FieldkitError:
-        return Look(path, "a table of samples, by its columns", receipt, flights=flights)
-    name = next(name for name, one in parsers().items() if one is parser)
-    return Look(path, f"{parser.title} ({name})", receipt, flights=flights)
+    formats = dict.fromkeys(f"{one.title} ({one.format})" for one in receipt.files)
+    return Look(path, ", ".join(formats), receipt, flights=flights)
 
 
 def by_keys(trouble: str) -> str:

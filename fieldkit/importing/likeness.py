@@ -1,0 +1,86 @@
+"""How much the beginning of a file is like what a parser reads: by the signs that such files bear.
+
+A sign is a name of a column, a label or a phrase, in any case and spacing; `|` stands between spellings of one. What is
+shorter than five characters has to be a whole cell or word, or it would be found in any text.
+"""
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import lru_cache
+
+from fieldkit.errors import DamagedLog
+from fieldkit.importing.reading import HEAD, Parser
+from fieldkit.importing.tables.text import decode
+
+_SHORT = 5
+"""Signs of fewer characters are whole words. [characters]"""
+_LOOKED_AT = 16_384
+"""So much of a beginning is searched for signs. [characters]"""
+_UNSIGNED = 0.5
+"""The score of a parser that recognizes a log and names no signs. [1]"""
+_NEAREST, _LEAST = 3, 0.25
+"""Formats that are told as near, and the part of its signs that a near one has at least. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Likeness:
+    """What of a parser's signs a file bears and what it lacks, as the parser spells them."""
+
+    found: tuple[str, ...]
+    missing: tuple[str, ...]
+
+    @property
+    def part(self) -> float:
+        """Of all signs, how many are there. [1]"""
+        count = len(self.found) + len(self.missing)
+        return len(self.found) / count if count else 0.0
+
+
+@lru_cache(maxsize=4)
+def _words(head: bytes) -> tuple[str, frozenset[str]]:
+    """The beginning of a file as one line of lower-case text, and its cells and words."""
+    try:
+        text = decode(head)[:_LOOKED_AT].lower()
+    except DamagedLog:
+        text = head[:_LOOKED_AT].decode("latin-1").lower()
+    text = text.replace('"', "")
+    cells = {" ".join(cell.split()) for cell in re.split(r"[,;\t\r\n]", text)}
+    return " ".join(text.split()), frozenset(cells | set(re.split(r"[\s,;:]+", text)))
+
+
+def likeness(parser: Parser, log: bytes) -> Likeness:
+    """Which signs of a parser a file bears."""
+    text, words = _words(log[:HEAD])
+    there = [any(_bears(text, words, one) for one in sign.lower().split("|")) for sign in parser.signs]
+    spelled = [sign.partition("|")[0] for sign in parser.signs]
+    found = tuple(sign for sign, is_there in zip(spelled, there, strict=True) if is_there)
+    return Likeness(found, tuple(sign for sign, is_there in zip(spelled, there, strict=True) if not is_there))
+
+
+def _bears(text: str, words: frozenset[str], sign: str) -> bool:
+    sign = " ".join(sign.replace('"', "").split())
+    return sign in words or (len(sign) >= _SHORT and _pattern(sign).search(text) is not None)
+
+
+@lru_cache(maxsize=512)
+def _pattern(sign: str) -> re.Pattern[str]:
+    """What finds a sign that is no part of a longer word."""
+    before, after = (r"(?<!\w)" if sign[0].isalnum() else ""), (r"(?!\w)" if sign[-1].isalnum() else "")
+    return re.compile(before + re.escape(sign) + after)
+
+
+def score(parser: Parser, log: bytes) -> tuple[float, int]:
+    """How surely a parser that recognizes a log is the right one: the part of its signs that are there, and how many.
+
+    The part counts from 0.5, for a parser that names no signs has recognized the log all the same. [1]
+    """
+    like = likeness(parser, log)
+    return _UNSIGNED + (1 - _UNSIGNED) * like.part, len(like.found)
+
+
+def nearest(parsers: Mapping[str, Parser], log: bytes) -> list[tuple[str, Likeness]]:
+    """The few parsers whose signs a file bears most of, best first; none where it bears hardly any."""
+    likes = [(name, likeness(parser, log)) for name, parser in parsers.items() if parser.signs]
+    likes = [(name, like) for name, like in likes if like.part >= _LEAST]
+    return sorted(likes, key=lambda item: (-item[1].part, -len(item[1].found)))[:_NEAREST]

@@ -1,0 +1,122 @@
+"""Which columns of a log were read as which channels: noted while a parser reads, for the flyer to see.
+
+A parser hands on readings in SI, and by then the names and the units of the log are gone. `watched` keeps them:
+every table that is read inside of it is noted here, by `read_columns` or by a parser that settles units itself.
+"""
+
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
+from dataclasses import dataclass, fields, replace
+
+import numpy as np
+
+from fieldkit.flight import Series
+from fieldkit.importing.tables.cell import Channel
+from fieldkit.importing.tables.headings import QUANTITIES
+from fieldkit.units import UNITS, Unit
+
+_SENSORS = {
+    "baro": ("altitude", "altitude_msl", "pressure"),
+    "accel": ("acceleration", "felt", "felt_x", "felt_y", "felt_z", "felt_total", "tilt"),
+    "gps": ("gps_altitude_msl", "gps_speed", "latitude", "longitude"),
+    "device": ("speed", "inertial_altitude", "inertial_speed", "temperature", "voltage"),
+    "simulation": ("thrust", "drag", "mass"),
+    "clock": ("time",),
+}
+SENSOR_OF = {channel: sensor for sensor, channels in _SENSORS.items() for channel in channels}
+"""What a channel of `Series` is measured by; `device` for what a logger worked out or says of itself."""
+_SI = {
+    "time": "s",
+    "length": "m",
+    "pressure": "Pa",
+    "speed": "m/s",
+    "acceleration": "m/s2",
+    "angle": "rad",
+    "temperature": "K",
+    "voltage": "V",
+    "force": "N",
+    "mass": "kg",
+    "degree": "deg",
+}
+"""How the SI unit of a quantity is written."""
+
+
+@dataclass(frozen=True, slots=True)
+class ColumnRead:
+    """A column of a log as it was read: its name there, its channel ("" for none), its unit, and its sensor."""
+
+    name: str
+    channel: str
+    unit: str
+    source: str
+
+
+@dataclass(frozen=True, slots=True)
+class TableRead:
+    """A table as it was read: its columns, how many rows were used and how many were dropped as damaged."""
+
+    columns: tuple[ColumnRead, ...]
+    rows: int
+    dropped: int
+
+
+_WATCH: ContextVar[list[TableRead] | None] = ContextVar("tables read", default=None)
+
+
+@contextmanager
+def watched() -> Iterator[list[TableRead]]:
+    """A list that every table which is read meanwhile is put into."""
+    tables: list[TableRead] = []
+    token = _WATCH.set(tables)
+    try:
+        yield tables
+    finally:
+        _WATCH.reset(token)
+
+
+def note_table(channels: Sequence[Channel], rows: int, dropped: int) -> None:
+    """Say that a table was read, for who watches."""
+    tables = _WATCH.get()
+    if tables is not None:
+        tables.append(TableRead(tuple(map(_column, channels)), rows, dropped))
+
+
+def note_columns(columns: Sequence[ColumnRead]) -> None:
+    """Say what the columns of the table that was read last are, where its parser found that out afterwards."""
+    tables = _WATCH.get()
+    if tables:
+        tables[-1] = replace(tables[-1], columns=tuple(columns))
+
+
+def column_read(name: str, channel: str, unit: str) -> ColumnRead:
+    """A column and the sensor that its channel is measured by."""
+    return ColumnRead(name, channel, unit, SENSOR_OF.get(channel, "device"))
+
+
+def of_series(clocks: Sequence[Series]) -> tuple[ColumnRead, ...]:
+    """The channels of samples as columns, for a log that has none: in SI, under their own names."""
+    there = [f.name for f in fields(Series) if any(getattr(series, f.name) is not None for series in clocks)]
+    return tuple(column_read(name, name, _si(name)) for name in there)
+
+
+def samples_in(clocks: Sequence[Series]) -> int:
+    """How many rows there are on all clocks."""
+    return sum(int(np.size(series.time)) for series in clocks)
+
+
+def _column(channel: Channel) -> ColumnRead:
+    name = channel.name if channel.name in QUANTITIES else ""
+    return column_read(channel.header or channel.name, name, _unit(name, channel.unit))
+
+
+def _unit(channel: str, unit: Unit) -> str:
+    """How the unit of a channel's column is written; "" where it has none or no usual name."""
+    quantity = QUANTITIES.get(channel, "")
+    if unit == Unit(1.0):
+        return _si(channel)
+    return next((name for name, one in UNITS.get(quantity, {}).items() if one == unit), "")
+
+
+def _si(channel: str) -> str:
+    return _SI.get(QUANTITIES.get(channel, ""), "")

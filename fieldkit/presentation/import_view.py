@@ -1,0 +1,149 @@
+"""What files hold, before anything of them is stored: as text and as JSON under the keys of the contract."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import spelled
+from fieldkit.services.imports.view import EventView, FileView, FlightView, ReadoutView
+from fieldkit.units import FOOT
+
+if TYPE_CHECKING:
+    from fieldkit.importing.tables.columns_read import ColumnRead
+
+MOST_FLIGHTS = 20
+"""Of the flights of a table so many are printed; the JSON has them all."""
+
+
+def document(files: tuple[FileView, ...]) -> dict[str, Any]:
+    """What `inspect --json` prints."""
+    return {"files": [_file(one) for one in files]}
+
+
+def receipts(files: tuple[FileView, ...]) -> list[dict[str, Any]]:
+    """What `import --json` says of each file: its format, the apogee of its one flight, and what one should know."""
+    return [
+        {
+            "file": one.file,
+            "format": one.format,
+            "apogee_m": _rounded(one.apogees[0]) if len(one.apogees) == 1 else None,
+            "apogees_m": [_rounded(apogee) for apogee in one.apogees],
+            "notes": list(one.notes),
+        }
+        for one in files
+    ]
+
+
+def _file(one: FileView) -> dict[str, Any]:
+    """One file; the readouts and events of its first flight stand above, those of all under `flights`."""
+    flights = [_flight(flight) for flight in one.flights]
+    first = flights[0] if flights else {"readouts": {}, "events": []}
+    return {
+        "file": one.file,
+        "format": one.format,
+        "title": one.title,
+        "why": one.why,
+        "columns": [
+            {"name": c.name, "channel": c.channel or None, "unit": spelled(c.unit) or None, "source": c.source}
+            for c in one.columns
+        ],
+        "rows": one.rows,
+        "dropped": one.dropped,
+        "readouts": first["readouts"],
+        "events": first["events"],
+        "flights": flights,
+        "notes": list(one.notes),
+        "would_store": len(one.flights),
+    }
+
+
+def _flight(one: FlightView) -> dict[str, Any]:
+    return {
+        "flight_id": one.flight.flight_id,
+        "readouts": {name: _readout(name, readout) for name, readout in one.readouts.items()},
+        "events": [_event(event) for event in one.events],
+    }
+
+
+def _readout(name: str, one: ReadoutView) -> dict[str, Any]:
+    return {
+        "value": _rounded(one.value),
+        "sd": None if one.sd is None else float(f"{one.sd:.3g}"),
+        "unit": BY_NAME[name].unit,
+        "sensor": one.sensor,
+        "stated": one.stated,
+    }
+
+
+def _event(one: EventView) -> dict[str, Any]:
+    return {
+        "name": one.name,
+        "time_s": _rounded(one.time),
+        "altitude_m": None if one.altitude is None else round(one.altitude, 2),
+        "sensor": one.sensor,
+    }
+
+
+def _rounded(value: float) -> float:
+    return round(value, 4)
+
+
+def in_a_line(one: FileView) -> str:
+    """A file in one line, with its format and its apogee: `f6.pf2: PerfectFlite .pf2, apogee 245.4 m (805 ft)`."""
+    return f"{one.file}: {one.title}{_apogees(one)}"
+
+
+def _apogees(one: FileView) -> str:
+    """The apogee of a file's flight, or of several the lowest and the highest."""
+    found, count = one.apogees, len(one.flights)
+    flights = "" if count == 1 else ", no flight" if not count else f", {count} flights"
+    if not found:
+        return flights + (", no apogee" if count else "")
+    low, high = min(found), max(found)
+    if len(found) == 1:
+        return f"{flights}, apogee {_both(low)}"
+    return f"{flights}, apogees {_both(low)} to {_both(high)}"
+
+
+def _both(metres: float) -> str:
+    return f"{metres:.1f} m ({metres / FOOT:.0f} ft)"
+
+
+def lines(one: FileView) -> Iterator[str]:
+    """A file at length: why it was read as it was, its columns, its flights with readouts and events, and notes."""
+    yield f"{one.file}"
+    yield f"  format    {one.title} ({one.format}): {one.why}"
+    yield f"  rows      {one.rows} used, {one.dropped} dropped"
+    for place, column in enumerate(one.columns):
+        yield f"  {'columns' if not place else '':10}{_column(column)}"
+    for flight in one.flights[:MOST_FLIGHTS]:
+        yield f"  flight    {flight.flight.flight_id}"
+        yield from _readout_lines(flight)
+        yield from _event_lines(flight)
+    if len(one.flights) > MOST_FLIGHTS:
+        yield f"  and {len(one.flights) - MOST_FLIGHTS} more flights; --json lists all"
+    for note in one.notes:
+        yield f"  note      {note}"
+    count = len(one.flights)
+    yield f"  would store {count} flight{'' if count == 1 else 's'}, {one.rejected} rejected"
+
+
+def _column(one: "ColumnRead") -> str:
+    meant = one.channel.replace("_", " ") or "not used as a channel"
+    unit = f" [{spelled(one.unit)}]" if one.unit else ""
+    return f"{one.name}{unit} -> {meant}, {one.source}"
+
+
+def _readout_lines(flight: FlightView) -> Iterator[str]:
+    for name, readout in flight.readouts.items():
+        column = BY_NAME[name]
+        unit = spelled(column.unit)
+        spread = "" if readout.sd is None else f" ± {readout.sd:.2g}"
+        stated = "" if readout.stated is None else f"   the device states {readout.stated:.5g} {unit}"
+        yield f"    {column.title:22}{f'{readout.value:.5g}{spread} {unit}':22}{readout.sensor:11}{stated}".rstrip()
+
+
+def _event_lines(flight: FlightView) -> Iterator[str]:
+    for event in flight.events:
+        height = "" if event.altitude is None else f"{event.altitude:.1f} m"
+        yield f"    {event.name:12}T{event.time:+9.2f} s {height:>12}   {event.sensor}"

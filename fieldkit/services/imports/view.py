@@ -1,0 +1,128 @@
+"""What a file is, as it was read for an import: the same for a look before anything is stored and for the receipt.
+
+Numbers are in the units of their columns, as in the flight table.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from fieldkit import units
+from fieldkit.analysis.labels import sensor_of
+from fieldkit.flight import READOUTS, Column, Flight
+from fieldkit.importing.reading import Intake
+
+if TYPE_CHECKING:
+    from fieldkit.analysis import Recorded
+    from fieldkit.importing.tables.columns_read import ColumnRead
+
+
+@dataclass(frozen=True, slots=True)
+class ReadoutView:
+    """A readout that would be stored, its standard deviation, what measured it, and what the device itself stated."""
+
+    value: float
+    sd: float | None
+    sensor: str
+    stated: float | None
+
+
+@dataclass(frozen=True, slots=True)
+class EventView:
+    """An event, seconds from lift-off (on the log's own clock where lift-off is not known), and the height there."""
+
+    name: str
+    time: float
+    altitude: float | None
+    sensor: str
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FlightView:
+    """One flight of a file; `recorded` is what was measured in its samples, None where it has none."""
+
+    flight: Flight
+    readouts: Mapping[str, ReadoutView]
+    events: tuple[EventView, ...]
+    recorded: "Recorded | None"
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class FileView:
+    """One file: the parser that reads it by name and title and why it does, what it took, and the flights in it."""
+
+    file: str
+    format: str
+    title: str
+    why: str
+    columns: "tuple[ColumnRead, ...]"
+    rows: int
+    dropped: int
+    flights: tuple[FlightView, ...]
+    notes: tuple[str, ...]
+    rejected: int
+
+    @property
+    def apogees(self) -> tuple[float, ...]:
+        """The apogees of its flights, where they have one. [m]"""
+        return tuple(one.readouts["apogee"].value for one in self.flights if "apogee" in one.readouts)
+
+
+def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -> FileView:
+    """A file as it was read; `flights` are those of the intake as they would be stored, `notes` all there are on it."""
+    by_id = {one.flight_id: found for one, found in zip(intake.flights, intake.recorded, strict=True)}
+    how = intake.recognition
+    return FileView(
+        intake.source,
+        intake.format,
+        how.title,
+        how.why,
+        how.columns,
+        how.rows,
+        how.dropped,
+        tuple(flight_view(flight, by_id.get(flight.flight_id)) for flight in flights),
+        tuple(notes),
+        len(intake.rejected),
+    )
+
+
+def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
+    """A flight as it would be stored, with what was measured in its samples."""
+    readouts = {c.name: _readout(c, v, flight, recorded) for c in READOUTS if (v := flight.number(c.name)) is not None}
+    return FlightView(flight, readouts, _events(recorded), recorded)
+
+
+def _readout(column: Column, value: float, flight: Flight, recorded: "Recorded | None") -> ReadoutView:
+    scale = units.unit(column.quantity, column.unit)
+    sd = flight.sd.get(column.name)
+    said = flight.extra.get(column.stated_header)
+    figure = recorded.figures.get(column.name) if recorded and sd is not None else None
+    known = flight.source.get(column.name) or ("device" if said or flight.extra.get("log_format") else "typed")
+    sensor = sensor_of(figure.source) if figure else known
+    spread = None if sd is None else scale.from_si(sd) - scale.from_si(0)
+    return ReadoutView(scale.from_si(value), spread, sensor, _number(said))
+
+
+def _number(text: str | None) -> float | None:
+    try:
+        return float(text) if text else None
+    except ValueError:
+        return None
+
+
+def _events(recorded: "Recorded | None") -> tuple[EventView, ...]:
+    """The events of a flight in their order."""
+    if recorded is None:
+        return ()
+    lift = recorded.events.get("liftoff")
+    zero = lift.time if lift else 0.0
+    found = sorted(recorded.events.items(), key=lambda item: item[1].time)
+    return tuple(
+        EventView(name, event.time - zero, _height(name, event.time, recorded), sensor_of(event.source))
+        for name, event in found
+    )
+
+
+def _height(name: str, time: float, recorded: "Recorded") -> float | None:
+    """The height above the pad at an event, which at lift-off is zero. [m]"""
+    return 0.0 if name == "liftoff" else recorded.height_at(time)

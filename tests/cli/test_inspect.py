@@ -1,0 +1,128 @@
+"""`fieldkit inspect` and what `import` says of each file: one reading of the file behind both."""
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.ledger import Ledger
+from tests.analysis.recordings import SMALL, Logger, fly, log
+from tests.samples import SAMPLES, owner
+
+CHECK_SHAPES = False
+FOLDER = Path(__file__).parents[2] / "sample_logs"
+PNUT = FOLDER / "perfectflite__drogue_and_main.pf2"
+TABLE = FOLDER / "flight_table__some_rows_are_bad.csv"
+KEYS = {"file", "format", "why", "columns", "rows", "dropped", "readouts", "events", "notes", "would_store"}
+
+Run = Callable[..., tuple[int, str, str]]
+
+
+@pytest.fixture
+def run(tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch) -> Run:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("COLUMNS", "200")
+
+    def run(*arguments: object) -> tuple[int, str, str]:
+        capsys.readouterr()
+        status = main(["--ledger", str(tmp_path / "ledger.db"), *map(str, arguments)])
+        return status, *capsys.readouterr()
+
+    return run
+
+
+def inspected(run: Run, *files: Path) -> list[dict[str, Any]]:
+    status, out, _ = run("inspect", *files, "--json")
+    assert status == 0
+    return json.loads(out)["files"]
+
+
+def test_inspect_says_what_a_log_is_and_stores_nothing(run: Run, tmp_path: Path) -> None:
+    (found,) = inspected(run, PNUT)
+    assert found.keys() >= KEYS
+    assert found["format"] == "perfectflite"
+    assert "PerfectFlite" in found["why"]
+    assert {"name": "Altitude", "channel": "altitude", "unit": "ft", "source": "baro"} in found["columns"]
+    assert (found["rows"], found["dropped"], found["would_store"]) == (487, 0, 1)
+    apogee = found["readouts"]["apogee"]
+    assert apogee["stated"] == pytest.approx(161.54, abs=0.01)
+    assert apogee["value"] == pytest.approx(162.8, abs=0.2)
+    assert 0 < apogee["sd"] < 3
+    assert apogee["sensor"] == "baro"
+    events = {one["name"]: one for one in found["events"]}
+    assert events["liftoff"] == {"name": "liftoff", "time_s": 0.0, "altitude_m": 0.0, "sensor": "baro"}
+    assert events["apogee"]["altitude_m"] == pytest.approx(apogee["value"], abs=0.5)
+    assert events["ejection"]["sensor"] == "device"
+    assert not (tmp_path / "ledger.db").exists()
+
+
+@pytest.mark.parametrize("sample", [one for one in SAMPLES if not owner(one).startswith("altimetertwo")])
+def test_what_inspect_shows_is_what_import_stores(run: Run, tmp_path: Path, sample: Path) -> None:
+    (seen,) = inspected(run, sample)
+    assert seen["columns"]
+    assert seen["rows"] > 0
+    status, out, _ = run("import", sample, "--json")
+    assert status == 0
+    document = json.loads(out)
+    (file,) = document["files"]
+    assert document["imported"] == seen["would_store"] == len(seen["flights"])
+    assert file["format"] == seen["format"] == owner(sample)
+    with Ledger.open(str(tmp_path / "ledger.db")) as ledger:
+        stored = {flight.flight_id: flight for flight in ledger.flights()}
+    assert stored.keys() == {one["flight_id"] for one in seen["flights"]}
+    for one in seen["flights"]:
+        kept = stored[one["flight_id"]].readouts()
+        assert kept.keys() == one["readouts"].keys()
+        if "apogee" in kept:
+            assert one["readouts"]["apogee"]["value"] == pytest.approx(kept["apogee"], abs=1e-3)
+    apogees = [one["readouts"]["apogee"]["value"] for one in seen["flights"] if "apogee" in one["readouts"]]
+    assert file["apogees_m"] == apogees
+    assert file["apogee_m"] == (apogees[0] if len(apogees) == 1 else None)
+
+
+def test_a_readout_names_the_sensors_it_rests_on(run: Run, tmp_path: Path) -> None:
+    barometer, felt = log(fly(SMALL), Logger(accelerometer=100.0), np.random.default_rng(0))
+    heights = np.interp(felt.time, barometer.time, barometer.altitude)
+    rows = np.column_stack([felt.time, heights, felt.felt])
+    path = tmp_path / "own.csv"
+    path.write_text(
+        "time [s],altitude [m],acceleration [m/s2]\n" + "".join(f"{t:.3f},{h:.3f},{a:.3f}\n" for t, h, a in rows)
+    )
+    (found,) = inspected(run, path)
+    assert found["readouts"]["apogee"]["sensor"] == "baro"
+    assert "accel" in found["readouts"]["burn_time"]["sensor"]
+    assert found["readouts"]["peak_accel"]["sensor"] == "accel"
+    assert ("altitude [m]", "altitude", "m", "baro") in [tuple(one.values()) for one in found["columns"]]
+
+
+def test_rows_that_are_dropped_are_counted(run: Run) -> None:
+    (found,) = inspected(run, FOLDER / "perfectflite__three_cells_and_a_bad_row.pf2")
+    assert found["dropped"] >= 1
+    assert any("bad" in str(one) or "found" in one for one in found["notes"])
+    (table,) = inspected(run, TABLE)
+    assert table["would_store"] < table["rows"] + table["dropped"]
+
+
+def test_inspect_prints_a_file_at_length(run: Run) -> None:
+    status, out, _ = run("inspect", PNUT)
+    assert status == 0
+    for text in ("PerfectFlite .pf2 (perfectflite)", "Altitude [ft]", "162.76 ± 1 m", "the device states", "apogee"):
+        assert text in out
+
+
+def test_import_says_format_and_apogee_in_a_line(run: Run) -> None:
+    _, out, _ = run("import", PNUT)
+    (line,) = [line for line in out.splitlines() if "PerfectFlite" in line]
+    assert "PerfectFlite .pf2, apogee 162.8 m (534 ft)" in line
+
+
+def test_a_file_that_nobody_knows_is_named_and_costs_the_status(run: Run, tmp_path: Path) -> None:
+    path = tmp_path / "junk.bin"
+    path.write_bytes(b"\x00\x01\x02 nothing at all")
+    status, out, error = run("inspect", path, "--json")
+    assert (status, out) == (1, "")
+    assert "junk.bin" in error

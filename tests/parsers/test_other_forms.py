@@ -1,0 +1,88 @@
+"""Forms of known formats that loggers write beside those of the sample logs: each reads as its sample does."""
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.flight import Series
+from fieldkit.importing import Reading
+from fieldkit.importing.recognize import claims, open_log, parsers
+
+LOGS = Path(__file__).parents[2] / "sample_logs"
+
+
+def clocks(log: bytes) -> list[Series]:
+    """The samples of a log, by the parser that recognizes it."""
+    return [clock for item in open_log(log, "log", None).found if isinstance(item, Reading) for clock in item.clocks]
+
+
+def flights_among_settings(log: bytes) -> bytes:
+    return log.replace(b"{\n", b'{\n  "flights": 3,\n', 1)
+
+
+def oldest(log: bytes) -> bytes:
+    """A flash as the first program wrote it: no name of its format, numbers padded with blanks."""
+    lines = log.decode("ascii", "replace").splitlines()
+    start = next(i for i, line in enumerate(lines) if line.startswith("Config version"))
+    kept = [line for line in lines[start:] if not re.match(r"log-format|[~>]", line)]
+    records = (re.fullmatch(r"([A-Z]) ([0-9a-f]+) ([0-9a-f]+) ([0-9a-f]+)", line) for line in kept)
+    padded = [
+        f"{m[1]} {int(m[2], 16):4x} {int(m[3], 16):4x} {int(m[4], 16):4x}" if m else line
+        for line, m in zip(kept, records, strict=True)
+    ]
+    return ("\n".join(padded) + "\n").encode()
+
+
+def commas_below_blanks(log: bytes) -> bytes:
+    head, _, rest = log.partition(b"\n")
+    return head + b"\n" + rest.replace(b" ", b",")
+
+
+def underscores(log: bytes) -> bytes:
+    return log.replace(b"filteredAltitudeAGL,filteredAcceleration", b"filtered_altitude_AGL,filtered_acceleration")
+
+
+def named_sensors(log: bytes) -> bytes:
+    return re.sub(rb"^([-\d.]+),(\d),", rb"\1,BARO\2,", log, flags=re.MULTILINE)
+
+
+@pytest.mark.parametrize(
+    ("name", "change"),
+    [
+        ("altos_eeprom__easymini.eeprom", flights_among_settings),
+        ("altos_eeprom__telemetrum_2_with_damage.eeprom", flights_among_settings),
+        ("altos_eeprom__telemetrum_1_among_commands.eeprom", oldest),
+        ("arts2__interpreted.csv", commas_below_blanks),
+        ("cats__filtered_data_info.csv", underscores),
+        ("cats__two_barometers.csv", named_sensors),
+    ],
+)
+def test_another_form_reads_as_the_sample_does(name: str, change: Callable[[bytes], bytes]) -> None:
+    log = (LOGS / name).read_bytes()
+    other = change(log)
+    assert other != log
+    assert claims(other)[0] == name.partition("__")[0]
+    for one, two in zip(clocks(log), clocks(other), strict=True):
+        for channel in one.__slots__:
+            np.testing.assert_array_equal(getattr(one, channel), getattr(two, channel), channel)
+
+
+@pytest.mark.parametrize("silence", [0.0, 90.0])
+def test_a_charge_in_a_silence_of_the_radio_went_at_an_unknown_moment(silence: float) -> None:
+    log = (LOGS / "altos_telem__telemetrum_1.telem").read_bytes()
+    (whole,) = (item for item in parsers()["altos_telem"].read(log) if isinstance(item, Reading))
+    assert "drogue" in whole.events
+    gap = (whole.events["drogue"] - 1.0, whole.events["drogue"] + silence - 1.0)
+    start = None
+    lines = []
+    for line in log.decode().splitlines():
+        tick = int.from_bytes(bytes.fromhex(line.split()[1])[3:5], "little") / 100 if line.startswith("TELEM") else None
+        start = tick if start is None else start
+        since = None if tick is None or start is None else (tick - start) % 655.36 + float(whole.clocks[0].time[0])
+        if since is None or not gap[0] < since < gap[1]:
+            lines.append(line)
+    (heard,) = (item for item in parsers()["altos_telem"].read("\n".join(lines).encode()) if isinstance(item, Reading))
+    assert ("drogue" in heard.events) is (silence == 0)
