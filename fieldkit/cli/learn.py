@@ -1,6 +1,7 @@
 """`fieldkit learn`: how far rockets, motors and flights differ, from the exports of several flyers."""
 
 from contextlib import nullcontext
+from datetime import datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,6 +9,7 @@ import typer
 
 from fieldkit.cli.screen import complain, print_json, print_table, progress, say, say_wrapped
 from fieldkit.cli.session import known_motors
+from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.model.hyperprior import Hyperprior
@@ -33,6 +35,13 @@ def learn(
         str,
         typer.Option(help="Check on Dask workers: local, local:4, or a scheduler's address.", show_default=False),
     ] = "",
+    since: Annotated[
+        datetime | None,
+        typer.Option(
+            formats=["%Y-%m-%d"], help="Leave out what was flown before, when heights were estimated.", show_default=False
+        ),
+    ] = None,
+    force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Learn how far rockets, motors and flights differ from the flights of several flyers; `export` makes the tables.
@@ -42,6 +51,7 @@ def learn(
     from dataclasses import replace
     from json import dumps
 
+    from fieldkit.files import replace as replace_file
     from fieldkit.files import write
     from fieldkit.parallel import workers
     from fieldkit.paths import hyperprior_file
@@ -49,18 +59,23 @@ def learn(
     from fieldkit.services.learn import learn as learned_from
     from fieldkit.services.learn import read_flyer, scores
 
+    force = settled(out, force) if out else force
     motors = known_motors()
-    flyers = [read_flyer(path, motors) for path in exports]
+    flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
     with progress("learning") as tell:
-        found = learned_from(flyers, afresh=afresh, tell=tell)
+        found = learned_from(flyers, afresh=afresh, since=since.date() if since else None, tell=tell)
     if check:
         with workers(cluster) if cluster else nullcontext() as pool, progress("leaving each rocket out") as tell:
             checked = left_out(flyers, found, afresh=afresh, pool=pool, tell=tell)
         found = replace(found, about={**found.about, "scores": scores(checked)})
     text = dumps(found.json(), indent=1, sort_keys=False)
-    for file in filter(None, (out, hyperprior_file() if keep else None)):
-        write(file, (text + "\n").encode())
-        complain(f"card written to {file}")
+    if out:
+        write(out, (text + "\n").encode(), force=force)
+        complain(f"card written to {out}")
+    if keep:
+        own = hyperprior_file()
+        replace_file(own, (text + "\n").encode())
+        complain(f"forecasts start from it now; remove {own} to go back")
     if json:
         print_json(found.json())
     elif out is None:

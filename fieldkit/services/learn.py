@@ -4,12 +4,14 @@ import hashlib
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from concurrent.futures import Executor
 from dataclasses import asdict, dataclass, replace
+from datetime import date
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from fieldkit import __version__
 from fieldkit.errors import NoFlights, UnknownMotor
 from fieldkit.flight import Flight
+from fieldkit.flight.plausibility import implausible
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import Tell, untold
@@ -44,17 +46,27 @@ class Flyer:
         return found
 
 
-def read_flyer(path: Path, motors: Catalogue) -> Flyer:
-    """The flights of one flyer: of a flight table, or of a folder of files. Raises FieldkitError, NoFlights."""
+def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flyer:
+    """The flights of one flyer: of a flight table, or of a folder of files; only those since a day, or without a date.
+
+    Raises FieldkitError, NoFlights.
+    """
     paths = sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
     gathered = gather(paths, motors.complaint)
     known: Flown = []
     for arrival in gathered.arrivals:
+        if arrival.flight.dry_mass is None:
+            continue
         try:
             known.append((arrival.flight, motors.resolve(arrival.flight.motor)))
         except UnknownMotor:
             continue
-    usable = [(flight, motor) for flight, motor in known if flight.dry_mass is not None]
+    usable = [
+        (flight, motor)
+        for flight, motor in known
+        if not implausible(flight, motor.motor)
+        and (since is None or flight.date_time is None or flight.date_time.date() >= since)
+    ]
     if not usable:
         raise NoFlights(f"{path}: found no flight with a dry mass and a known motor, expected at least one")
     dated = sorted(usable, key=lambda one: (one[0].date_time is not None, str(one[0].date_time or "")))
@@ -62,7 +74,9 @@ def read_flyer(path: Path, motors: Catalogue) -> Flyer:
     return Flyer(path.stem, dated, digests)
 
 
-def learn(flyers: Sequence[Flyer], *, afresh: bool = False, tell: Tell = untold) -> Hyperprior:
+def learn(
+    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, tell: Tell = untold
+) -> Hyperprior:
     """The hyperprior that the flights of some flyers ask for, from the one in use, or `afresh` from `START`."""
     from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 
@@ -71,7 +85,7 @@ def learn(flyers: Sequence[Flyer], *, afresh: bool = False, tell: Tell = untold)
     found = learn_hyperprior(fleets, start, FULL_ROUNDS, FULL_STEPS, tell=tell)
     about = {
         "name": "hyperprior",
-        "command": f"fieldkit learn {'--afresh ' if afresh else ''}{' '.join(flyer.name for flyer in flyers)}",
+        "command": " ".join(["fieldkit learn", *_options(afresh, since), *(flyer.name for flyer in flyers)]),
         "made_with": {"fieldkit": __version__},
         "data": [
             {"flyer": flyer.name, "flights": len(flyer.flown), "rockets": len(flyer.rockets), "sha256": flyer.digests}
@@ -80,6 +94,10 @@ def learn(flyers: Sequence[Flyer], *, afresh: bool = False, tell: Tell = untold)
         "log_evidence": {"before": evidence(fleets, start), "after": evidence(fleets, found)},
     }
     return replace(found, about=about)
+
+
+def _options(afresh: bool, since: date | None) -> list[str]:
+    return ["--afresh"] * afresh + [f"--since {since}"] * (since is not None)
 
 
 @dataclass(frozen=True, slots=True)
