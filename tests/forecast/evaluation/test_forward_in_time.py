@@ -60,7 +60,7 @@ def test_a_later_flight_changes_no_earlier_forecast(found: list[Forecast]) -> No
         for name, draws in own.rivals.items():
             np.testing.assert_array_equal(draws, other.rivals[name])
     assert changed[4].p50 != found[4].p50
-    assert changed[5].p50 < found[5].p50
+    assert changed[5].p50 != found[5].p50
 
 
 def test_a_fleet_informs_a_first_flight(found: list[Forecast]) -> None:
