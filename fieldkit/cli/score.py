@@ -88,7 +88,7 @@ def score(
         say_wrapped(
             f"First flights of a rocket: {len(first.rows)}, each forecast from those of other rockets before it"
         )
-        _print(first)
+        _print(first, placed=False)
         say()
     if corrected := corrected_coverage(rows):
         say_wrapped(
@@ -99,8 +99,8 @@ def score(
     say_wrapped(f"The next flight stacked would be {parts}.")
 
 
-def _print(found: "Report") -> None:
-    """Scores of each way, the difference to each rival, the verdicts, and calibration."""
+def _print(found: "Report", *, placed: bool = True) -> None:
+    """Scores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
     from fieldkit.presentation.score_text import (
         DIFFERENCES,
         WAYS,
@@ -112,12 +112,14 @@ def _print(found: "Report") -> None:
     )
 
     print_table(WAYS, way_rows(found), numbers=WAYS[1:])
-    say(f"errors, CRPS and interval scores in percent of the apogee flown; the CRPS is {found.crps:.1f} m")
+    say_wrapped(f"all in percent of the apogee flown; fieldkit's CRPS is {found.crps:.1f} m")
     say()
     print_table(DIFFERENCES, difference_rows(found), numbers=DIFFERENCES[1:])
-    say("90 % bootstrap intervals in percent of the apogee flown, * where zero is outside")
+    say_wrapped("90 % bootstrap intervals in percent of the apogee flown, * where zero is outside")
     for line in (*verdict_lines(found), *against_the_bar(found)):
         say_wrapped(line, "  ")
+    if not placed:
+        return
     say()
     for line in histogram(found.calibration):
         say_wrapped(line)

@@ -77,7 +77,9 @@ def against_the_bar(found: "Report") -> Iterator[str]:
 
 
 def _errors(one: "Against", mean: str = "mean error ") -> str:
-    return f"{mean}{one.error.ours:.1%} against {one.error.theirs:.1%} on {one.flights} flights"
+    return (
+        f"{mean}{one.error.ours:.1%} against {one.error.theirs:.1%} on {one.flights} flight{'s' * (one.flights != 1)}"
+    )
 
 
 def histogram(found: "Calibration") -> Iterator[str]:

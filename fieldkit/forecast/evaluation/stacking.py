@@ -97,7 +97,7 @@ def stacked(
     Each way gets its share of them, to the nearest whole number, at evenly spaced levels of its own distribution.
     """
     ends = np.rint(np.cumsum(weights) / np.sum(weights) * len(draws)).astype(int)
-    counts = np.diff(ends, prepend=0)
+    counts = np.diff(ends, prepend=0).tolist()
     parts = [_even(way, count) for way, count in zip((draws, *rivals), counts, strict=True)]
     return np.sort(np.concatenate(parts))
 

@@ -1,0 +1,165 @@
+"""The model beside its rivals on the same flights: scores, differences, verdicts, and how they are reported."""
+
+import json
+from dataclasses import replace
+from datetime import datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.comparison import OWN, against, judged_report, tally
+from fieldkit.forecast.evaluation.forward_in_time import Forecast
+from fieldkit.ledger import Ledger
+from fieldkit.presentation.report.score import check_picture, write_picture
+from fieldkit.presentation.score_text import against_the_bar, verdict_lines
+
+CHECK_SHAPES = False
+
+LEVELS = (np.arange(400) + 0.5) / 400
+
+
+def season(count: int, bias: float = 0.0, wide: float = 1.0, seed: int = 1, rocket: str = "Astra") -> list[Forecast]:
+    """Forecasts of flights that scatter by 5 %, off by a share and as wide as they should be times `wide`."""
+    from scipy.special import ndtri
+
+    rng = np.random.default_rng(seed)
+    rows = []
+    for number in range(count):
+        flown = float(200 * np.exp(0.05 * rng.normal()))
+        middle = 200 * (1 + bias)
+        draws = middle * np.exp(0.05 * wide * ndtri(LEVELS))
+        low, high = middle * np.exp(np.array([-1, 1]) * 0.05 * wide * 1.645)
+        when = datetime(2026, 1, 1) + timedelta(days=number)
+        points = {"uncalibrated": 260.0, "flight_before": 230.0 if number % 2 else 170.0, "scalar": 206.0}
+        rivals = {name: np.array([point]) for name, point in points.items()}
+        rows.append(Forecast(rocket, str(number), "F24-4", 3, flown, low, middle, high, draws, rivals, when))
+    return rows
+
+
+def test_the_scores_of_every_way_are_those_of_its_draws() -> None:
+    rows = season(40)
+    own, point = tally(rows, OWN), tally(rows, "uncalibrated")
+    flown = np.array([row.flown for row in rows])
+    assert point.mean_share == pytest.approx(np.mean(260 / flown - 1))
+    assert point.crps == pytest.approx(point.mean_share)
+    assert point.interval_score == pytest.approx(20 * point.mean_share)
+    assert (point.coverage90, point.bias) == (0.0, pytest.approx(np.mean(260 - flown)))
+    assert own.crps < own.mean_share
+    assert own.coverage90 == np.mean([row.p05 <= row.flown <= row.p95 for row in rows])
+    assert tally(rows, "fleet_ratio").flights == 0
+
+
+def test_shares_below_are_even_where_forecasts_are_right_and_not_where_they_are_narrow() -> None:
+    right, narrow = (judged_report(season(400, wide=wide, seed=2)).calibration for wide in (1.0, 0.4))
+    assert all(one.honest for one in right.intervals)
+    low, high = right.expected
+    assert sum(low <= count <= high for count in right.counts) >= 8
+    assert not any(one.honest for one in narrow.intervals)
+    assert narrow.counts[0] > high < narrow.counts[-1]
+    assert sum(narrow.counts) == 400
+
+
+def test_rivals_are_compared_on_the_same_flights_with_an_interval() -> None:
+    found = {one.rival: one for one in judged_report(season(40)).against}
+    one = found["uncalibrated"]
+    assert (one.verdict, one.crps.verdict, one.interval_score.verdict) == ("better",) * 3
+    assert one.error.less == pytest.approx(one.error.theirs - one.error.ours)
+    low, high = one.error.interval
+    assert 0 < low < one.error.less < high
+    assert found["flight_before"].flights == 40
+    assert found.keys() == {"uncalibrated", "flight_before", "scalar"}
+    half = [replace(row, rivals={} if number % 2 else row.rivals) for number, row in enumerate(season(40))]
+    assert against(half, "scalar").flights == 20
+
+
+def test_where_the_scalar_correction_is_better_it_is_said() -> None:
+    rows = season(30, bias=0.15) + season(30, seed=2, rocket="Luna")
+    report = judged_report(rows)
+    assert against(season(30, bias=0.15), "scalar").verdict == "worse"
+    assert [rocket for rocket, _ in report.behind] == ["Astra"]
+    assert any("Not beaten on Astra" in line and "chance" not in line for line in against_the_bar(report))
+    assert any(line.startswith("WORSE than: scalar") for line in verdict_lines(judged_report(rows[:30])))
+    few = judged_report(season(3, bias=0.15))
+    assert {one.verdict for one in few.against} == {"unclear"}
+
+
+def test_a_rival_with_a_spread_is_scored_by_it() -> None:
+    rows = season(20)
+    same = [replace(row, rivals={"scalar": row.draws}) for row in rows]
+    assert against(same, "scalar").crps.less == pytest.approx(0.0)
+    assert against(rows, "scalar").crps.less > 0
+
+
+def test_a_report_of_no_flights_is_empty() -> None:
+    found = judged_report([])
+    assert (found.ways, found.against, found.behind) == ((), (), ())
+
+
+def test_the_whole_ledger_is_scored_and_one_rocket_of_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    base = Flight(config="A", motor="F24-4W", dry_mass=0.32, diameter=0.066)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        for number, rocket in enumerate(("Astra", "Luna", "Astra", "Luna")):
+            when = datetime(2026, 5, 1 + number)
+            ledger.add([base.with_changes(flight_id=str(number), rocket=rocket, date_time=when, apogee=210.0 + number)])
+    monkeypatch.setenv("COLUMNS", "80")
+    arguments = ["--ledger", str(tmp_path / "ledger.db"), "score"]
+    assert main([*arguments, "--json"]) == 0
+    whole = json.loads(capsys.readouterr().out)
+    assert [row["flight_id"] for row in whole["flights"]] == ["2", "3"]
+    assert [row["flight_id"] for row in whole["first_flights"]["flights"]] == ["0", "1"]
+    assert {
+        "flights",
+        "errors",
+        "coverage90",
+        "corrected",
+        "evaluation",
+        "rivals",
+        "calibration",
+        "kept",
+    } <= whole.keys()
+    assert whole["stacking"]["weights"] == {"fieldkit": 1.0, "fleet_ratio": 0.0, "scalar": 0.0}
+    assert whole["flights"][0]["persistence"] == 210.0
+    assert {one["rival"] for one in whole["rivals"]} >= {"uncalibrated", "scalar", "fleet_ratio", "stacked"}
+    assert main([*arguments, "--rocket", "Luna", "--json"]) == 0
+    one = json.loads(capsys.readouterr().out)
+    assert one["flights"][0]["p50"] == whole["flights"][1]["p50"]
+    assert [row["rocket"] for row in one["flights"]] == ["Luna"]
+    assert main(arguments) == 0
+    out = capsys.readouterr().out
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+    assert "First flights of a rocket: 2" in out
+
+
+def test_another_hyperprior_is_scored_and_nothing_kept(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from fieldkit.model.hyperprior import learned
+
+    card = tmp_path / "card.json"
+    card.write_text(json.dumps(learned().with_sds(drag__rocket=0.02, drag__fleet=0.02).json()))
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([Flight("1", "Astra", motor="F24-4W", dry_mass=0.32, diameter=0.066, apogee=210.0)])
+    arguments = ["--ledger", str(file), "score", "--json"]
+    assert main([*arguments, "--hyperprior", str(card)]) == 0
+    narrow = json.loads(capsys.readouterr().out)["first_flights"]["flights"][0]
+    with Ledger.open(file) as ledger:
+        assert ledger.predictions() == []
+    assert main(arguments) == 0
+    own = json.loads(capsys.readouterr().out)["first_flights"]["flights"][0]
+    assert narrow["p95"] / narrow["p05"] < 0.9 * own["p95"] / own["p05"]
+    assert main([*arguments, "--hyperprior", str(tmp_path / "none.json")]) == 1
+    assert "expected a hyperprior card" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["png", "pdf"])
+def test_the_calibration_is_drawn(tmp_path: Path, kind: str) -> None:
+    file = tmp_path / f"score.{kind}"
+    write_picture({"kept": None, "replayed": judged_report(season(12))}, file)
+    assert file.read_bytes()[:4] == {"png": b"\x89PNG", "pdf": b"%PDF"}[kind]
+    with pytest.raises(BadValue, match=r"found 'score\.doc'"):
+        check_picture(Path("score.doc"))

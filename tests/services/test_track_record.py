@@ -1,0 +1,55 @@
+"""Kept predictions are scored against what was known when they were made."""
+
+import json
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.flight import Flight
+from fieldkit.forecast.evaluation.forward_in_time import unflown
+from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
+from fieldkit.services import forecasts
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.saved_forecasts import kept
+from fieldkit.services.track_record import as_planned, record
+
+CHECK_SHAPES = False
+
+
+def test_a_kept_prediction_is_scored_against_what_was_known_then(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    base = Flight("1", "Astra", "A", "F24-4W", datetime(2026, 5, 1), dry_mass=0.32, diameter=0.066, apogee=250.0)
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([base])
+        predict_plans(ledger, catalogue(), [unflown(base).with_changes(flight_id="3", dry_mass=0.35)])
+        ledger.add([base.with_changes(flight_id="2", apogee=240.0)])
+        ledger.add([base.with_changes(flight_id="3", dry_mass=0.36, apogee=230.0)])
+        made = kept(ledger, catalogue())
+        (row,) = record(ledger, catalogue(), made)
+        plan = as_planned(base, made[0].made.payload["made_from"])
+        ledger.tag("3", "off_axis")
+        assert record(ledger, catalogue(), kept(ledger, catalogue())) == []
+        ledger.undo()
+    assert (row.earlier, row.rivals["flight_before"].tolist(), row.flown) == (1, [250.0], 230.0)
+    assert (plan.dry_mass, plan.apogee) == (pytest.approx(0.35), None)
+    assert row.rivals["scalar"][0] > 0
+    assert len(row.draws) == forecasts.LIKELY
+    assert made[0].stale
+    picture = tmp_path / "score.svg"
+    monkeypatch.setenv("COLUMNS", "80")
+    arguments = ["--ledger", str(tmp_path / "ledger.db"), "score"]
+    assert main([*arguments, "--out", str(picture)]) == 0
+    out = capsys.readouterr().out
+    assert "Predictions kept, made before the flight: 1" in out
+    assert "these flights cannot tell" in " ".join(out.split())
+    assert [line for line in out.splitlines() if len(line) > 80] == []
+    assert picture.read_bytes().startswith(b"<?xml")
+    assert main([*arguments, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["kept"]["stale"] == 1
+    assert {"flights", "errors", "coverage90", "corrected", "evaluation", "rivals", "calibration"} <= document.keys()
+    assert document["flights"][0]["pit"] == pytest.approx(document["flights"][0]["pit"])
