@@ -38,7 +38,9 @@ def learn(
     since: Annotated[
         datetime | None,
         typer.Option(
-            formats=["%Y-%m-%d"], help="Leave out what was flown before, when heights were estimated.", show_default=False
+            formats=["%Y-%m-%d"],
+            help="Leave out what was flown before, when heights were estimated.",
+            show_default=False,
         ),
     ] = None,
     force: Force = False,

@@ -12,8 +12,8 @@ from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.motors import Catalogue
 from fieldkit.services.imports.companion_files import sorted_out
 from fieldkit.services.imports.gather import Gathered, gather
-from fieldkit.services.plausible_flights import implausible_flights
 from fieldkit.services.imports.view import FileView
+from fieldkit.services.plausible_flights import implausible_flights
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
