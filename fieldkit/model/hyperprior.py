@@ -2,8 +2,8 @@
 
 Every quantity of the model (drag, thrust, mass, burn, delay, and each readout's own discrepancy) is a mean plus random
 effects: of the flyer's whole fleet, the rocket, its configuration, the motor type, the rocket on that motor, the day
-and the single flight. All but delay and the time to ejection are logarithms of ratios [1]; these two are in the units named
-below. This module is the one place where their standard deviations are stated.
+and the single flight. All but delay and the time to ejection are logarithms of ratios [1]; these two are in the units
+named below. This module is the one place where their standard deviations are stated.
 
 `learned` is the card that `fieldkit learn` wrote: marginal likelihood of real flights. `certified` is the same model
 given that motors, masses and devices are what their papers say, as the search for effects needs it: there an effect and
@@ -206,8 +206,8 @@ START = Hyperprior(
 )
 """What learning begins from, and stays near where flights cannot tell: round figures from before any real flight was
 looked at. Cd as in `CERTIFIED`; motor types within 5 % of their certificate (the tests that certify them differ by
-that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not always
-weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each other in
+that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not
+always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each other in
 noise (`reading`) stays a judgment: the open flights come from one."""
 
 

@@ -20,8 +20,8 @@ class Data:
     """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
 
     `sd` is the expected error of each readout, or that which is recorded of it; `seen` marks what was recorded on
-    flights used in the fit. `trust` is the expected precision of each residual over that of an ordinary one: less than 1 for an
-    outlier.
+    flights used in the fit. `trust` is the expected precision of each residual over that of an ordinary one: less than
+    1 for an outlier.
     """
 
     values: Float[Array, "flight readout"]
