@@ -8,6 +8,7 @@ import numpy as np
 from fieldkit.analysis.ascent import Ascent, ascend
 from fieldkit.analysis.channels import SPOKEN, Heights, Push, heights, is_clipped, pushes
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
+from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
@@ -123,9 +124,11 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     down = _down(log, apogee[0], lift, burnout) if apogee else _Part()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
-    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
     climb = climb_of(log.ascent, begin, burnout, end, log.source)
     free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
+    if lift and burnt and apogee:
+        figures |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
+    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
     pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
     return Recorded(events, known, climb, pressed, (*top.notes[:1], *boost.notes, *top.notes[1:], *down.notes))
 
