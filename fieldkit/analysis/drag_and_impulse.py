@@ -67,7 +67,8 @@ _STEPS = np.array([0.02, 0.2, 0.02, 0.02])
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Fit:
-    """Time [s] and height [m] of apogee, logarithms of drag in 1/m and of the scale of heights, with their covariance."""
+    """Time [s] and height [m] of apogee, logarithms of drag in 1/m and of the scale of heights, with their covariance;
+    and the samples that they are fitted to, with their weights [1/m^2]."""
 
     values: Float[Array, "four"]
     covariance: Float[Array, "four four"]

@@ -58,7 +58,9 @@ def table_headers(flights: Iterable[Flight]) -> list[str]:
     extra = dict.fromkeys(name for flight in flights for name in flight.extra)
     known = [*TEXT_COLUMNS[:5], *(c.header for c in SETUP), "site", *(c.header for c in CONDITIONS)]
     for column in MEASURED:
-        known += [column.header] * (column in READOUTS or any(flight.number(column.name) is not None for flight in flights))
+        known += [column.header] * (
+            column in READOUTS or any(flight.number(column.name) is not None for flight in flights)
+        )
         known += [column.sd_header] * any(column.name in flight.sd for flight in flights)
         known += [column.source_header] * any(column.name in flight.source for flight in flights)
     return list(dict.fromkeys([*known, "tags", "notes", "log", *extra]))

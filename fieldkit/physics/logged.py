@@ -1,10 +1,10 @@
-"""What the samples of a simulated flight would show of drag and impulse, as `fieldkit.analysis.drag_and_impulse` has it."""
+"""What samples of a simulated flight would show of drag and impulse, as in `fieldkit.analysis.drag_and_impulse`."""
 
 import numpy as np
 
 from fieldkit.physics.forces import Pull
 from fieldkit.physics.state import Flown, Setup
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Float
 
 _PARTS = (0.2, 0.4, 0.6, 0.8)
 """Of the speed after burnout, at which drag that is not in proportion to v² is looked at. [1]"""
