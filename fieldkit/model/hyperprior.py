@@ -207,8 +207,8 @@ START = Hyperprior(
 """What learning begins from, and stays near where flights cannot tell: round figures from before any real flight was
 looked at. Cd as in `CERTIFIED`; motor types within 5 % of their certificate (the tests that certify them differ by
 that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not
-always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each other in
-noise (`reading`) stays a judgment: the open flights come from one."""
+always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each
+other in noise (`reading`) stays a judgment: the open flights come from one."""
 
 
 def certified() -> Hyperprior:
