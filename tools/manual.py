@@ -1,8 +1,8 @@
 """Writes the pages of the manual that follow from the program: `python tools/manual.py`.
 
 `commands.md` from the command line and `docs/examples.sh`, `effects.md` from the shelf of effects, `models.md` from the
-cards of the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the first words of the code. A test
-compares them with what is there.
+cards of the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the
+first words of the code. A test compares them with what is there.
 """
 
 import ast
@@ -203,7 +203,7 @@ def prior_table() -> str:
     ]
     means = [f"| {name.replace('_', ' ')} | {START.mean(name):.3f} | {card.mean(name):.3f} |" for name in card.means]
     data = [
-        f"| {one['flyer'].replace('_', ' ')} | {one['flights']} | {one['rockets']} | {' '.join(_digests(one['sha256']))} |"
+        f"| {one['flyer'].replace('_', ' ')} | {one['flights']} | {one['rockets']} | {_digests(one['sha256'])} |"
         for one in card.about["data"]
     ]
     return f"""# Every prior and noise figure
@@ -211,9 +211,9 @@ def prior_table() -> str:
 The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
 rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
 deviations of these effects are the hyperprior. *Start* are the round figures that learning begins from, *learned* what
-real flights made of them, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop takes as given
-while it looks for an effect: motors, masses and devices as their papers say, so that an effect and not the plain model
-has to account for what is off. {WRITTEN_BY}
+real flights made of them, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop takes as
+given while it looks for an effect: motors, masses and devices as their papers say, so that an effect and not the plain
+model has to account for what is off. {WRITTEN_BY}
 
 | of | differs by | start | learned | search | what it is of, and its source |
 |---|---|---|---|---|---|
@@ -226,7 +226,8 @@ has to account for what is off. {WRITTEN_BY}
 Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
 factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
 by another ({card.reading.log_sd:g}, a judgment: the open flights come from one device). Single flights and readouts
-follow a Student t with {card.tail:g} degrees of freedom. A readout with a standard deviation of its own has that instead.
+follow a Student t with {card.tail:g} degrees of freedom. A readout with a standard deviation of its own has that
+instead.
 
 | readout | learned | search |
 |---|---|---|
@@ -251,8 +252,8 @@ their own.
 {chr(10).join(_left_out_tables(card.about.get("scores", {})))}"""
 
 
-def _digests(digests: Mapping[str, str]) -> list[str]:
-    return [f"`{digest[:12]}`" for digest in digests.values()]
+def _digests(digests: Mapping[str, str]) -> str:
+    return " ".join(f"`{digest[:12]}`" for digest in digests.values())
 
 
 def _random_effect(name: str, card: Hyperprior, given: Hyperprior) -> str:
@@ -269,8 +270,8 @@ def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
 ## Rockets left out
 
 Each rocket's flights are forecast, each from those before it, with a hyperprior that was learned without any flight of
-that rocket. What the other rockets of its flyer had flown before is known. In per cent of the apogee flown; the interval
-score is of the 90 % interval."""
+that rocket. What the other rockets of its flyer had flown before is known. In per cent of the apogee flown; the
+interval score is of the 90 % interval."""
     for flyer, tables in scores.items():
         for title, rows in tables.items():
             yield f"\n### {flyer.replace('_', ' ')}: {title}\n"
