@@ -12,6 +12,9 @@ fieldkit ork skylark.ork
 fieldkit paper
 fieldkit study reference --out reference-study.md
 fieldkit study rockets --out rockets.md
+# how far rockets, motors and flights differ, from the exports of a club's flyers; each rocket forecast without it
+fieldkit learn anna.csv ben.csv --check --out club.json
+fieldkit learn anna.csv ben.csv --keep
 # the shipped field ensemble, anew, with its verdict
 fieldkit train --report --recipe field --schedule published --seed 1 --n-train 1000000 --out DIR
 # the reference paper's ensemble, anew: needs the extra named train

@@ -1,8 +1,8 @@
 """Writes the pages of the manual that follow from the program: `python tools/manual.py`.
 
 `commands.md` from the command line and `docs/examples.sh`, `effects.md` from the shelf of effects, `models.md` from the
-cards of the trained ensembles, `map.md` from the layers in `pyproject.toml` and the first words of the code. A test
-compares them with what is there.
+cards of the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the
+first words of the code. A test compares them with what is there.
 """
 
 import ast
@@ -21,6 +21,7 @@ from typer.main import get_command
 
 from fieldkit.cli.main import app
 from fieldkit.inference.network.ensemble import read_card
+from fieldkit.model.hyperprior import READOUTS, START, Hyperprior, certified, learned
 from fieldkit.physics.effect import Effect, Prior, effects
 from fieldkit.plugins import trained, trained_digests, trained_folder
 
@@ -172,6 +173,124 @@ def _told(value: Any) -> str:
     return f"`{value}`" if "--" in str(value) else str(value)
 
 
+SOURCES = {
+    "drag": "log Cd: rockets from 0.35 to 1.1 (Mandell et al., 1973; Hoerner, 1965)",
+    "thrust": "log of delivered over certified impulse; lots within 2 to 3 % (NFPA 1125 allows 10 % in a test)",
+    "mass": "log of the mass flown over the mass written down: altimeter, recovery, wadding",
+    "stretch": "log of the burn over the certified one",
+    "delay": "log of the delay over the printed one (NFPA 1125: within 20 %, at most 3 s)",
+    "tilt": "launch angle of a single flight, in units of 5 degrees, squared",
+    "apogee": "log of the apogee over what drag, thrust and mass make of it",
+    "top_speed": "log of what the device shows over the simulated one",
+    "burn_time": "as top speed",
+    "peak_accel": "as top speed",
+    "coast_to_apogee": "as top speed",
+    "apogee_to_eject": "what the device shows less the simulated one [s]",
+    "coast_drag": "log of the drag that a log shows over the simulated one: a climb 15 degrees from vertical brakes by 3.5 % more",
+    "burn_impulse": "log of the impulse over mass that a log shows over the simulated one: such a climb gains 3 % less",
+}
+"""What a random effect is of, and where the figure that learning begins from is from."""
+
+
+def prior_table() -> str:
+    """Every prior and noise figure of the model, with its source, and how forecasts with it fared."""
+    card, given = learned(), certified()
+    names = list(dict.fromkeys([*card.sds, *given.sds]))
+    rows = [_random_effect(name, card, given) for name in names]
+    noise = [
+        f"| {readout.replace('_', ' ')} | {fixed:.3g} {unit}, {ratio:.3g} | {fixed2:.3g} {unit}, {ratio2:.3g} |"
+        for readout, unit, fixed, ratio, fixed2, ratio2 in zip(
+            READOUTS, ("m", "m/s", "s", "m/s²", "s", "s", "1/m", "m/s"), card.fixed, card.ratio, given.fixed, given.ratio, strict=True
+        )
+    ]
+    means = [f"| {name.replace('_', ' ')} | {START.mean(name):.3f} | {card.mean(name):.3f} |" for name in card.means]
+    data = [
+        f"| {one['flyer'].replace('_', ' ')} | {one['flights']} | {one['rockets']} | {_digests(one['sha256'])} |"
+        for one in card.about["data"]
+    ]
+    return f"""# Every prior and noise figure
+
+The model behind every forecast: the logarithm of each quantity is a mean plus random effects of the flyer's fleet, the
+rocket, its configuration, the motor type, the rocket on that motor, the day and the single flight. The standard
+deviations of these effects are the hyperprior. *Start* are the round figures that learning begins from, *learned* what
+real flights made of them, `fieldkit/data/hyperprior.json`, which forecasts use. *Search* is what the loop takes as
+given while it looks for an effect: motors, masses and devices as their papers say, so that an effect and not the plain
+model has to account for what is off. {WRITTEN_BY}
+
+| of | differs by | start | learned | search | what it is of, and its source |
+|---|---|---|---|---|---|
+{chr(10).join(rows)}
+
+| mean over all flyers of | start | learned |
+|---|---|---|
+{chr(10).join(means)}
+
+Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
+factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
+by another ({card.reading.log_sd:g}, a judgment: the open flights come from one device). Single flights and readouts
+follow a Student t with {card.tail:g} degrees of freedom. A readout with a standard deviation of its own has that
+instead.
+
+| readout | learned | search |
+|---|---|---|
+{chr(10).join(noise)}
+
+The log frontal area of a rocket whose diameter was not recorded has a standard deviation of {card.unknown_area:.2f}
+(learned together with that of drag), {given.unknown_area:g} in the search. The parachute opens in
+{card.opening[0]:g} ± {card.opening[1]:g} s.
+
+Priors of the strength of each effect are in [the effects](effects.md), those of the networks' simulated flights in
+[the trained ensembles](models.md): these networks were trained before this hyperprior was learned and have priors of
+their own.
+
+## What it was learned from
+
+`{card.about["command"]}`, log evidence {card.about["log_evidence"]["before"]:.1f} with the start,
+{card.about["log_evidence"]["after"]:.1f} with what was learned.
+
+| flyer | flights | rockets | sha256 of the files |
+|---|---|---|---|
+{chr(10).join(data)}
+{chr(10).join(_left_out_tables(card.about.get("scores", {})))}"""
+
+
+def _digests(digests: Mapping[str, str]) -> str:
+    return " ".join(f"`{digest[:12]}`" for digest in digests.values())
+
+
+def _random_effect(name: str, card: Hyperprior, given: Hyperprior) -> str:
+    quantity, _, level = name.partition(".")
+    cells = [f"{one.sds[name]:.3g}" if one.sds.get(name) else "" for one in (START, card, given)]
+    return f"| {quantity.replace('_', ' ')} | {level.replace('_', ' x ')} | {' | '.join(cells)} | {SOURCES[quantity]} |"
+
+
+def _left_out_tables(scores: Mapping[str, Any]) -> Iterator[str]:
+    """How rockets were forecast that the hyperprior had not seen, beside simpler ways."""
+    if not scores:
+        return
+    yield """
+## Rockets left out
+
+Each rocket's flights are forecast, each from those before it, with a hyperprior that was learned without any flight of
+that rocket. What the other rockets of its flyer had flown before is known. In per cent of the apogee flown; the
+interval score is of the 90 % interval."""
+    for flyer, tables in scores.items():
+        for title, rows in tables.items():
+            yield f"\n### {flyer.replace('_', ' ')}: {title}\n"
+            yield "| forecast by | flights | median error | mean error | bias | CRPS | interval score | coverage |"
+            yield "|---|---|---|---|---|---|---|---|"
+            for row in rows:
+                figures = (
+                    row["median_share"],
+                    row["mean_share"],
+                    row["median_bias"],
+                    row["crps"],
+                    row["interval_score"],
+                )
+                cells = " | ".join(f"{100 * figure:.1f}" for figure in figures)
+                yield f"| {row['name']} | {row['flights']} | {cells} | {row['coverage90']:.0%} |"
+
+
 def code_map() -> str:
     """Where what is in the code: a row a package, those that may import others above those."""
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
@@ -217,7 +336,8 @@ def _first_words(name: str) -> str:
 
 def pages() -> Iterator[tuple[Path, str]]:
     """Every page that this writes, with its text."""
-    for name, write in {"commands": commands, "effects": effect_table, "models": model_cards, "map": code_map}.items():
+    written = {"commands": commands, "effects": effect_table, "models": model_cards, "map": code_map}
+    for name, write in {**written, "priors": prior_table}.items():
         yield DOCS / f"{name}.md", write()
 
 

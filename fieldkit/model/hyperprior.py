@@ -213,10 +213,10 @@ START = Hyperprior(
 """What learning begins from, and stays near where flights cannot tell: round figures from before any real flight was
 looked at. Cd as in `CERTIFIED`; motor types within 5 % of their certificate (the tests that certify them differ by
 that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not
-always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each other in
-noise (`reading`) stays a judgment: the open flights come from one. What a log shows of drag and impulse has the
-standard deviation that analysis gives it (`ratio` is for one that was lost); beside it a rocket that climbs 15 degrees
-from vertical brakes by 1/cos 15 = 1.035 of its drag and gains cos 15 = 0.97 of its impulse."""
+always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each
+other in noise (`reading`) stays a judgment: the open flights come from one. What a log shows of drag
+and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it a rocket
+that climbs 15 degrees from vertical brakes by 1/cos 15 = 1.035 of its drag and gains cos 15 = 0.97 of its impulse."""
 
 
 def certified() -> Hyperprior:

@@ -13,6 +13,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 
 from fieldkit.model.field_features import closed_form
+from fieldkit.model.hyperprior import START
 from fieldkit.model.observations import (
     ALPHA_RANGE,
     ALPHA_SD,
@@ -42,7 +43,7 @@ THRUST_TO_WEIGHT = (2.2, 30.0)
 """Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
 STEPS = 8
 """Fewest steps of the integrator in a burn; the knots of most curves ask for more."""
-TAIL = 4.0
+TAIL = START.tail
 """Degrees of freedom of what scatters with tails: now and then a motor or a reading is far off. [1]"""
 DELAY_SPREAD = 0.3
 """Of a delay beside its share, standard deviation: short ones scatter by more than a tenth. [s]"""

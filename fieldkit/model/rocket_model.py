@@ -75,8 +75,8 @@ class Model:
 
     `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms
     they have in common with this one. A `coarse` one flies by `COARSE` curves and steps: to fit flights, or for
-    hundreds of motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer chooses among
-    share one.
+    hundreds of motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer
+    chooses among share one.
     """
 
     flights: tuple[Flight, ...]

@@ -20,7 +20,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, untold
-from fieldkit.services.plausible_flights import followed
+from fieldkit.services.plausible_flights import followed, implausible_flights
 from fieldkit.services.provenance import TEACHES, Parts
 from fieldkit.services.saved_forecasts import Kept
 
@@ -37,7 +37,9 @@ def replayed(
 
     With `rocket` its flights alone are forecast, and their intervals corrected and stacked by how they alone fared.
     """
-    flights = followed(ledger.flights(), motors)
+    known = ledger.flights()
+    ledger.remark(*implausible_flights(known, motors))
+    flights = followed(known, motors)
     return corrected_by_earlier(with_stacked(forward(flights, rocket, hyperprior=hyperprior, tell=tell)))
 
 

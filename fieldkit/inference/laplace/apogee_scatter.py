@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from fieldkit.model.hyperprior import CERTIFIED
 from fieldkit.shapes import Array, Flags, Float
 
-TAIL = 4.0
+TAIL = CERTIFIED.tail
 """Degrees of freedom of the distribution that single flights are taken to have. [1]"""
 FACTORS = np.geomspace(0.5, 3.5, 16)
 """The apogee's own scatter over what the fit says. [1]"""
@@ -52,11 +53,3 @@ def apogee_spread(
 
 def _weights(log_weight: Array) -> Array:
     return np.asarray(np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0)))
-
-
-def tails(draws: int, rng: np.random.Generator) -> Float[Array, "draw"]:
-    """By what the scatter of a flight to come is multiplied, for it to be a Student t of unit variance and not normal.
-
-    A Student t is a normal over the root of a chi squared share, and has the variance nu / (nu - 2).
-    """
-    return np.asarray(np.sqrt((TAIL - 2) / rng.chisquare(TAIL, draws)))
