@@ -4,7 +4,7 @@ import numpy as np
 
 from fieldkit.physics.forces import Pull
 from fieldkit.physics.state import Flown, Setup
-from fieldkit.shapes import Float
+from fieldkit.shapes import Array, Float
 
 _PARTS = (0.2, 0.4, 0.6, 0.8)
 """Of the speed after burnout, at which drag that is not in proportion to v² is looked at. [1]"""

@@ -118,7 +118,7 @@ def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) 
         since = (t - rocket.burn - rocket.delay) / rocket.opening
         if since > 0:
             area += min(since, 1.0) * 2 * rocket.mass * GRAVITY / (1.2 * rocket.sink**2)
-        return (thrust(t) - 0.5 * rho * area * v * abs(v)) / mass(t)
+        return float((thrust(t) - 0.5 * rho * area * v * abs(v)) / mass(t))
 
     t, h, v, rows = 0.0, 0.0, 0.0, []
     step = STEP

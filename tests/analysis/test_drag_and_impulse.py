@@ -1,15 +1,20 @@
 """What a coast says of drag and a burn of impulse, on flights that are known to the last meter."""
 
+import json
 from dataclasses import replace
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from fieldkit.analysis import Recorded, columns, measure
 from fieldkit.flight import Flight
+from fieldkit.importing.read import read
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.rows import same
 from fieldkit.model.hyperprior import learned
 from fieldkit.model.readout_data import observe
 from fieldkit.model.rocket_model import base_model, has_logs, shown
@@ -18,6 +23,7 @@ from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.flight import fly as simulate
 from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.setups import field_setup
+from fieldkit.presentation.export import csv_table, document
 from tests.analysis.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 
 LOGGERS = {
@@ -36,8 +42,13 @@ LOGGERS = {
 }
 """Recorders of several makes, by what is wrong with them."""
 ROCKETS = {"tiny": TINY, "small": SMALL, "large": LARGE, "fast": FAST}
-TEN = {"coast_drag": None, "burn_impulse": None, "sd": {}, "source": {}}
+TEN: dict[str, object] = {"coast_drag": None, "burn_impulse": None, "sd": {}, "source": {}}
 """What turns a logged flight into one whose ten readouts were typed."""
+
+
+LAW = Flight("1", "Law", motor="F24-4W", apogee=281.3, coast_drag=0.0031, burn_impulse=118.2).with_changes(
+    sd={"coast_drag": 6e-5, "burn_impulse": 2.3}, source={"coast_drag": "baro", "burn_impulse": "accel"}
+)
 
 
 def drag_of(rocket: Rocket, mass: float | None = None) -> float:
@@ -203,3 +214,22 @@ def test_flights_without_a_log_have_no_terms_for_it() -> None:
     assert not {"coast_drag", "burn_impulse"} & set(model.names)
     values = np.array([[term.mean for term in model.terms]])
     assert np.isnan(shown(model, values, {})["coast_drag"]).all()
+
+
+def test_what_a_log_shows_comes_back_from_the_ledger_and_from_exports(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([LAW])
+        assert ledger.flight("1") == LAW
+    texts = {"csv": csv_table([LAW]), "json": json.dumps({"flights": [document(LAW)]})}
+    assert "coast_drag_pkm,coast_drag_sd_pkm,coast_drag_source,burn_impulse_mps" in texts["csv"]
+    for ending, text in texts.items():
+        (flight,) = read(text.encode(), f"flights.{ending}", lambda name: "").flights
+        assert same(flight, LAW)
+    assert "coast_drag" not in csv_table([LAW.with_changes(coast_drag=None)])
+
+
+def test_a_plan_is_made_of_a_logged_flight_without_what_its_log_shows() -> None:
+    """A forecast of it must not be made from itself."""
+    bare = LAW.with_changes(**dict.fromkeys(LAW.readouts()))
+    assert not has_logs([bare])
+    assert (bare.sd, bare.source) == ({}, {})
