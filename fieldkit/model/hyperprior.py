@@ -64,7 +64,8 @@ class Hyperprior:
     `means` are by quantity; `drag` is that of log Cd. `sds` are by `quantity.level`; one that is missing or zero is an
     effect the model does not have. `fixed` is the noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m,
     m/s), `ratio` that which grows with it [1]. `unknown_area` is the standard deviation of the log frontal area of a
-    rocket whose diameter was not recorded. `opening` is mean and standard deviation of the parachute's opening time [s]. `scatter` scales the
+    rocket whose diameter was not recorded. `opening` is mean and standard deviation of the parachute's opening time
+    [s]. `scatter` scales the
     random effects of single flights, `reading` the noise of every readout but the apogee. `tail` is the degrees of
     freedom of the Student t that single flights and readings follow.
     """
