@@ -254,9 +254,10 @@ def shown(
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)
     grounded = flown.lift_off == 0
-    untold = dict.fromkeys(FROM_LOGS, np.full(grounded.shape, np.nan))
-    logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
-    readings = {**readings, **(logged if has_logs(model.flights) else untold)}
+    logged = dict.fromkeys(FROM_LOGS, np.full(grounded.shape, np.nan))
+    if has_logs(model.flights):
+        logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
+    readings = {**readings, **logged}
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
     for name in OBSERVED:
         bias = bent(model, values, name)
