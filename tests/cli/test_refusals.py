@@ -1,10 +1,16 @@
 """Values, ledgers and folders that commands refuse in a line, and those that they do without."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import pytest
 
 from fieldkit.cli.main import main
+from fieldkit.ledger import Ledger
+
+ROOT = Path(__file__).parents[2]
 
 CHECK_SHAPES = False
 TABLE = """flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m
@@ -81,3 +87,22 @@ def test_a_date_at_the_end_of_time_overflows_nothing(date: str, ledger: str, tmp
         ["history"],
     ):
         assert main(["--ledger", ledger, *words]) in (0, 1)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
+def test_an_output_that_is_full_does_not_say_that_nothing_was_done(ledger: str) -> None:
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", ledger]
+    flight = ["--rocket", "Astra", "--flight-id", "9", "--apogee", "100m"]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [*command, "add", *flight],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+        )
+    assert done.returncode == 1
+    assert "may be done all the same" in done.stderr
+    assert "nothing was changed" not in done.stderr
+    with Ledger.open(ledger) as opened:
+        assert [flight.flight_id for flight in opened.flights()] == ["1", "2", "3", "9"]
