@@ -169,7 +169,7 @@ def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[F
 
 
 def _with_total(table: Table) -> Table:
-    """The table with what three axes come to where it does not say: their magnitude, and what is felt along the thrust."""
+    """The table with what three axes come to, where it lacks that: their magnitude, and the push along the rocket."""
     if not all(name in table.values for name in AXES):
         return table
     values = dict(table.values)

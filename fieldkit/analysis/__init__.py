@@ -2,6 +2,7 @@
 
 from fieldkit.analysis.columns import columns
 from fieldkit.analysis.measure import NO_FLIGHT, measure, rises
+from fieldkit.analysis.possible import doubted
 from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded, Track
 
 __all__ = [
@@ -13,6 +14,7 @@ __all__ = [
     "Recorded",
     "Track",
     "columns",
+    "doubted",
     "measure",
     "rises",
 ]

@@ -5,8 +5,11 @@ of a hobby rocket bears some accelerations. Where figures contradict each other 
 """
 
 from collections.abc import Mapping
+from dataclasses import replace
+from math import hypot
 
-from fieldkit.analysis.records import Figure
+from fieldkit.analysis.labels import at_the_edge, spoken
+from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
 STRONGEST = 200 * GRAVITY
@@ -19,6 +22,8 @@ _MARGIN = 1.5
 """Heights alone may smooth a short boost so much that a speed is this part of the true one. [1]"""
 LEAST_TOP_SPEED = 5.0
 """What was never faster is no rocket. [m/s]"""
+_STATED, _SAID = {"apogee": 0.03, "top_speed": 0.1}, {"apogee": "an apogee", "top_speed": "a top speed"}
+"""What devices state, and by which part of it their filters make it another. [1]"""
 BOOST = ("burn_time", "avg_accel", "peak_accel")
 _NAMES = {"burn_time": "burn time", "avg_accel": "average acceleration", "peak_accel": "peak acceleration"}
 
@@ -58,3 +63,22 @@ def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, hi
     if speed.value > _SWINGS * climbs:
         return False
     return highest - height_at_burnout < (_MARGIN * fastest) ** 2 / (2 * GRAVITY)
+
+
+def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
+    """What was measured, less sure where the device itself states another apogee or top speed, and a note of that.
+
+    Device and samples are two witnesses of one figure: where they differ by more than the samples' own error, and by
+    more than devices filter, either may be off by half of what they differ.
+    """
+    figures, notes = dict(recorded.figures), []
+    for name, usual in _STATED.items():
+        said, figure = stated.get(name), figures.get(name)
+        if not isinstance(said, float) or figure is None:
+            continue
+        apart = abs(said - figure.value)
+        if apart > max(_SURE * figure.sd, usual * figure.value):
+            figures[name] = replace(figure, sd=hypot(figure.sd, apart / 2))
+            by_device = f"{at_the_edge(name, said):.4g}"
+            notes.append(f"the device states {_SAID[name]} of {by_device}, the samples {spoken(name, figure.value, 0)}")
+    return replace(recorded, figures=figures, notes=(*recorded.notes, *notes)) if notes else recorded

@@ -30,9 +30,9 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     Its flight is named after the bytes of its log, so that another way of measuring does not make it another flight;
     the extra columns say which parser reads the log again, and which of its flights this is.
     """
-    from fieldkit.analysis import NO_FLIGHT, columns, measure
+    from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure
 
-    recorded = measure(reading.clocks, reading.events)
+    recorded = doubted(measure(reading.clocks, reading.events), reading.stated)
     if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
         return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)

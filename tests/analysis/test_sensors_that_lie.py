@@ -9,7 +9,7 @@ import pytest
 from fieldkit.analysis import NO_FLIGHT, Recorded, measure
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.disturbed_heights import undisturbed
-from fieldkit.analysis.possible import possible
+from fieldkit.analysis.possible import doubted, possible
 from fieldkit.analysis.records import Figure
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import GRAVITY
@@ -172,3 +172,14 @@ def test_what_no_rocket_can_do_is_named_and_not_measured(impossible: dict[str, F
 def test_an_average_within_its_error_of_the_peak_is_kept() -> None:
     close = figures(burn_time=(0.5, 0.03), avg_accel=(155.0, 9.0), peak_accel=(150.0, 3.0))
     assert possible(close) == (close, ())
+
+
+@pytest.mark.parametrize(("stated", "doubt"), [(300.5, False), (306.0, False), (240.0, True), (600.0, True)])
+def test_a_device_that_states_another_apogee_makes_it_less_sure(stated: float, doubt: bool) -> None:
+    recorded = Recorded(figures=figures(apogee=(300.0, 1.0), duration=(50.0, 1.0)))
+    found = doubted(recorded, {"apogee": stated, "notes": "windy"})
+    assert found.figures["apogee"].value == 300.0
+    assert found.figures["apogee"].sd >= (abs(stated - 300) / 2 if doubt else 1.0)
+    assert (found.figures["apogee"].sd > 1.0) is doubt
+    assert any("the device states" in note for note in found.notes) is doubt
+    assert found.figures["duration"] == recorded.figures["duration"]

@@ -98,7 +98,7 @@ def settle_felt(acceleration: Float[Array, "time"]) -> Settled | None:
     least, most = np.quantile(finite, (0.05, 0.995)).tolist() if len(finite) else (0.0, 0.0)
     for unit in ("g", "m/s2", "mg", "ft/s2"):
         gravity = STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
-        never_left = 0.9 < least / gravity and most / gravity < 1.1
+        never_left = least / gravity > 0.9 and most / gravity < 1.1
         if 0.93 < at_rest / gravity < 1.07 and (never_left or _LIFTS < most / gravity < _MOST_GRAVITIES):
             return Settled(unit, "by one g at rest")
     return None
