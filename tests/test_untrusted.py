@@ -233,6 +233,7 @@ COMMANDS: dict[str, list[str]] = {
 LONG = {
     "demo": [],
     "loop": [],
+    "learn": ["TABLE"],
     "score": [],
     "paper": [],
     "study reference": [],
