@@ -8,7 +8,7 @@ import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
 from fieldkit.cli.planning import about_plan, begun_plan, print_safety, safety_of
-from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, say
+from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
 if TYPE_CHECKING:
@@ -47,7 +47,8 @@ def predict(
         if flights is not None and given.get("motor"):
             raise typer.BadParameter("give --flights or --motor, not both")
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
-        predictions = predict_plans(ledger, check.catalogue, plans, model.value)
+        with progress("fitting your other rockets") as tell:
+            predictions = predict_plans(ledger, check.catalogue, plans, model.value, tell=tell)
         lines = safety_of(ledger, check.catalogue, predictions, given)
         starts = ledger.starts(plans[0].rocket) if flights is None else []
     if json:

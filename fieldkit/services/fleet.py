@@ -14,6 +14,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
+from fieldkit.progress import Tell, untold
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import flight_digest, motor_digest
 
@@ -29,13 +30,20 @@ DIGITS = 7
 Flown = Sequence[tuple[Flight, Found]]
 
 
-def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str) -> "SharedPrior | None":
-    """What the clean flights of all other rockets of a ledger show of the terms shared with one; None without any."""
+def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str, tell: Tell = untold) -> "SharedPrior | None":
+    """What the clean flights of all other rockets of a ledger show of the terms shared with one; None without any.
+
+    `tell` hears of each rocket that is fitted again.
+    """
     from fieldkit.inference.laplace.fleet import shared_prior
 
     own = learned()
     others = _by_rocket(ledger, motors, rocket)
-    return shared_prior([_rocket_fit(ledger, name, flown, own) for name, flown in others.items()])
+    fits = []
+    for number, (name, flown) in enumerate(others.items()):
+        tell(name, number / len(others))
+        fits.append(_rocket_fit(ledger, name, flown, own))
+    return shared_prior(fits)
 
 
 def _by_rocket(ledger: Ledger, motors: Catalogue, rocket: str) -> dict[str, list[tuple[Flight, Found]]]:

@@ -16,6 +16,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
+from fieldkit.progress import Tell, untold
 from fieldkit.selection.candidates import Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
@@ -86,11 +87,18 @@ def start_of(ledger: Ledger, plan: Flight) -> Start | None:
 
 
 def predict_plans(
-    ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], which: Which = "after", *, keep: bool = True
+    ledger: Ledger,
+    motors: Catalogue,
+    plans: Sequence[Flight],
+    which: Which = "after",
+    *,
+    keep: bool = True,
+    tell: Tell = untold,
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
 
-    Raises UnknownMotor, NoFlights for a plan that names no rocket when none was flown, and
+    `tell` hears of the other rockets that are fitted first. Raises UnknownMotor, NoFlights for a plan that names no
+    rocket when none was flown, and
     ImpossibleFlight for one without a mass.
     """
     answers: dict[int, Prediction] = {}
@@ -104,7 +112,12 @@ def predict_plans(
         places = accepted_places(ledger, rocket, which)
         cds = design_cds(starts, [*before, *own])
         made = predict(
-            history, planned, places, declared=which == "after", cds=cds, shared=fleet_prior(ledger, motors, rocket)
+            history,
+            planned,
+            places,
+            declared=which == "after",
+            cds=cds,
+            shared=fleet_prior(ledger, motors, rocket, tell),
         )
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]
