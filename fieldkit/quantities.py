@@ -17,7 +17,7 @@ SYSTEMS: Mapping[str, Mapping[str, str]] = MappingProxyType(
 
 DECIMALS: Mapping[str, int] = MappingProxyType(
     {"m": 1, "ft": 0, "m/s": 1, "mph": 1, "g": 0, "oz": 2, "mm": 0, "in": 2, "s": 2, "c": 0, "f": 0}
-    | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0}
+    | {"hpa": 0, "inhg": 2, "%": 0, "deg": 0, "1/km": 2}
 )
 """Digits after the point that are worth reading, by unit."""
 

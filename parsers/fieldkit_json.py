@@ -13,15 +13,15 @@ from collections.abc import Mapping
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
+from fieldkit.flight import COLUMNS, LOGGED, MEASURED, TEXT_COLUMNS, Column, read_date, read_tags
 from fieldkit.flight.readout import read_sd, read_source
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, shown
 
 _LIST = re.compile(r'"flights"\s*:\s*\[')
-HEADERS = {column.header: column for column in COLUMNS}
-SDS = {column.sd_header: column for column in READOUTS}
-SOURCES = {column.source_header: column for column in READOUTS}
+HEADERS = {column.header: column for column in COLUMNS + LOGGED}
+SDS = {column.sd_header: column for column in MEASURED}
+SOURCES = {column.source_header: column for column in MEASURED}
 
 
 def recognises(head: bytes) -> bool:

@@ -14,7 +14,7 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
 _STEP = 0.1
-_SCALE_HEIGHT = 9500.0
+SCALE_HEIGHT = 9500.0
 """Height in which the air of the lower troposphere thins by e. [m]"""
 _SOUND, _TRANSITION = 335.0, 12.0
 _FASTEST = 1200.0
@@ -47,7 +47,7 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
 
     def push(height: float, speed: float) -> float:
         rise = 1 + 0.5 / (1 + exp((_SOUND - abs(speed)) / _TRANSITION))
-        return -GRAVITY - drag * rise * exp(min(-height / _SCALE_HEIGHT, 1.0)) * speed * abs(speed)
+        return -GRAVITY - drag * rise * exp(min(-height / SCALE_HEIGHT, 1.0)) * speed * abs(speed)
 
     height, speed = top, 0.0
     rows = [(height, speed, -GRAVITY)]

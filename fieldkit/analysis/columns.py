@@ -7,7 +7,7 @@ from fieldkit.analysis.channels import sensor
 from fieldkit.analysis.measure import NO_FLIGHT
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.errors import BadValue
-from fieldkit.flight import READOUTS, Column
+from fieldkit.flight import MEASURED, Column
 from fieldkit.flight.plausibility import check
 
 
@@ -23,7 +23,7 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
     extra: dict[str, str] = {}
     sd: dict[str, float] = {}
     source: dict[str, str] = {}
-    for column in READOUTS:
+    for column in MEASURED:
         said, figure = stated.get(column.name), recorded.figures.get(column.name)
         if isinstance(said, float):
             extra[column.stated_header] = column.render(said)
@@ -31,7 +31,7 @@ def columns(recorded: Recorded, stated: Mapping[str, object]) -> tuple[dict[str,
             if NO_FLIGHT in recorded.notes:
                 del fields[column.name], source[column.name]
         if figure and _possible(column, figure):
-            fields[column.name] = round(figure.value, 3)
+            fields[column.name] = round(figure.value, 7 if column.quantity == "per length" else 3)
             source[column.name] = sensor(figure.source)
             scale = units.unit(column.quantity, column.unit)
             if rounded := float(f"{scale.difference_from_si(figure.sd):.2g}"):

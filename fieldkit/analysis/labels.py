@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from types import MappingProxyType
 
 from fieldkit import units
-from fieldkit.flight import BY_NAME, READOUTS
+from fieldkit.flight import BY_NAME, MEASURED
 
-TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in READOUTS} | {"time_to_apogee": "Time to apogee"})
+TITLES: Mapping[str, str] = MappingProxyType({c.name: c.title for c in MEASURED} | {"time_to_apogee": "Time to apogee"})
 """Titles of the figures, in the order of the readouts."""
 
 

@@ -5,7 +5,7 @@ ledger, the exports and the JSON are all read off it. Values are SI inside a `Fl
 carries the unit that flyers see.
 """
 
-from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, READOUTS, SETUP, Column
+from fieldkit.flight.columns import BY_NAME, COLUMNS, CONDITIONS, LOGGED, MEASURED, READOUTS, SETUP, Column
 from fieldkit.flight.flight import FIELDS, Flight
 from fieldkit.flight.readout import SENSORS, SOURCES, Readout
 from fieldkit.flight.series import Series
@@ -19,6 +19,8 @@ __all__ = [
     "CONDITIONS",
     "FIELDS",
     "KNOWN_TAGS",
+    "LOGGED",
+    "MEASURED",
     "MOTOR_TEMPERATURE",
     "READOUTS",
     "SENSORS",

@@ -53,7 +53,7 @@ class Column:
 
 
 def _column(name: str, quantity: str, unit: str, title: str, low: float, high: float, text: str) -> Column:
-    suffix = {"m/s": "mps", "°": "deg", "%": "pct"}.get(unit, unit)
+    suffix = {"m/s": "mps", "°": "deg", "%": "pct", "1/km": "pkm"}.get(unit, unit)
     scale = units.unit(quantity, unit)
     return Column(name, quantity, unit, suffix, title, text, scale.to_si(low), scale.to_si(high))
 
@@ -128,5 +128,30 @@ READOUTS = (
 )
 """The ten readouts, in the order in which the AltimeterTwo shows them."""
 
+LOGGED = (
+    _column(
+        "coast_drag",
+        "per length",
+        "1/km",
+        "Drag of the coast",
+        0.02,
+        50,
+        "Air density at the pad times Cd times frontal area over twice the mass after burnout.",
+    ),
+    _column(
+        "burn_impulse",
+        "speed",
+        "m/s",
+        "Impulse over mass",
+        5,
+        2000,
+        "Thrust over mass, integrated over the burn.",
+    ),
+)
+"""Figures that only the samples of a log show, and no device does (`fieldkit.analysis.drag_and_impulse`)."""
+
 COLUMNS = SETUP + CONDITIONS + READOUTS
-BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS})
+"""The columns of the flight table that every flight has."""
+MEASURED = READOUTS + LOGGED
+"""Whatever may have a standard deviation and a source."""
+BY_NAME: Mapping[str, Column] = MappingProxyType({column.name: column for column in COLUMNS + LOGGED})

@@ -4,7 +4,7 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields, replace
 from datetime import datetime
 
-from fieldkit.flight.columns import READOUTS
+from fieldkit.flight.columns import MEASURED
 from fieldkit.flight.readout import Readout
 from fieldkit.flight.tags import TAGS
 
@@ -47,6 +47,8 @@ class Flight:
     eject_altitude: float | None = None
     descent_speed: float | None = None
     duration: float | None = None
+    coast_drag: float | None = None
+    burn_impulse: float | None = None
     sd: Mapping[str, float] = field(default_factory=dict)
     source: Mapping[str, str] = field(default_factory=dict)
     extra: Mapping[str, str] = field(default_factory=dict)
@@ -62,8 +64,8 @@ class Flight:
         return value
 
     def readouts(self) -> dict[str, float]:
-        """The recorded readouts by name, in SI."""
-        return {c.name: v for c in READOUTS if (v := self.number(c.name)) is not None}
+        """The recorded readouts by name, in SI, with what only a log shows."""
+        return {c.name: v for c in MEASURED if (v := self.number(c.name)) is not None}
 
     def readout(self, name: str) -> Readout | None:
         """A readout with how well it is known, and by what; None where it was not recorded. [SI]"""
@@ -76,7 +78,7 @@ class Flight:
         A readout of another value, or of none, loses its standard deviation and its source, unless `changes` has an
         `sd` or a `source`, which is then that of all readouts.
         """
-        changed = {c.name for c in READOUTS if c.name in changes and changes[c.name] != self.number(c.name)}
+        changed = {c.name for c in MEASURED if c.name in changes and changes[c.name] != self.number(c.name)}
         for part in ("sd", "source"):
             told: Mapping[str, object] = getattr(self, part)
             if part not in changes and changed & told.keys():

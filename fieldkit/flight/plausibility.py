@@ -36,6 +36,8 @@ _EDGE: Mapping[str, tuple[float, float]] = {
     "eject_altitude": (-500, 200_000),
     "descent_speed": (0, 1000),
     "duration": (0.1, 86_400),
+    "coast_drag": (0.001, 1000),
+    "burn_impulse": (0.1, 5000),
 }
 LIMITS: Mapping[str, tuple[float, float]] = MappingProxyType(_EDGE)
 """Lowest and highest possible number of each column, in the column's own unit."""

@@ -8,7 +8,7 @@ from typing import Literal
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight.columns import BY_NAME, READOUTS
+from fieldkit.flight.columns import BY_NAME, MEASURED
 
 SOURCES: Mapping[str, str] = MappingProxyType(
     {
@@ -57,7 +57,7 @@ def beside(header: str) -> Beside | None:
 
     Raises BadValue for a standard deviation in a unit that its readout cannot have.
     """
-    for column in READOUTS:
+    for column in MEASURED:
         ending = header.removeprefix(f"{column.name}_")
         if header == column.source_header:
             return Beside(column.name, "source")

@@ -14,6 +14,8 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import (
     BY_NAME,
     COLUMNS,
+    LOGGED,
+    MEASURED,
     READOUTS,
     TAGS,
     TEXT_COLUMNS,
@@ -73,12 +75,12 @@ def field_of(name: str) -> tuple[str, str]:
     plain = name.strip().lower().replace("-", "_")
     if plain in TEXT_COLUMNS:
         return plain, ""
-    for column in COLUMNS:
+    for column in (*COLUMNS, *LOGGED):
         ending = plain.removeprefix(column.name)
         if ending == "" or (ending.startswith("_") and ending[1:] in units.UNITS[column.quantity]):
             return column.name, ending[1:]
     known = [*TEXT_COLUMNS, *(column.header for column in COLUMNS)]
-    known += [header for column in READOUTS for header in (column.sd_header, column.source_header)]
+    known += [header for column in MEASURED for header in (column.sd_header, column.source_header)]
     near = get_close_matches(plain, known, n=3, cutoff=0.5)
     raise BadValue(f"no column {name!r}, {'did you mean ' + ' or '.join(near) if near else 'see flights --json'}")
 

@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.flight import BY_NAME, READOUTS, Flight, Series
+from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
 from fieldkit.importing.recognize import told
@@ -100,7 +100,7 @@ def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
     if not flight.motor:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
     _check_motor(flight, reading, check_motor)
-    unread = dict.fromkeys(column.name for column in READOUTS)
+    unread = dict.fromkeys(column.name for column in MEASURED)
     return flight.with_changes(flight_id=flight.flight_id or f"row-{reading.row}", **unread)
 
 

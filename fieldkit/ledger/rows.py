@@ -7,7 +7,7 @@ from types import MappingProxyType
 from typing import Any
 
 from fieldkit.errors import BadValue
-from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, READOUTS, SOURCES, Flight
+from fieldkit.flight import BY_NAME, COLUMNS, FIELDS, LOGGED, MEASURED, SOURCES, Flight
 
 Row = dict[str, Any]
 """Column name to a value that JSON can hold."""
@@ -34,7 +34,7 @@ def row_of(flight: Flight) -> Row:
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else None
     row["tags"] = list(flight.tags)
     row["extra"] = dict(flight.extra)
-    for column in COLUMNS:
+    for column in COLUMNS + LOGGED:
         row[column.name] = _finite(column.header, flight.number(column.name))
     _check_beside(flight)
     return row | {column: dict(getattr(flight, part)) or None for part, column in BESIDE.items()}
@@ -94,7 +94,7 @@ def _check_beside(flight: Flight) -> None:
         if name not in known:
             header = BY_NAME[name].header if name in BY_NAME else name
             raise BadValue(f"{header}: found a standard deviation or a source and no readout, expected one")
-    for column in READOUTS:
+    for column in MEASURED:
         sd, source = flight.sd.get(column.name, 1.0), flight.source.get(column.name, "typed")
         if not (math.isfinite(sd) and sd > 0):
             raise BadValue(f"{column.sd_header}: found {sd}, expected a number above 0 or nothing")

@@ -22,7 +22,7 @@ from sqlalchemy import (
     text,
 )
 
-from fieldkit.flight import COLUMNS
+from fieldkit.flight import COLUMNS, LOGGED
 
 metadata = MetaData()
 document = JSON(none_as_null=True)
@@ -61,7 +61,7 @@ flights = Table(
     Column("log", Text, nullable=False),  # as the flight table names it
     Column("log_digest", Text, ForeignKey("logs.digest")),
     Column("source", Text, nullable=False),  # the file it came from
-    *(Column(column.name, Double) for column in COLUMNS),
+    *(Column(column.name, Double) for column in COLUMNS + LOGGED),
     Column("extra", document, nullable=False),
     Column("readout_sd", document),  # standard deviations of readouts by name, SI; empty where none is recorded
     Column("readout_source", document),  # what readouts were measured by, by name

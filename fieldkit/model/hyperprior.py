@@ -24,7 +24,9 @@ from fieldkit.errors import DamagedModel
 from fieldkit.paths import hyperprior_file
 from fieldkit.shapes import Array, Float
 
-READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject")
+FROM_LOGS = ("coast_drag", "burn_impulse")
+"""Readouts that only the samples of a log show."""
+READOUTS = ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject", *FROM_LOGS)
 """Readouts that the model compares. Average acceleration is top speed over burn time and says nothing of its own; the
 rest belongs to the descent."""
 QUANTITIES = ("drag", "thrust", "mass", "stretch", "delay", *READOUTS)
@@ -60,9 +62,10 @@ class Hyperprior:
     """Means and standard deviations of every random effect, and the noise of each readout.
 
     `means` are by quantity; `drag` is that of log Cd. `sds` are by `quantity.level`; one that is missing or zero is an
-    effect the model does not have. `fixed` is the noise of a readout in its unit (m, m/s, s, m/s^2, s, s), `ratio` that
-    which grows with it [1]. `unknown_area` is the standard deviation of the log frontal area of a rocket whose diameter
-    was not recorded. `opening` is mean and standard deviation of the parachute's opening time [s]. `scatter` scales the
+    effect the model does not have. `fixed` is the noise of a readout in its unit (m, m/s, s, m/s^2, s, s, 1/m,
+    m/s), `ratio` that which grows with it [1]. `unknown_area` is the standard deviation of the log frontal area of a
+    rocket whose diameter was not recorded. `opening` is mean and standard deviation of the parachute's opening time
+    [s]. `scatter` scales the
     random effects of single flights, `reading` the noise of every readout but the apogee. `tail` is the degrees of
     freedom of the Student t that single flights and readings follow.
     """
@@ -141,10 +144,12 @@ CERTIFIED = Hyperprior(
             "peak_accel.rocket": 0.06,
             "coast_to_apogee.rocket": 0.01,
             "apogee_to_eject.rocket": 0.1,
+            "coast_drag.rocket": 0.02,
+            "burn_impulse.rocket": 0.01,
         }
     ),
-    fixed=(1.5, 0.7, 0.07, 0.5, 0.08, 0.15),
-    ratio=(0.005, 0.015, 0.02, 0.04, 0.01, 0.0),
+    fixed=(1.5, 0.7, 0.07, 0.5, 0.08, 0.15, 0.0, 0.0),
+    ratio=(0.005, 0.015, 0.02, 0.04, 0.01, 0.0, 0.05, 0.03),
     unknown_area=0.45,
     scatter=Scale((0.5, 1.0, 1.6, 2.5, 4.0, 6.5), 2.0, 0.7),
     reading=Scale((0.7, 1.2, 2.0), 1.0, 0.4),
@@ -196,10 +201,12 @@ START = Hyperprior(
             "coast_to_apogee.rocket": 0.03,
             "apogee_to_eject.fleet": 0.1,
             "apogee_to_eject.rocket": 0.1,
+            "coast_drag.rocket": 0.03,
+            "burn_impulse.rocket": 0.02,
         }
     ),
-    fixed=(1.0, 0.3, 0.05, 0.5, 0.05, 0.5),
-    ratio=(0.005, 0.05, 0.05, 0.15, 0.05, 0.0),
+    fixed=(1.0, 0.3, 0.05, 0.5, 0.05, 0.5, 0.0, 0.0),
+    ratio=(0.005, 0.05, 0.05, 0.15, 0.05, 0.0, 0.05, 0.03),
     unknown_area=0.2,
     scatter=Scale(SCATTER_GRID, 1.0, 0.7),
     reading=Scale(READING_GRID, 1.0, 0.7),
@@ -208,7 +215,9 @@ START = Hyperprior(
 looked at. Cd as in `CERTIFIED`; motor types within 5 % of their certificate (the tests that certify them differ by
 that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not
 always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each
-other in noise (`reading`) stays a judgment: the open flights come from one."""
+other in noise (`reading`) stays a judgment: the open flights come from one. What a log shows of drag
+and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it a rocket
+that climbs 15 degrees from vertical brakes by 1/cos 15 = 1.035 of its drag and gains cos 15 = 0.97 of its impulse."""
 
 
 def certified() -> Hyperprior:
@@ -228,11 +237,19 @@ def learned() -> Hyperprior:
     return read_card(files("fieldkit.data").joinpath(CARD).read_text("utf-8"), CARD)
 
 
+def _noise_of(card: Mapping[str, Any], readout: str) -> Mapping[str, float]:
+    """The noise of a readout; of those from logs, which a card of an older fieldkit lacks, as in `START`."""
+    place = READOUTS.index(readout)
+    start = {"fixed": START.fixed[place], "ratio": START.ratio[place]}
+    noise: Mapping[str, float] = card["noise"].get(readout, start) if readout in FROM_LOGS else card["noise"][readout]
+    return noise
+
+
 def read_card(text: str, name: str) -> Hyperprior:
     """A hyperprior from its card. Raises DamagedModel, naming the card, for one that cannot be."""
     try:
         card = json.loads(text)
-        noise = [card["noise"][readout] for readout in READOUTS]
+        noise = [_noise_of(card, readout) for readout in READOUTS]
         found = Hyperprior(
             kind="learned",
             means=MappingProxyType({key: float(x) for key, x in card["means"].items()}),

@@ -11,7 +11,7 @@ from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
 
 OBSERVED = READOUTS
-LOGARITHMIC = np.array([True, True, True, True, True, False])
+LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED])
 """Which of them are compared by ratio rather than by difference."""
 
 

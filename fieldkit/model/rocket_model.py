@@ -12,12 +12,13 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.hyperprior import CERTIFIED, QUANTITIES, READOUTS, Hyperprior
+from fieldkit.model.hyperprior import CERTIFIED, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import OBSERVED
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
 from fieldkit.physics.flight import apogees
+from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.setups import dry_masses, field_setup, recorded
 from fieldkit.physics.state import Setup
 from fieldkit.physics.unique import fly_alike
@@ -134,6 +135,11 @@ def reference_area(flights: Sequence[Flight], flown: int | None = None) -> Float
     return result
 
 
+def has_logs(flights: Sequence[Flight]) -> bool:
+    """Whether any flight has a readout that only the samples of a log show."""
+    return any(np.isfinite(recorded(flights, name)).any() for name in FROM_LOGS)
+
+
 def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[str]:
     """The group each flight belongs to: its motor type, configuration, site or day."""
     if per == "motor":
@@ -158,7 +164,8 @@ def base_model(
     area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
     past = len(flights) if flown is None else flown
-    terms = [term for quantity in QUANTITIES for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
+    kinds = [name for name in QUANTITIES if name not in FROM_LOGS or has_logs(flights)]
+    terms = [term for quantity in kinds for term in _quantity_terms(quantity, flights, found, hyperprior, past)]
     if unknown:
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
@@ -247,6 +254,9 @@ def shown(
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)
     grounded = flown.lift_off == 0
+    untold = dict.fromkeys(FROM_LOGS, np.full(grounded.shape, np.nan))
+    logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
+    readings = {**readings, **(logged if has_logs(model.flights) else untold)}
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
     for name in OBSERVED:
         bias = bent(model, values, name)

@@ -4,11 +4,11 @@ import csv
 import io
 from collections.abc import Sequence
 
-from fieldkit.flight import COLUMNS, READOUTS, Flight, table_headers, table_row
+from fieldkit.flight import COLUMNS, LOGGED, MEASURED, Flight, table_headers, table_row
 from fieldkit.flight.readout import render_sd
 from fieldkit.safe_text import as_cell
 
-NUMBERS = {column.header for column in COLUMNS} | {column.sd_header for column in READOUTS}
+NUMBERS = {column.header for column in COLUMNS + LOGGED} | {column.sd_header for column in MEASURED}
 """Headers below which there are numbers alone, which may be negative."""
 
 
@@ -27,13 +27,16 @@ def csv_table(flights: Sequence[Flight]) -> str:
 def document(flight: Flight) -> dict[str, object]:
     """A flight as JSON: numbers in the unit of their column, None for "not recorded", else texts.
 
-    The standard deviation and the source of a readout are there where they are recorded.
+    The standard deviation and the source of a readout are there where they are recorded, as is what only a log shows.
     """
     row: dict[str, object] = dict(table_row(flight))
     for column in COLUMNS:
         value = flight.number(column.name)
         row[column.header] = None if value is None else float(column.render(value))
-    for column in READOUTS:
+    for column in LOGGED:
+        if (value := flight.number(column.name)) is not None:
+            row[column.header] = float(column.render(value))
+    for column in MEASURED:
         if column.name in flight.sd:
             row[column.sd_header] = float(render_sd(column.name, flight.sd[column.name]))
     return row

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.flight import Series
+from fieldkit.motors import Motor
 from fieldkit.physics.standard_atmosphere import (
     GRAVITY,
     HYDROSTATIC,
@@ -85,15 +86,30 @@ class Truth:
         }
 
 
-def fly(rocket: Rocket) -> Truth:
-    """The truth of a flight, by small steps of Heun's method, with a drag that rises near the speed of sound."""
+def fly(rocket: Rocket, motor: Motor | None = None, thrust_factor: float = 1.0) -> Truth:
+    """The truth of a flight, by small steps of Heun's method, with a drag that rises near the speed of sound.
+
+    On a `motor` the rocket has its thrust and burn, and its mass is without it.
+    """
+    if motor is not None:
+        rocket = replace(rocket, burn=float(motor.burnout))
     rise = 0.08 * rocket.burn
+    spent = np.cumsum(np.diff(motor.time) * (motor.thrust[1:] + motor.thrust[:-1])) if motor is not None else np.ones(1)
+    spent = np.append(0.0, spent / spent[-1])
 
     def thrust(t: float) -> float:
+        if motor is not None:
+            return thrust_factor * float(np.interp(t, motor.time, motor.thrust, right=0.0))
         if t >= rocket.burn:
             return 0.0
         shape = 1.25 - 0.35 * t / rocket.burn
         return rocket.thrust * shape * min(t / rise + 0.3, 1.0) * min((rocket.burn - t) / (0.5 * rise), 1.0)
+
+    def mass(t: float) -> float:
+        if motor is None:
+            return rocket.mass
+        left = 1 - float(np.interp(t, motor.time, spent))
+        return rocket.mass + motor.casing_mass + motor.propellant_mass * left
 
     def felt(t: float, h: float, v: float) -> float:
         rho = 1.225 * (1 - LAPSE * (h + rocket.elevation) / STANDARD_TEMPERATURE) ** (HYDROSTATIC - 1)
@@ -102,7 +118,7 @@ def fly(rocket: Rocket) -> Truth:
         since = (t - rocket.burn - rocket.delay) / rocket.opening
         if since > 0:
             area += min(since, 1.0) * 2 * rocket.mass * GRAVITY / (1.2 * rocket.sink**2)
-        return thrust(t) / rocket.mass - 0.5 * rho * area * v * abs(v) / rocket.mass
+        return float((thrust(t) - 0.5 * rho * area * v * abs(v)) / mass(t))
 
     t, h, v, rows = 0.0, 0.0, 0.0, []
     step = STEP
@@ -112,6 +128,10 @@ def fly(rocket: Rocket) -> Truth:
         f = felt(t, h, v)
         rows.append((t, h, v, f))
         a = f - GRAVITY
+        if h == 0.0 and v == 0.0 and a <= 0 and t < rocket.burn:  # held by the pad
+            t += step
+            rows[-1] = (t, 0.0, 0.0, GRAVITY)
+            continue
         later = felt(t + step, h + step * v, v + step * a) - GRAVITY
         h, v, t = h + step * v + step**2 * a / 2, v + step * (a + later) / 2, t + step
     time, height, speed, push = np.array(rows).T

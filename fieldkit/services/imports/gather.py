@@ -8,7 +8,7 @@ from pathlib import Path, PurePosixPath, PureWindowsPath
 from fieldkit import files
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
-from fieldkit.flight import FIELDS, READOUTS, Flight
+from fieldkit.flight import FIELDS, MEASURED, Flight
 from fieldkit.importing import Choice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import read, read_together
@@ -134,7 +134,7 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
         found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
         return replace(arrival, log=Original.of(content), given=None), [f"kept but not read: {error}"]
-    measured = {column.name for column in READOUTS if flight.number(column.name) is None}
+    measured = {column.name for column in MEASURED if flight.number(column.name) is None}
     row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
     filled = _filled(flight, found.flights)
     return replace(arrival, flight=filled, log=Original.of(content), given=row), list(found.notes)

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import LedgerError
-from fieldkit.flight import COLUMNS, READOUTS, SENSORS, Column, Flight
+from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, Column, Flight
 from fieldkit.importing import Choice, Reading
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
@@ -36,15 +36,15 @@ class Remeasured:
     @property
     def changes(self) -> Mapping[str, tuple[float | None, float | None]]:
         """Readouts that change: the figure there is and the one measured now. [SI]"""
-        pairs = {c.name: (self.flight.number(c.name), self.renewed.number(c.name)) for c in READOUTS}
+        pairs = {c.name: (self.flight.number(c.name), self.renewed.number(c.name)) for c in MEASURED}
         return {name: (old, new) for name, (old, new) in pairs.items() if old != new}
 
     @property
     def others(self) -> tuple[str, ...]:
         """Columns that change and are no readouts: a date, the firmware, an uncertainty."""
-        fields = [c.name for c in COLUMNS if c not in READOUTS] + ["date_time"]
+        fields = [c.name for c in COLUMNS if c not in MEASURED] + ["date_time"]
         found = [name for name in fields if getattr(self.flight, name) != getattr(self.renewed, name)]
-        for c in READOUTS:
+        for c in MEASURED:
             found += [c.sd_header] * (self.flight.sd.get(c.name) != self.renewed.sd.get(c.name))
             found += [c.source_header] * (self.flight.source.get(c.name) != self.renewed.source.get(c.name))
         old, new = self.flight.extra, self.renewed.extra
@@ -64,7 +64,7 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[Choice] = ()) -> Rem
     fresh = read_kept([log, *ledger.other_logs(id)], id, format_of(flight), choices)
     entered = ledger.entered(id)
     read = as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, ""))
-    kept = tuple(c.name for c in READOUTS if _stays(c, flight, entered, read))
+    kept = tuple(c.name for c in MEASURED if _stays(c, flight, entered, read))
     again = None if entered is None else renewed(entered, None, read)
     return Remeasured(id, flight, entered, renewed(flight, entered, read), again, kept)
 
@@ -109,13 +109,13 @@ def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
     """
     was = entered or flight
     changes: dict[str, object] = {}
-    for column in READOUTS if was.log else COLUMNS:  # a row that names a log takes its readouts alone
+    for column in MEASURED if was.log else COLUMNS + LOGGED:  # a row that names a log takes its readouts alone
         if _open_to(column, flight, was):
             changes[column.name] = fresh.number(column.name)
     if flight.date_time is None and was.date_time is None and not was.log:
         changes["date_time"] = fresh.date_time
     told = {part: _beside(part, changes, flight, was, fresh) for part in ("sd", "source")}
-    ours = {c.stated_header for c in READOUTS} | {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
+    ours = {c.stated_header for c in MEASURED} | {KINDS, OTHER_LOGS, "time_to_apogee_s", "time_to_apogee_sd_s"}
     extra = {name: text for name, text in flight.extra.items() if name not in ours or name in fresh.extra}
     for name, text in fresh.extra.items():
         if flight.extra.get(name) == was.extra.get(name):
@@ -129,7 +129,7 @@ def _beside(
     """The standard deviations or the sources of the readouts that a flight has then: the files' of those that
     `changes` takes from them, but what the flyer edited stays."""
     told: dict[str, float | str] = {}
-    for column in READOUTS:
+    for column in MEASURED:
         own, first, new = (getattr(one, part).get(column.name) for one in (flight, was, fresh))
         renewed_value = changes.get(column.name, flight.number(column.name))
         value = new if column.name in changes and own == first else own
@@ -145,7 +145,7 @@ def _open_to(column: Column, flight: Flight, was: Flight) -> bool:
         return False  # edited
     if value is None:
         return True
-    return column in READOUTS and from_files(column, was)
+    return column in MEASURED and from_files(column, was)
 
 
 def from_files(column: Column, flight: Flight) -> bool:

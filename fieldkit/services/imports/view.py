@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit import units
 from fieldkit.analysis.labels import sensor_of
-from fieldkit.flight import READOUTS, Column, Flight
+from fieldkit.flight import MEASURED, Column, Flight
 from fieldkit.importing.reading import Intake
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def file_view(intake: Intake, flights: Sequence[Flight], notes: Sequence[str]) -
 
 def flight_view(flight: Flight, recorded: "Recorded | None") -> FlightView:
     """A flight as it would be stored, with what was measured in its samples."""
-    readouts = {c.name: _readout(c, v, flight, recorded) for c in READOUTS if (v := flight.number(c.name)) is not None}
+    readouts = {c.name: _readout(c, v, flight, recorded) for c in MEASURED if (v := flight.number(c.name)) is not None}
     return FlightView(flight, readouts, _events(recorded), recorded)
 
 

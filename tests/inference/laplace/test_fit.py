@@ -14,7 +14,7 @@ from fieldkit.inference.laplace.fit import _Walk, fit
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, Growing, _log_inside, solve, term_sds
-from fieldkit.model.hyperprior import CERTIFIED, Hyperprior, learned
+from fieldkit.model.hyperprior import CERTIFIED, FROM_LOGS, Hyperprior, learned
 from fieldkit.model.readout_data import LOGARITHMIC, OBSERVED, Data, compared, observe, reading_sd
 from fieldkit.model.rocket_model import Model, Term, base_model, shown, with_shared
 from fieldkit.model.shared_prior import SharedPrior
@@ -68,7 +68,12 @@ def seasons() -> tuple[Data, ...]:
     )
     scales = np.repeat(reading_scale[pair, None, None], len(OBSERVED), axis=-1)
     scales[..., 0] = 1.0
-    noise = rng.normal(size=raw.shape) * scales * np.stack([reading_sd(part) for part in raw])
+    drawn = rng.normal(size=(*raw.shape[:-1], len(OBSERVED) - len(FROM_LOGS)))  # none of these flights has a log
+    noise = (
+        np.concatenate([drawn, np.zeros((*raw.shape[:-1], len(FROM_LOGS)))], axis=-1)
+        * scales
+        * np.stack([reading_sd(part) for part in raw])
+    )
     noisy = compared(raw) + noise + lean[..., None] * (compared(leaning) - compared(upright))
     seen = np.where(LOGARITHMIC, np.exp(noisy), noisy)
     return tuple(observe(flights(part), [True] * len(PLANS)) for part in seen)
