@@ -1,8 +1,8 @@
-"""Simulation-based calibration of forecasts over the hyperprior: python -m studies.calibration [--ledgers N] [--table FILE].
+"""Simulation-based calibration of forecasts over the hyperprior: python -m studies.calibration [--table FILE].
 
 Ledgers are drawn from the model; the next flight of one rocket is forecast with what the ledger's other rockets show.
-Where fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt, Simpson,
-Vehtari and Gelman, 2018). Uniformity is judged at all places at once (Säilynoja, Bürkner and Vehtari, 2022).
+Where fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt,
+Simpson, Vehtari and Gelman, 2018). Uniformity is judged at all places at once (Säilynoja, Bürkner and Vehtari, 2022).
 """
 
 import argparse
@@ -47,14 +47,13 @@ class Ranked:
 def ranked(number: int, hyperprior: Hyperprior, *, checked: bool = True, rockets: int = ROCKETS) -> Ranked:
     """Draw a ledger, forecast the next flight of its last rocket, and rank what it was drawn with.
 
-    The hyperprior has to be that of forecasts. Unless `checked`, readouts that do not fit their flight are left out, as
-    of flights that nobody looked at again.
+    Unless `checked`, readouts that do not fit their flight are left out, as of flights that nobody looked at again.
     """
     rng = np.random.default_rng([SEED, number])
     histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
     asked = histories[-1] if checked else _as_entered(histories[-1])
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
-    learnt = learn(asked.flown, [asked.plan], shared=shared, draws=DRAWS, seed=number)
+    learnt = learn(asked.flown, [asked.plan], shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number)
     (prediction,) = fly_ahead(learnt)
     log_cd = bent(learnt.model, learnt.values, "drag")[:, 0]
     flown = {found.motor.designation for _, found in asked.flown}
@@ -109,13 +108,17 @@ def coverage(ranks: Float[Array, "forecast"], level: float) -> float:
     return float((np.abs(ranks - 0.5) < level / 2).mean())
 
 
+def _with(readouts: tuple[str, ...]) -> Callable[[Ranked], bool]:
+    return lambda one: one.readouts == readouts
+
+
 GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
     "all": lambda one: True,
     "1 flight": lambda one: one.flights == 1,
     "2 or 3 flights": lambda one: 2 <= one.flights <= 3,
     "4 to 7 flights": lambda one: 4 <= one.flights <= 7,
     "8 to 12 flights": lambda one: one.flights >= 8,
-    **{f"readouts: {name}": (lambda one, kept=kept: one.readouts == kept) for name, kept in SUBSETS.items()},
+    **{f"readouts: {name}": _with(readouts) for name, readouts in SUBSETS.items()},
     "no other rocket": lambda one: one.others == 0,
     "other rockets": lambda one: one.others > 0,
     "on a motor flown before": lambda one: not one.new_motor,

@@ -46,7 +46,7 @@ TRIES = 50
 
 @dataclass(frozen=True, slots=True)
 class Truth:
-    """What a planned flight was drawn with: its true apogee [m], and logarithms of the rocket's Cd and of alpha on it."""
+    """What a planned flight was drawn with: its true apogee [m], and the logarithms of Cd and of alpha."""
 
     apogee: float
     log_cd: float
@@ -79,7 +79,7 @@ class Recipe:
 
 
 def random_recipe(rng: np.random.Generator, most: int = 12) -> Recipe:
-    """A recipe with 1 to `most` flights, 1 to 3 motors, a random subset of readouts, one plan in five on a new motor."""
+    """A recipe with 1 to `most` flights, 1 to 3 motors, some of the readouts, one plan in five on a new motor."""
     flights = int(rng.integers(1, most + 1))
     subset = list(SUBSETS)[int(rng.integers(len(SUBSETS)))]
     motors = int(rng.integers(1, min(flights, 3) + 1))
@@ -139,7 +139,9 @@ def _choice_of_motors(rng: np.random.Generator, count: int) -> list[Motor]:
     return [first, *(near[i] for i in rng.permutation(NEAR)[: count - 1])]
 
 
-def _with_delays(rng: np.random.Generator, rows: list[tuple[Flight, Found]], caliber: float) -> list[tuple[Flight, Found]]:
+def _with_delays(
+    rng: np.random.Generator, rows: list[tuple[Flight, Found]], caliber: float
+) -> list[tuple[Flight, Found]]:
     """Each motor type with a delay near the coast of a rocket of Cd 0.6."""
     flights, found = zip(*rows, strict=True)
     area = np.full(len(rows), np.pi / 4 * caliber**2 * 0.6)
@@ -164,9 +166,7 @@ def _flown(
     drawn = dict(common)
     scatter_scale, reading_scale = _scale(rng, hyperprior.scatter), _scale(rng, hyperprior.reading)
     values = _terms(rng, model, drawn, scatter_scale, reading_scale)
-    scatter = {
-        kind.bends: rng.normal(size=(1, len(both))) * kind.sd * scatter_scale for kind in model.scatter
-    }
+    scatter = {str(kind.bends): rng.normal(size=(1, len(both))) * kind.sd * scatter_scale for kind in model.scatter}
     readings = shown(model, values, scatter)
     tail = hyperprior.tail
     higher = rng.standard_t(tail, len(both)) * apogee_scatter(model) * scatter_scale

@@ -17,6 +17,7 @@ from studies.reference_posterior.sampler import FIGURES, fitted, next_flight, qu
 from studies.reference_posterior.summaries import excess_crps, off, stored, summarized, write
 from studies.reference_posterior.target import linear
 
+
 def main(arguments: list[str] | None = None) -> None:
     """Read the command line, sample, print a line a case, keep what is asked for."""
     parser = argparse.ArgumentParser(description=__doc__)
@@ -37,7 +38,7 @@ def main(arguments: list[str] | None = None) -> None:
             for turn, density in enumerate((target_of(case, result), by_linear))
         ]
         reference = summarized(name, case, found[0], found[1], number)
-        said = said_by_fit(case, result, len(found[0].terms), number)
+        said = said_by_fit(case, len(found[0].terms), number)
         gaps.append(off(quantiles(said), reference.quantiles))
         steps.append(off(reference.linear, reference.quantiles))
         exact = next_flight(case, found[0].terms, found[0].scales, number)
@@ -60,8 +61,9 @@ def main(arguments: list[str] | None = None) -> None:
 
 HEAD = (
     "Differences of the 5, 50 and 95 % quantiles from the exact posterior's, in percent of its 90 % interval, for the\n"
-    "log apogee of the next flight, log Cd and log alpha; excess CRPS of the apogee in percent; then the same differences\n"
-    "of the linear model with nothing else approximated; split R-hat, effective draws and acceptance of the sampler.\n\n"
+    "log apogee of the next flight, log Cd and log alpha; excess CRPS of the apogee in percent; then the same "
+    "differences\nof the linear model with nothing else approximated; split R-hat, effective draws and acceptance of "
+    "the sampler.\n\n"
     f"{'case':58s} {'apogee':>14s} {'log Cd':>14s} {'log alpha':>14s}   CRPS {'apogee':>14s} {'log Cd':>14s}"
     f" {'log alpha':>14s}  R-hat  draws  acc"
 )
@@ -77,12 +79,15 @@ def _summary(name: str, gaps: Array, crps: list[float]) -> list[str]:
     for i, figure in enumerate(FIGURES):
         low, middle, high = np.quantile(gaps[..., i], (0.5, 0.9, 1.0), axis=0).T * 100
         ends = "; ".join(
-            f"{level} %: {one[0]:.1f}, {one[1]:.1f}, {one[2]:.1f}" for level, one in zip((5, 50, 95), (low, middle, high))
+            f"{level} %: {one[0]:.1f}, {one[1]:.1f}, {one[2]:.1f}"
+            for level, one in zip((5, 50, 95), (low, middle, high), strict=True)
         )
         lines.append(f"{name}, {figure}: median, 9 in 10, largest difference at {ends}")
     if crps:
         middle, most, worst = np.quantile(crps, (0.5, 0.9, 1.0)) * 100
-        lines.append(f"{name}, excess CRPS of the apogee: median {middle:.2f} %, 9 in 10 {most:.2f} %, largest {worst:.2f} %")
+        lines.append(
+            f"{name}, excess CRPS of the apogee: median {middle:.2f} %, 9 in 10 {most:.2f} %, largest {worst:.2f} %"
+        )
     return lines
 
 

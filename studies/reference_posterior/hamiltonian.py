@@ -20,7 +20,7 @@ Density = Callable[[Array], tuple[Array, Array]]
 ACCEPTANCE = 0.7
 """Fraction of proposals to be accepted, by which the step is chosen during warm-up. [1]"""
 SMALLEST = 0.2
-"""Step below which nothing is gained by a smaller one: what is wrong with the force does not vanish with the step. [1]"""
+"""Least step: what is wrong with the force does not vanish with smaller ones. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,7 +62,7 @@ def sample(
     for turn in range(warm_up + kept):
         state, chance = _transition(density, state, step * rng.uniform(0.8, 1.2), rng)
         if turn < warm_up:
-            step = max(step * np.exp((chance - ACCEPTANCE) * 2 / np.sqrt(turn + 4)), SMALLEST)
+            step = max(step * float(np.exp((chance - ACCEPTANCE) * 2 / np.sqrt(turn + 4))), SMALLEST)
         else:
             accepted.append(chance)
             positions[turn - warm_up] = state.position
@@ -71,15 +71,15 @@ def sample(
 
 def _transition(density: Density, state: _State, step: float, rng: np.random.Generator) -> tuple[_State, float]:
     """One trajectory of every chain, at most a quarter of a period long, and how many were accepted."""
-    momentum = rng.normal(size=state.position.shape)
-    start = state.log_density - 0.5 * (momentum**2).sum(axis=1)
+    momentum: Array = rng.normal(size=state.position.shape)
+    before: Array = state.log_density - 0.5 * (momentum**2).sum(axis=1)
     end = state
     for _ in range(int(rng.integers(1, ceil(pi / 2 / step) + 1))):
-        half = momentum + 0.5 * step * end.force
+        half = np.asarray(momentum + 0.5 * step * end.force)
         position = end.position + step * half
         end = _State(position, *density(position))
-        momentum = half + 0.5 * step * end.force
-    gained = end.log_density - 0.5 * (momentum**2).sum(axis=1) - start
+        momentum = np.asarray(half + 0.5 * step * end.force)
+    gained = end.log_density - 0.5 * (momentum**2).sum(axis=1) - before
     chance = np.exp(np.minimum(np.where(np.isfinite(gained), gained, -np.inf), 0.0))
     return state.where(rng.uniform(size=len(chance)) < chance, end), float(chance.mean())
 
@@ -97,7 +97,9 @@ def effective_size(values: Float[Array, "iteration chain"]) -> float:
     """Independent draws that know the mean as well, by Geyer's initial monotone sequence over all chains."""
     count, chains = values.shape
     centred = values - values.mean()
-    covariance = np.array([(centred[: count - lag] * centred[lag:]).sum() / (count * chains) for lag in range(count // 2)])
+    covariance = np.array(
+        [(centred[: count - lag] * centred[lag:]).sum() / (count * chains) for lag in range(count // 2)]
+    )
     pairs = (covariance[: len(covariance) // 2 * 2].reshape(-1, 2) / covariance[0]).sum(axis=1)
     positive = pairs[: int(np.argmax(pairs <= 0))] if (pairs <= 0).any() else pairs
     return float(count * chains / max(2 * np.minimum.accumulate(positive).sum() - 1, 1 / np.log10(count * chains)))

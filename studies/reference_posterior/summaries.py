@@ -91,10 +91,12 @@ def _kept(one: Reference) -> dict[str, Any]:
 
 def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> Reference:
     shared = kept["shared"]
-    prior = SharedPrior(tuple(shared["names"]), *map(np.array, (shared["mean"], shared["covariance"]))) if shared else None
+    prior = (
+        SharedPrior(tuple(shared["names"]), *map(np.array, (shared["mean"], shared["covariance"]))) if shared else None
+    )
     case = Case(tuple(map(_flown, kept["flights"])), _flown(kept["plan"]), hyperprior, prior)
-    arrays = (np.array(kept[name]) for name in ("quantiles", "linear", "draws"))
-    return Reference(kept["name"], case, *arrays, kept["r_hat"], kept["effective"])
+    by_exact, by_linear, draws = (np.array(kept[name]) for name in ("quantiles", "linear", "draws"))
+    return Reference(kept["name"], case, by_exact, by_linear, draws, kept["r_hat"], kept["effective"])
 
 
 def _flight(flight: Flight, found: Found) -> dict[str, Any]:

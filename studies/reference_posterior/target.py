@@ -37,7 +37,7 @@ def simulated(model: Model) -> Readouts:
 
 def linear(model: Model, near: Tangent) -> Readouts:
     """The readouts as the fit has them, linear about its last point."""
-    sds = {kind.bends: (number, kind.sd) for number, kind in enumerate(model.scatter)}
+    sds = {str(kind.bends): (number, kind.sd) for number, kind in enumerate(model.scatter)}
 
     def read(values: Array, scatter: Mapping[str, Array]) -> Array:
         moved = np.einsum("fot,dt->dfo", near.slope, values - near.at)
@@ -65,8 +65,8 @@ class Target:
 
     Coordinates are the terms in order, the random effects flight by flight, and the logarithms of the scatter and the
     reading scale, each as standard normal as its prior. `slopes` are what the force takes the readouts to change by
-    with everything that is bent (`kinds`): where the charge fires after apogee, and where before, for there readouts have
-    a kink. A readout that is not `seen` and usable is not compared.
+    with everything that is bent (`kinds`): where the charge fires after apogee, and where before, for readouts have a
+    kink there. A readout that is not `seen` and usable is not compared.
     """
 
     model: Model
@@ -109,10 +109,12 @@ class Target:
             at[rows] = np.linalg.solve(root, values[rows] - self.model.shared.mean)
         return at
 
-    def __call__(self, at: Float[Array, "draw dimension"]) -> tuple[Float[Array, "draw"], Float[Array, "draw dimension"]]:
+    def __call__(
+        self, at: Float[Array, "draw dimension"]
+    ) -> tuple[Float[Array, "draw"], Float[Array, "draw dimension"]]:
         """Log density, but for a constant, and what the force takes for its gradient."""
         point = self.point(at)
-        effects = {kind.bends: point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
+        effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
         flown = self.readouts(point.terms, effects)
         possible = (np.isfinite(flown) | ~self.seen).all(axis=(1, 2))
         error = np.where(self.seen & np.isfinite(flown), self.data.values - flown, 0.0)
@@ -160,7 +162,7 @@ class Target:
         by_term = np.stack([self._by_term(term, by_kind, score) for term in self.model.terms], axis=-1)
         prior, terms = self.model.hyperprior, len(self.model.terms)
         out = np.empty_like(at)
-        scales = {"": 1.0, "scatter": point.scatter_scale, "reading": point.reading_scale}
+        scales: dict[str, Array | float] = {"": 1.0, "scatter": point.scatter_scale, "reading": point.reading_scale}
         for i, term in enumerate(self.model.terms):
             out[:, i] = by_term[:, i] * _rate(term, at[:, i], scales[term.scaled_by])
         if self.model.shared:
@@ -193,7 +195,7 @@ class Target:
         certain = np.where(self.seen, (nu + 1) / (nu + 3) / self.variance(point)[0], 0.0)
         unit = np.eye(flights * len(OBSERVED)).reshape(-1, flights, len(OBSERVED))
         repeated = [np.repeat(getattr(point, name), len(unit), axis=0) for name in Point.__dataclass_fields__]
-        effects = {kind.bends: point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
+        effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
         early = np.repeat(self._early(point, self.readouts(point.terms, effects)), len(unit), axis=0)
         slope = self._pulled(np.repeat(at[None], len(unit), axis=0), Point(*repeated), unit, early)
         found = slope.T @ (certain.ravel()[:, None] * slope) + np.eye(self.dimension)
@@ -263,7 +265,8 @@ def _value(term: Term, at: Array, scatter: Array, reading: Array) -> Float[Array
     if _bounded(term):
         low, high = _ends(term)
         return np.asarray(np.clip(term.mean + term.sd * ndtri(low + (high - low) * ndtr(at)), term.low, term.high))
-    scale = {"": 1.0, "scatter": scatter, "reading": reading}[term.scaled_by]
+    scales: dict[str, Array | float] = {"": 1.0, "scatter": scatter, "reading": reading}
+    scale = scales[term.scaled_by]
     return np.asarray(term.mean + term.sd * scale * at)
 
 
