@@ -71,7 +71,7 @@ def sample(
 
 def _transition(density: Density, state: _State, step: float, rng: np.random.Generator) -> tuple[_State, float]:
     """One trajectory of every chain, at most a quarter of a period long, and how many were accepted."""
-    momentum: Array = rng.normal(size=state.position.shape)
+    momentum = np.asarray(rng.normal(size=state.position.shape), float)
     before: Array = state.log_density - 0.5 * (momentum**2).sum(axis=1)
     end = state
     for _ in range(int(rng.integers(1, ceil(pi / 2 / step) + 1))):

@@ -1,0 +1,76 @@
+"""The fit beside stored draws of the exact posterior, of histories drawn from the model and of hard ones.
+
+They are made again, in about ten minutes, by
+
+    python -m studies.reference_posterior --store tests/inference/laplace/reference_posteriors.json \
+        --table docs/measured/reference_posterior.txt
+
+with its seed. They hold their own hyperprior, so that learning another does not make them old; a change of the physics or
+of the model does.
+"""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.shapes import Array
+from studies.reference_posterior.sampler import FIGURES, said_by_fit
+from studies.reference_posterior.summaries import Reference, excess_crps, off, quantiles, read
+
+REFERENCES = read(Path(__file__).with_name("reference_posteriors.json"))
+DRAWS = 4000
+FARTHEST = {"log_apogee": (0.12, 0.06, 0.12), "log_cd": (0.35, 0.2, 0.2), "log_alpha": (0.12, 0.12, 0.12)}
+"""Difference of each quantile (5, 50, 95 %) over the reference's 90 % interval, at most. [1]"""
+USUAL = {"log_apogee": 0.04, "log_cd": 0.08, "log_alpha": 0.04}
+"""The same of half of all quantiles, at most. [1]"""
+CRPS = 0.03
+"""Excess CRPS over the exact one's: of the reference's few stored draws, whose own is part of it. [1]"""
+
+
+@pytest.fixture(scope="module")
+def said() -> dict[str, Array]:
+    """What the fit says of the next flight of every case."""
+    return {one.name: said_by_fit(one.case, DRAWS, 0) for one in REFERENCES}
+
+
+def gaps(one: Reference, said: dict[str, Array]) -> Array:
+    return np.abs(off(quantiles(said[one.name]), one.quantiles))
+
+
+def test_there_are_references_of_twenty_drawn_histories_and_of_hard_ones() -> None:
+    assert len(REFERENCES) == 28
+    assert sum(one.name[0].isdigit() for one in REFERENCES) == 20
+    assert any(one.case.shared for one in REFERENCES)
+
+
+@pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
+def test_what_is_stored_hangs_together(one: Reference) -> None:
+    """The few draws are of the posterior whose quantiles stand beside them."""
+    below = (one.draws[:, None] < one.quantiles).mean(axis=0)
+    np.testing.assert_allclose(below, np.array([[0.05], [0.5], [0.95]]) + np.zeros(3), atol=0.17)
+    assert one.effective > 500
+
+
+@pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
+def test_the_fit_is_as_near_to_the_exact_posterior_as_measured(one: Reference, said: dict[str, Array]) -> None:
+    most = np.array([FARTHEST[figure] for figure in FIGURES]).T
+    assert (gaps(one, said) < most).all()
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_half_of_all_quantiles_are_nearer_than_that(figure: str, said: dict[str, Array]) -> None:
+    every = np.array([gaps(one, said)[:, FIGURES.index(figure)] for one in REFERENCES])
+    assert np.median(every) < USUAL[figure]
+
+
+@pytest.mark.parametrize("one", REFERENCES, ids=lambda one: one.name)
+def test_the_forecast_scores_as_the_exact_one_does(one: Reference, said: dict[str, Array]) -> None:
+    assert excess_crps(np.exp(said[one.name][:, 0]), np.exp(one.draws[:, 0])) < CRPS
+
+
+def test_a_forecast_that_is_off_by_a_fifth_of_its_width_is_noticed(said: dict[str, Array]) -> None:
+    one = REFERENCES[0]
+    wide = one.quantiles[2, 0] - one.quantiles[0, 0]
+    moved = {one.name: said[one.name] + 0.2 * wide}
+    assert (gaps(one, moved)[:, 0] > 0.12).all()
