@@ -66,7 +66,8 @@ class Target:
     Coordinates are the terms in order, the random effects flight by flight, and the logarithms of the scatter and the
     reading scale, each as standard normal as its prior. `slopes` are what the force takes the readouts to change by
     with everything that is bent (`kinds`): where the charge fires after apogee, and where before, for readouts have a
-    kink there. A readout that is not `seen` and usable is not compared.
+    kink there. A readout that is not `seen` and usable is not compared. Unless `student`, residuals are normal, with the
+    precision that the fit gave each for an outlier (`trust` of the data).
     """
 
     model: Model
@@ -137,7 +138,7 @@ class Target:
         """Squared width of every residual."""
         variance = point.reading_scale[:, None, None] ** 2 * self.data.sd**2
         variance[..., 0] = self.data.sd[:, 0] ** 2 + (point.scatter_scale[:, None] * apogee_scatter(self.model)) ** 2
-        return np.asarray(variance)
+        return np.asarray(variance if self.student else variance / self.data.trust)
 
     def _residuals(self, error: Array, variance: Array) -> tuple[Array, Array, Array]:
         """Log likelihood, its derivative by each readout, and by the logarithm of each width."""

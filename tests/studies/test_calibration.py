@@ -9,6 +9,7 @@ from fieldkit.model.hyperprior import learned
 from fieldkit.shapes import Array
 from studies.calibration import Ranked, coverage, rank, ranked, table, uniformity
 
+CHECK_SHAPES = False
 LEDGERS = 60
 CHANCE = 0.001
 """Probability below which ranks are not taken for uniform: one run in a thousand of a calibrated forecast."""
