@@ -21,7 +21,7 @@ from fieldkit.shapes import Array, Float
 from studies.generated_ledgers import SUBSETS, History, ledger, random_recipe
 
 SEED = 2018
-LEDGERS = 600
+LEDGERS = 500
 ROCKETS = 4
 """Of a ledger, at most."""
 DRAWS = 999
