@@ -20,8 +20,8 @@ from studies.reference_posterior.target import Readouts, Target, target
 
 CHAINS = 128
 WARM_UP = 150
-LENGTHS = (300, 900)
-"""Transitions of each chain before the step is settled and after it, the second where the first are not enough."""
+KEPT = 300
+"""Transitions of each chain before the step is settled, and after it."""
 ENOUGH = 700
 """Effective draws of the figure that mixes worst: a quantile at 5 % is then known to 2.5 % of the 90 % interval. [1]"""
 WIDER = 1.3
@@ -76,25 +76,23 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
     """Draws of an exact posterior, all chains together in the order drawn.
 
     Positions are measured in the posterior's own width as far as the slopes know it (a constant mass matrix). Chains
-    that did not mix go on from where they are, and what they drew before is left out.
+    that did not mix go on with the exact force from where they are, and what they drew before is left out.
     """
     scatter, reading, _ = result.model.hyperprior.scales()
     scales = (float(np.exp(result.weights @ np.log(each))) for each in (scatter, reading))
     middle = density.coordinates(_middle(result), *scales)
     root = np.linalg.inv(np.linalg.cholesky(density.curvature(middle)))
 
-    def whitened(at: Array) -> tuple[Array, Array]:
-        log_density, force = density(middle + at @ root)
-        return log_density, force @ root.T
+    def run(target: Target, position: Float[Array, "chain dimension"]) -> tuple[Sampled, Array]:
+        def whitened(at: Array) -> tuple[Array, Array]:
+            log_density, force = target(middle + at @ root)
+            return log_density, force @ root.T
 
-    position = _inside(whitened, rng.normal(size=(CHAINS, density.dimension)) * WIDER)
-    for kept in LENGTHS:
-        chains = hamiltonian.sample(whitened, position, WARM_UP, kept, rng)
-        found = _sampled(case, density, chains, middle + chains.positions @ root)
-        if found.effective > ENOUGH:
-            break
-        position = chains.positions[-1]
-    return found
+        chains = hamiltonian.sample(whitened, _inside(whitened, position), WARM_UP, KEPT, rng)
+        return _sampled(case, target, chains, middle + chains.positions @ root), chains.positions[-1]
+
+    found, last = run(density, rng.normal(size=(CHAINS, density.dimension)) * WIDER)
+    return found if found.effective > ENOUGH else run(replace(density, exact_force=True), last)[0]
 
 
 def _sampled(
@@ -104,10 +102,9 @@ def _sampled(
     scales = np.stack([point.scatter_scale, point.reading_scale], axis=-1)
     watched = np.concatenate([_shared_figures(case, point.terms), np.log(scales)], axis=1).reshape(*at.shape[:2], -1)
     figures = [watched[..., i] for i in range(watched.shape[-1])]
-    thin = np.arange(len(scales)).reshape(at.shape[:2])[:: len(at) // LENGTHS[0]].ravel()
     return Sampled(
-        point.terms[thin],
-        scales[thin],
+        point.terms,
+        scales,
         max(hamiltonian.split_r_hat(one) for one in figures),
         min(hamiltonian.effective_size(one) for one in figures),
         chains.acceptance,

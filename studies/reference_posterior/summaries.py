@@ -14,7 +14,7 @@ from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, catalogue
 from fieldkit.shapes import Array, Float
-from studies.reference_posterior.sampler import FIGURES, Case, Sampled, next_flight, quantiles
+from studies.reference_posterior.sampler import FIGURES, Case, Sampled, next_flight, quantiles, said_by_fit
 
 LEVELS = (0.05, 0.5, 0.95)
 THINNED = 200
@@ -25,7 +25,10 @@ DIGITS = 4
 
 @dataclass(frozen=True, slots=True)
 class Reference:
-    """A case, quantiles of `FIGURES` by the exact sampler and by one of the linear model, and some exact draws."""
+    """A case, quantiles of `FIGURES` by the exact sampler and by one of the linear model, and some exact draws.
+
+    `excess_crps` is that of the fit's forecast of the apogee when all was sampled [1].
+    """
 
     name: str
     case: Case
@@ -34,6 +37,7 @@ class Reference:
     draws: Float[Array, "draw figure"]
     r_hat: float
     effective: float
+    excess_crps: float
 
 
 def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int) -> Reference:
@@ -41,7 +45,9 @@ def summarized(name: str, case: Case, exact: Sampled, linear: Sampled, seed: int
     figures = next_flight(case, exact.terms, exact.scales, seed)
     thin = figures[np.linspace(0, len(figures) - 1, THINNED).astype(int)]
     by_linear = quantiles(next_flight(case, linear.terms, linear.scales, seed), LEVELS)
-    return Reference(name, case, quantiles(figures, LEVELS), by_linear, thin, exact.r_hat, exact.effective)
+    said = said_by_fit(case, len(figures), seed)
+    excess = excess_crps(np.exp(said[:, 0]), np.exp(figures[:, 0]))
+    return Reference(name, case, quantiles(figures, LEVELS), by_linear, thin, exact.r_hat, exact.effective, excess)
 
 
 def off(said: Float[Array, "level figure"], reference: Float[Array, "level figure"]) -> Float[Array, "level figure"]:
@@ -85,6 +91,7 @@ def _kept(one: Reference) -> dict[str, Any]:
         "shared": _shared(case.shared) if case.shared else None,
         "r_hat": round(one.r_hat, 3),
         "effective": round(one.effective),
+        "excess_crps": round(one.excess_crps, DIGITS),
         **{name: np.round(getattr(one, name), DIGITS).tolist() for name in ("quantiles", "linear", "draws")},
     }
 
@@ -96,7 +103,9 @@ def _read(kept: Mapping[str, Any], hyperprior: Hyperprior) -> Reference:
     )
     case = Case(tuple(map(_flown, kept["flights"])), _flown(kept["plan"]), hyperprior, prior)
     by_exact, by_linear, draws = (np.array(kept[name]) for name in ("quantiles", "linear", "draws"))
-    return Reference(kept["name"], case, by_exact, by_linear, draws, kept["r_hat"], kept["effective"])
+    return Reference(
+        kept["name"], case, by_exact, by_linear, draws, kept["r_hat"], kept["effective"], kept["excess_crps"]
+    )
 
 
 def _flight(flight: Flight, found: Found) -> dict[str, Any]:

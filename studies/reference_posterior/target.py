@@ -19,6 +19,8 @@ STEP_SIZES = {**STEPS, "opening": 0.1, "delay": 0.02}
 """Steps to both sides, over which the force takes the readouts as linear."""
 APART = 0.4
 """How long before and after apogee the charge fires, at least, where slopes before and after it are taken. [s]"""
+EXACT_STEP = 1e-4
+"""Step of an exact force. [1] or [s]"""
 EJECTION = OBSERVED.index("apogee_to_eject")
 
 Readouts = Callable[[Array, Mapping[str, Array]], Array]
@@ -37,13 +39,13 @@ def simulated(model: Model) -> Readouts:
 
 def linear(model: Model, near: Tangent) -> Readouts:
     """The readouts as the fit has them, linear about its last point."""
-    sds = {str(kind.bends): (number, kind.sd) for number, kind in enumerate(model.scatter)}
+    slopes = {str(term.bends): near.slope[..., i] for i, term in enumerate(model.terms) if term.weight.all()}
+    slopes |= {str(kind.bends): near.scatter_slope[..., i] / kind.sd for i, kind in enumerate(model.scatter)}
 
     def read(values: Array, scatter: Mapping[str, Array]) -> Array:
         moved = np.einsum("fot,dt->dfo", near.slope, values - near.at)
         for name, change in scatter.items():
-            number, sd = sds[name]
-            moved = moved + change[..., None] * near.scatter_slope[..., number] / sd
+            moved = moved + change[..., None] * slopes[name]
         return np.asarray(near.values + moved)
 
     return read
@@ -66,8 +68,9 @@ class Target:
     Coordinates are the terms in order, the random effects flight by flight, and the logarithms of the scatter and the
     reading scale, each as standard normal as its prior. `slopes` are what the force takes the readouts to change by
     with everything that is bent (`kinds`): where the charge fires after apogee, and where before, for readouts have a
-    kink there. A readout that is not `seen` and usable is not compared. Unless `student`, residuals are normal, with the
-    precision that the fit gave each for an outlier (`trust` of the data).
+    kink there. A readout that is not `seen` and usable is not compared. Unless `student`, residuals are normal, with
+    the precision that the fit gave each for an outlier (`trust` of the data). An `exact_force` takes slopes at every
+    point instead, by seven times as many flights.
     """
 
     model: Model
@@ -77,6 +80,7 @@ class Target:
     kinds: tuple[str, ...]
     slopes: Float[Array, "side flight readout kind"]
     student: bool = True
+    exact_force: bool = False
 
     @property
     def dimension(self) -> int:
@@ -116,13 +120,14 @@ class Target:
         """Log density, but for a constant, and what the force takes for its gradient."""
         point = self.point(at)
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
-        flown = self.readouts(point.terms, effects)
+        with np.errstate(over="ignore", invalid="ignore"):  # a trajectory may run off to where nothing flies
+            flown = self.readouts(point.terms, effects)
         possible = (np.isfinite(flown) | ~self.seen).all(axis=(1, 2))
         error = np.where(self.seen & np.isfinite(flown), self.data.values - flown, 0.0)
         variance = self.variance(point)
         log_likelihood, score, by_width = self._residuals(error, variance)
         log_density = log_likelihood - 0.5 * (at**2).sum(axis=1)
-        force = self._pulled(at, point, score, self._early(point, flown)) - at
+        force = self._pulled(at, point, score, self._bent(point, score, flown)) - at
         prior = self.model.hyperprior
         own = (point.scatter_scale[:, None] * apogee_scatter(self.model)) ** 2 / variance[..., 0]
         force[:, -2] += prior.scatter.log_sd * (by_width[..., 0] * own).sum(axis=1)
@@ -156,10 +161,34 @@ class Target:
         """Whether the charge fires before apogee."""
         return np.asarray(np.nan_to_num(flown[..., EJECTION]) < bent(self.model, point.terms, OBSERVED[EJECTION]))
 
-    def _pulled(self, at: Array, point: Point, score: Float[Array, "draw flight readout"], early: Flags) -> Array:
-        """The derivative by readouts carried to the coordinates, by the slopes. [draw dimension]"""
+    def _bent(
+        self, point: Point, score: Float[Array, "draw flight readout"], flown: Float[Array, "draw flight readout"]
+    ) -> Float[Array, "draw flight kind"]:
+        """The derivative by readouts carried to what is bent, by the slopes."""
+        if self.exact_force:
+            return np.asarray(np.einsum("dfo,kdfo->dfk", score, self._slopes_here(point, flown)))
         late, before = (np.einsum("dfo,fok->dfk", score, side) for side in self.slopes)
-        by_kind = np.where(early[..., None], before, late)
+        return np.asarray(np.where(self._early(point, flown)[..., None], before, late))
+
+    def _slopes_here(self, point: Point, flown: Array) -> Float[Array, "kind draw flight readout"]:
+        draws, kinds = len(flown), len(self.kinds)
+        effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
+        rows = {}
+        for number, kind in enumerate(self.kinds):
+            rows[kind] = np.tile(effects.get(kind, np.zeros(flown.shape[:2])), (kinds, 1))
+            rows[kind][number * draws : (number + 1) * draws] += EXACT_STEP
+        with np.errstate(over="ignore", invalid="ignore"):
+            moved = self.readouts(np.tile(point.terms, (kinds, 1)), rows).reshape(kinds, *flown.shape)
+            return np.nan_to_num((moved - flown) / EXACT_STEP, posinf=0.0, neginf=0.0)
+
+    def _pulled(
+        self,
+        at: Array,
+        point: Point,
+        score: Float[Array, "draw flight readout"],
+        by_kind: Float[Array, "draw flight kind"],
+    ) -> Float[Array, "draw dimension"]:
+        """The derivative by readouts and by what is bent carried to the coordinates."""
         by_term = np.stack([self._by_term(term, by_kind, score) for term in self.model.terms], axis=-1)
         prior, terms = self.model.hyperprior, len(self.model.terms)
         out = np.empty_like(at)
@@ -197,8 +226,9 @@ class Target:
         unit = np.eye(flights * len(OBSERVED)).reshape(-1, flights, len(OBSERVED))
         repeated = [np.repeat(getattr(point, name), len(unit), axis=0) for name in Point.__dataclass_fields__]
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
-        early = np.repeat(self._early(point, self.readouts(point.terms, effects)), len(unit), axis=0)
-        slope = self._pulled(np.repeat(at[None], len(unit), axis=0), Point(*repeated), unit, early)
+        flown = np.repeat(self.readouts(point.terms, effects), len(unit), axis=0)
+        every = Point(*repeated)
+        slope = self._pulled(np.repeat(at[None], len(unit), axis=0), every, unit, self._bent(every, unit, flown))
         found = slope.T @ (certain.ravel()[:, None] * slope) + np.eye(self.dimension)
         prior, seen = self.model.hyperprior, self.seen.sum(axis=0)
         own = (point.scatter_scale[:, None] * apogee_scatter(self.model)) ** 2 / self.variance(point)[..., 0]
