@@ -23,8 +23,8 @@ FARTHEST = {"log_apogee": (0.09, 0.07, 0.13), "log_cd": (0.32, 0.28, 0.45), "log
 USUAL = {"log_apogee": 0.03, "log_cd": 0.06, "log_alpha": 0.02}
 """The same of half of all quantiles, at most. [1]"""
 CRPS = 0.05
-"""Excess CRPS over the exact one's, at most. Against all exact draws it is below 0.01; here it is of 200 stored ones,
-which by chance alone are worth 0.005 in the mean and up to 0.035 in one case of a thousand (Cramér and von Mises). [1]"""
+"""Excess CRPS over the exact one's, at most. Against all exact draws it is below 0.01; of the 200 stored ones it is
+more: by chance alone 0.005 in the mean, and up to 0.035 in one case of a thousand (Cramér and von Mises). [1]"""
 
 
 @pytest.fixture(scope="module")
