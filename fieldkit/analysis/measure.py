@@ -159,15 +159,15 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     down = _down(log, apogee[0], lift, burnout, hole[1] if unseen and hole else None) if apogee else _Part()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
-    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
     coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
+    known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
     if not is_flight(known, coasts_from, float(log.ascent.height.max()), log.seen.climbs):
         return Recorded(notes=(NO_FLIGHT,))
-    known, impossible = possible(known)
     climb = climb_of(log.ascent, begin, burnout, end, log.source)
     free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
     if lift and burnt and apogee:
         known |= drag_and_impulse(log.track, log.seen.pad, log.ascent, lift, burnt, free, log.source)
+    known, impossible = possible({name: figure for name, figure in known.items() if np.isfinite(figure.sd)})
     pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
     return Recorded(
         events, known, climb, pressed, (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible)

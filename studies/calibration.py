@@ -1,0 +1,166 @@
+"""Simulation-based calibration of forecasts over the hyperprior: python -m studies.calibration [--table FILE].
+
+Ledgers are drawn from the model; the next flight of one rocket is forecast with what the ledger's other rockets show.
+Where fit and forecast are right, the rank of the truth among the forecast's draws is uniform (Talts, Betancourt,
+Simpson, Vehtari and Gelman, 2018). Uniformity is judged at all places at once (Säilynoja, Bürkner and Vehtari, 2022).
+"""
+
+import argparse
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+
+from fieldkit.forecast.predict import fly_ahead, learn
+from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
+from fieldkit.model.hyperprior import Hyperprior, learned
+from fieldkit.model.rocket_model import bent
+from fieldkit.shapes import Array, Float
+from studies.generated_ledgers import SUBSETS, History, ledger, random_recipe
+
+SEED = 2018
+LEDGERS = 500
+ROCKETS = 4
+"""Of a ledger, at most."""
+DRAWS = 999
+"""Of each forecast, so that ranks run from 0 to it."""
+SIMULATED = 2000
+"""Sets of uniform ranks that the distance from uniformity is compared with."""
+PLACES = 50
+"""At which distribution functions are compared."""
+
+
+@dataclass(frozen=True, slots=True)
+class Ranked:
+    """A forecast and the fraction of its draws below the truth: of the apogee and of the rocket's log Cd. [1]"""
+
+    flights: int
+    readouts: tuple[str, ...]
+    others: int
+    new_motor: bool
+    apogee: float
+    log_cd: float
+
+
+def ranked(number: int, hyperprior: Hyperprior, *, checked: bool = True, rockets: int = ROCKETS) -> Ranked:
+    """Draw a ledger, forecast the next flight of its last rocket, and rank what it was drawn with.
+
+    Unless `checked`, readouts that do not fit their flight are left out, as of flights that nobody looked at again.
+    """
+    rng = np.random.default_rng([SEED, number])
+    histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
+    asked = histories[-1] if checked else _as_entered(histories[-1])
+    shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
+    learnt = learn(asked.flown, [asked.plan], shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number)
+    (prediction,) = fly_ahead(learnt)
+    log_cd = bent(learnt.model, learnt.values, "drag")[:, 0]
+    flown = {found.motor.designation for _, found in asked.flown}
+    readouts = next(kept for kept in SUBSETS.values() if set(kept) >= _seen(asked) and len(kept) >= len(_seen(asked)))
+    return Ranked(
+        len(asked.flown),
+        readouts,
+        len(histories) - 1,
+        asked.plan[1].motor.designation not in flown,
+        rank(prediction.true_apogee, asked.truth.apogee, rng),
+        rank(log_cd, asked.truth.log_cd, rng),
+    )
+
+
+def _as_entered(history: History) -> History:
+    flown = tuple((flight.with_changes(tags=()), found) for flight, found in history.flown)
+    return History(flown, history.plan, history.truth)
+
+
+def _seen(history: History) -> set[str]:
+    return {name for flight, _ in history.flown for name in flight.readouts()}
+
+
+def rank(draws: Float[Array, "draw"], truth: float, rng: np.random.Generator) -> float:
+    """The fraction of draws below the truth, places between two draws being drawn evenly: uniform, not in steps. [1]"""
+    return float((np.sum(draws < truth) + rng.uniform()) / (len(draws) + 1))
+
+
+def uniformity(ranks: Float[Array, "forecast"], seed: int = 0) -> float:
+    """Probability that uniform ranks are as far from uniform as these anywhere. [1]
+
+    At each of `PLACES` the number of ranks below is binomial; the least likely place counts, beside those of as many
+    uniform ranks.
+    """
+    from scipy.stats import binom
+
+    count = len(ranks)
+    places = np.arange(1, PLACES) / PLACES
+    counts = np.arange(count + 1)[:, None]
+    tail = np.minimum(binom.cdf(counts, count, places), binom.sf(counts - 1, count, places))
+
+    def least(values: Array) -> Array:
+        below = np.stack([(values < place).sum(axis=-1) for place in places], axis=-1)
+        return np.asarray(tail[below, np.arange(len(places))].min(axis=-1))
+
+    chance = least(np.random.default_rng(seed).uniform(size=(SIMULATED, count)))
+    return float((np.sum(chance <= least(ranks)) + 1) / (SIMULATED + 1))
+
+
+def coverage(ranks: Float[Array, "forecast"], level: float) -> float:
+    """Fraction of truths inside the central interval of a level. [1]"""
+    return float((np.abs(ranks - 0.5) < level / 2).mean())
+
+
+def _with(readouts: tuple[str, ...]) -> Callable[[Ranked], bool]:
+    return lambda one: one.readouts == readouts
+
+
+GROUPS: Mapping[str, Callable[[Ranked], bool]] = {
+    "all": lambda one: True,
+    "1 flight": lambda one: one.flights == 1,
+    "2 or 3 flights": lambda one: 2 <= one.flights <= 3,
+    "4 to 7 flights": lambda one: 4 <= one.flights <= 7,
+    "8 to 12 flights": lambda one: one.flights >= 8,
+    **{f"readouts: {name}": _with(readouts) for name, readouts in SUBSETS.items()},
+    "no other rocket": lambda one: one.others == 0,
+    "other rockets": lambda one: one.others > 0,
+    "on a motor flown before": lambda one: not one.new_motor,
+    "on a new motor": lambda one: one.new_motor,
+}
+"""Forecasts by what they rest on."""
+
+
+def table(found: Sequence[Ranked]) -> list[str]:
+    """Coverage at 50 and 90 % with its standard error by chance, mean rank and uniformity, a line a group."""
+    lines = [f"{'':26s} {'':>5s} {'apogee':^34s}  {'log Cd':^34s}"]
+    columns = f"{'50 %':>7s} {'90 %':>7s} {'rank':>6s} {'uniform':>10s}"
+    lines.append(f"{'':26s} {'cases':>5s} {columns:>34s}  {columns:>34s}  90 % by chance")
+    for name, belongs in GROUPS.items():
+        group = [one for one in found if belongs(one)]
+        if group:
+            parts = [_figures(np.array([getattr(one, figure) for one in group])) for figure in ("apogee", "log_cd")]
+            spread = 100 * 1.645 * np.sqrt(0.09 / len(group))
+            lines.append(f"{name:26s} {len(group):5d} {parts[0]:>34s}  {parts[1]:>34s}  ± {spread:.1f} %")
+    return lines
+
+
+def _figures(ranks: Float[Array, "forecast"]) -> str:
+    half, most = (100 * coverage(ranks, level) for level in (0.5, 0.9))
+    return f"{half:5.1f} % {most:5.1f} % {ranks.mean():6.3f}  p={uniformity(ranks):6.4f}"
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Read the command line, draw ledgers and forecast, print the table and keep it where asked."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--ledgers", type=int, default=LEDGERS)
+    parser.add_argument("--table", type=Path, metavar="FILE")
+    asked = parser.parse_args(arguments)
+    lines = []
+    for checked, title in ((True, "Every readout taken"), (False, "Readouts that do not fit their flight left out")):
+        found = [ranked(number, learned(), checked=checked) for number in range(asked.ledgers)]
+        lines += [f"{title}, {asked.ledgers} ledgers from seed {SEED}:", "", *table(found), ""]
+        sys.stdout.write("\n".join(lines[-len(table(found)) - 3 :]) + "\n")
+        sys.stdout.flush()
+    if asked.table:
+        asked.table.write_text("\n".join(lines), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,51 @@
+"""The histories that the fit is checked on: drawn from the model itself, and some that are hard."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
+from fieldkit.model.hyperprior import Hyperprior
+from fieldkit.model.readout_data import OBSERVED
+from studies.generated_ledgers import SUBSETS, History, Recipe, ledger, random_recipe
+from studies.reference_posterior.sampler import Case
+
+SEED = 18
+DRAWN = 20
+"""Histories by random recipes."""
+HARD = {
+    "apogees alone, six flights": Recipe(6, readouts=SUBSETS["apogee"]),
+    "one flight, apogee alone": Recipe(1, readouts=SUBSETS["apogee"]),
+    "one flight, all readouts": Recipe(1),
+    "two motors, then a third": Recipe(8, 2, new_motor=True),
+    "one apogee half of what it was": Recipe(8, 2, outlier=0.5),
+    "diameter not recorded": Recipe(5, readouts=SUBSETS["apogee, speed"], diameter=False),
+    "twenty flights, all readouts": Recipe(20, 3),
+}
+"""Recipes of the hard ones by name."""
+FLEET = (Recipe(5, 2), Recipe(4, 1, SUBSETS["apogee"]), Recipe(6, 2), Recipe(2, 1, SUBSETS["apogee, speed"]))
+"""Rockets of a ledger; the last is asked about with what the others show."""
+
+
+def cases(hyperprior: Hyperprior) -> Iterator[tuple[str, Case]]:
+    """Every case and its name."""
+    for number in range(DRAWN):
+        rng = np.random.default_rng([SEED, number])
+        recipe = random_recipe(rng)
+        name = f"{number + 1}: {recipe.flights} flights, {recipe.motors} motors, {_subset(recipe)}"
+        yield name, _case(ledger(rng, [recipe], hyperprior)[-1], hyperprior)
+    for number, (name, recipe) in enumerate(HARD.items()):
+        yield name, _case(ledger(np.random.default_rng([SEED, DRAWN + number]), [recipe], hyperprior)[-1], hyperprior)
+    histories = ledger(np.random.default_rng([SEED, DRAWN + len(HARD)]), FLEET, hyperprior)
+    shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
+    last = histories[-1]
+    yield "two flights, three other rockets", Case(last.flown, last.plan, hyperprior, shared)
+
+
+def _case(history: History, hyperprior: Hyperprior) -> Case:
+    return Case(history.flown, history.plan, hyperprior)
+
+
+def _subset(recipe: Recipe) -> str:
+    kept = next(name for name, readouts in SUBSETS.items() if readouts == recipe.readouts)
+    return f"{kept} ({len(recipe.readouts)} of {len(OBSERVED)})"

@@ -1,0 +1,159 @@
+"""Draws of the exact posterior of a rocket's flights, and of its next flight, beside those of the fit."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import Learnt, fly_ahead, learn
+from fieldkit.inference.laplace.fit import fit_robustly
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.hyperprior import Hyperprior
+from fieldkit.model.readout_data import observe
+from fieldkit.model.rocket_model import Model, base_model, bent
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.motors import Found
+from fieldkit.shapes import Array, Float
+from studies.reference_posterior import hamiltonian
+from studies.reference_posterior.target import Readouts, Target, target
+
+CHAINS = 128
+WARM_UP = 150
+KEPT = 300
+"""Transitions of each chain before the step is settled, and after it."""
+ENOUGH = 700
+"""Effective draws of the figure that mixes worst: a quantile at 5 % is then known to 2.5 % of the 90 % interval. [1]"""
+WIDER = 1.3
+"""How much wider than the fit's posterior the chains start. [1]"""
+FIGURES = ("log_apogee", "log_cd", "log_alpha")
+"""Of the next flight: log of its apogee [m], and of the rocket's Cd and thrust factor on it, without scatter. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Case:
+    """Flights of a rocket, its next flight, the hyperprior, and what other rockets show of the shared terms."""
+
+    flown: tuple[tuple[Flight, Found], ...]
+    plan: tuple[Flight, Found]
+    hyperprior: Hyperprior
+    shared: SharedPrior | None = None
+
+    def model(self) -> Model:
+        """The model of all flights, the one to come last."""
+        both = [*self.flown, self.plan]
+        flights, found = [flight for flight, _ in both], [motor for _, motor in both]
+        return base_model(flights, found, self.hyperprior, len(self.flown), shared=self.shared)
+
+
+@dataclass(frozen=True, slots=True)
+class Sampled:
+    """Draws of the posterior: of terms and scales, and how well the chains mixed.
+
+    `r_hat` and `effective` are the worst of the figures: split R-hat, and the effective number of draws.
+    """
+
+    terms: Float[Array, "draw term"]
+    scales: Float[Array, "draw 2"]
+    r_hat: float
+    effective: float
+    acceptance: float
+
+
+def fitted(case: Case) -> Fit:
+    """The fit as forecasts have it."""
+    model = replace(case.model().part(slice(0, len(case.flown))), coarse=True)
+    flights = [flight for flight, _ in case.flown]
+    return fit_robustly(model, observe(flights, [flight.clean for flight in flights], case.hyperprior))
+
+
+def target_of(case: Case, result: Fit, readouts: Readouts | None = None, *, student: bool = True) -> Target:
+    """The exact posterior density of a case; its force takes readouts as linear where the fit ended up."""
+    return target(replace(result.model, coarse=False), result.data, _middle(result), readouts, student=student)
+
+
+def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) -> Sampled:
+    """Draws of an exact posterior, all chains together in the order drawn.
+
+    Positions are measured in the posterior's own width as far as the slopes know it (a constant mass matrix). Chains
+    that did not mix go on with the exact force from where they are, and what they drew before is left out.
+    """
+    scatter, reading, _ = result.model.hyperprior.scales()
+    scales = (float(np.exp(result.weights @ np.log(each))) for each in (scatter, reading))
+    middle = density.coordinates(_middle(result), *scales)
+    root = np.linalg.inv(np.linalg.cholesky(density.curvature(middle)))
+
+    def run(target: Target, position: Float[Array, "chain dimension"]) -> tuple[Sampled, Array]:
+        def whitened(at: Array) -> tuple[Array, Array]:
+            log_density, force = target(middle + at @ root)
+            return log_density, force @ root.T
+
+        chains = hamiltonian.sample(whitened, _inside(whitened, position), WARM_UP, KEPT, rng)
+        return _sampled(case, target, chains, middle + chains.positions @ root), chains.positions[-1]
+
+    found, last = run(density, rng.normal(size=(CHAINS, density.dimension)) * WIDER)
+    return found if found.effective > ENOUGH else run(replace(density, exact_force=True), last)[0]
+
+
+def _sampled(
+    case: Case, density: Target, chains: hamiltonian.Chains, at: Float[Array, "iteration chain dimension"]
+) -> Sampled:
+    point = density.point(at.reshape(-1, density.dimension))
+    scales = np.stack([point.scatter_scale, point.reading_scale], axis=-1)
+    watched = np.concatenate([_shared_figures(case, point.terms), np.log(scales)], axis=1).reshape(*at.shape[:2], -1)
+    figures = [watched[..., i] for i in range(watched.shape[-1])]
+    return Sampled(
+        point.terms,
+        scales,
+        max(hamiltonian.split_r_hat(one) for one in figures),
+        min(hamiltonian.effective_size(one) for one in figures),
+        chains.acceptance,
+    )
+
+
+def next_flight(
+    case: Case, terms: Float[Array, "draw term"], scales: Float[Array, "draw 2"], seed: int
+) -> Float[Array, "draw figure"]:
+    """`FIGURES` of the next flight, flown on draws of a posterior; its own scatter is by the seed alone."""
+    plan = case.model().part(slice(len(case.flown), None))
+    rng = np.random.default_rng(seed)
+    return _figures(Learnt(plan, terms.mean(axis=0), terms, scales, len(case.flown), "field", rng))
+
+
+def said_by_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:
+    """`FIGURES` of the next flight as forecasts have them."""
+    return _figures(
+        learn(case.flown, [case.plan], shared=case.shared, hyperprior=case.hyperprior, draws=draws, seed=seed)
+    )
+
+
+def _middle(result: Fit) -> Float[Array, "term"]:
+    low, high = (np.array([getattr(term, end) for term in result.model.terms]) for end in ("low", "high"))
+    return np.asarray(np.clip(result.moments()[0], low, high))
+
+
+def _shared_figures(case: Case, terms: Float[Array, "draw term"]) -> Float[Array, "draw 3"]:
+    """Log Cd and log alpha of the rocket on the next flight, and the discrepancy of its apogee. [1]"""
+    plan = case.model().part(slice(len(case.flown), None))
+    return np.concatenate([bent(plan, terms, name) for name in ("drag", "thrust", "apogee")], axis=1)
+
+
+def _figures(learnt: Learnt) -> Float[Array, "draw figure"]:
+    (prediction,) = fly_ahead(learnt)
+    apogee = np.log(np.maximum(prediction.true_apogee, 1.0))
+    return np.stack([apogee, *(bent(learnt.model, learnt.values, name)[:, 0] for name in ("drag", "thrust"))], axis=-1)
+
+
+def _inside(density: hamiltonian.Density, start: Float[Array, "chain dimension"]) -> Float[Array, "chain dimension"]:
+    """Starts that have a density: those that have none are drawn towards the middle."""
+    for _ in range(20):
+        outside = ~np.isfinite(density(start)[0])
+        if not outside.any():
+            break
+        start = np.where(outside[:, None], 0.7 * start, start)
+    return start
+
+
+def quantiles(figures: Float[Array, "draw figure"], levels: Sequence[float] = (0.05, 0.5, 0.95)) -> Array:
+    """Quantiles of each figure. [level figure]"""
+    return np.asarray(np.quantile(figures, levels, axis=0))
