@@ -23,13 +23,13 @@ from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
 
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
-LARGEST = 32 << 20
-"""Half a day of packets. [bytes]"""
+MAX_LOG_SIZE = 32 << 20
+"""Half a day of packets. [byte]"""
 PACKET, FRAME = 32, 36
 """A packet, and a line of one: its length before it, signal strength, status and checksum behind it. [bytes]"""
 OLD_FRAMES = (94, 95)
-GOOD = 0x80
-"""The bit of the status that says that the radio's own checksum was good."""
+CHECKSUM_BIT = 0x80
+"""The status bit that says that the radio's own checksum was right."""
 SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
 """Without one of these a clock tells nothing."""
 
@@ -88,10 +88,10 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, Field]]] = {
     17: ("TeleMini 3", MINI),
 }
 """The packets that are read, by their type: whose they are, and what they hold."""
-BLIND = 2.0
-"""A state that was entered in a longer silence was entered at an unknown moment of it. [s]"""
+MAX_RADIO_GAP = 2.0
+"""A state entered in a longer radio silence was entered at an unknown moment of it. [s]"""
 POSITION = 5
-FIX, HIGH = 0x10, 0x01
+FIX_BIT, HIGH_BYTE_BIT = 0x10, 0x01
 """The bits of a position that say that it is one, and that its height has a third byte."""
 
 
@@ -100,8 +100,8 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    if len(log) > LARGEST:
-        raise DamagedLog(f"found {len(log)} bytes, expected at most {LARGEST}")
+    if len(log) > MAX_LOG_SIZE:
+        raise DamagedLog(f"found {len(log)} bytes, expected at most {MAX_LOG_SIZE}")
     packets, found = _packets(log)
     if not len(packets):
         raise found[0] if found and isinstance(found[0], DamagedLog) else DamagedLog("found no packet to read", row=1)
@@ -128,7 +128,7 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                 elif len(frame) != FRAME:
                     form = "of a version before 1.0" if len(frame) - 4 in OLD_FRAMES else f"of {len(frame) - 4} bytes"
                     left_out[f"packets {form} are not read"] += 1
-                elif not frame[-2] & GOOD:
+                elif not frame[-2] & CHECKSUM_BIT:
                     left_out["packets came with a bad radio checksum"] += 1
                 else:
                     good += frame[1 : 1 + PACKET]
@@ -165,7 +165,7 @@ def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
     states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
         packets[:, 5] <= 10
     )
-    events = entered(packets[states, 5], time[states], blind=BLIND)
+    events = entered(packets[states, 5], time[states], blind=MAX_RADIO_GAP)
     events = {name: when for name, when in events.items() if when > time[states][0]}
     start = events.get("liftoff", float(time[0]))
     order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
@@ -197,8 +197,8 @@ def _series(kind: int, packets: Int[Octets, "packet byte"], time: Float[Array, "
 
 def _position(values: dict[str, Any]) -> dict[str, Any]:
     """Positions with nan where there was no fix, and heights with all the bytes they have. [deg, m]"""
-    fixed = values.pop("fixed").astype(int) & FIX == FIX
-    high = values.pop("mode").astype(int) & HIGH == HIGH
+    fixed = values.pop("fixed").astype(int) & FIX_BIT == FIX_BIT
+    high = values.pop("mode").astype(int) & HIGH_BYTE_BIT == HIGH_BYTE_BIT
     whole = values.pop("height_low") + values.pop("height_high") * 65536.0
     values["gps_altitude_msl"] = np.where(high, whole, values["gps_altitude_msl"])
     return {name: np.where(fixed, each, np.nan) for name, each in values.items()}

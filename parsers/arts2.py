@@ -21,7 +21,7 @@ from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
 NAMES = ("met", "acc", "vel", "ialt", "palt")
-RAW = ("met", "acc(hi)")
+RAW_COLUMNS = ("met", "acc(hi)")
 _INTERPRETED = re.compile(r"^\s*#?\s*MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
 RESTING = 25
 """So many samples at the start, half a second, are taken to be on the pad. [1]"""
@@ -39,7 +39,7 @@ def _interpreted(head: bytes) -> tuple[int, str | None] | None:
 
 
 def _raw(names: Sequence[str]) -> bool:
-    return tuple(name.lstrip("# ") for name in names[:2]) == RAW
+    return tuple(name.lstrip("# ") for name in names[:2]) == RAW_COLUMNS
 
 
 def recognises(head: bytes) -> bool:

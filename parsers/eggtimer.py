@@ -29,11 +29,11 @@ EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "d
 ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
 CLASSIC = ("t", "alt", "vraw", "vfilt")
 SPEEDS = ("fveloc", "veloc", "vfilt")
-EARLY, LATE = (-3.0, -1.0), (-2.0, -0.4)
+EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
 """Where before the top the fall is looked at. [s]"""
 FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
 """What it may be early and late, with some drag, and as what follows of them at no speed: gravity. [m/s^2]"""
-OFF = 0.4
+MAX_TOP_OFFSET = 0.4
 """How far from the top the curve may have its own: a parachute that opens early cuts a flight short. [s]"""
 SLOW_STEP = 2.0
 """A step of the clock above this is in ms: no Eggtimer takes so long in s. [1]"""
@@ -169,9 +169,9 @@ def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> st
     top = int(np.argmax(middle))
     if top > len(middle) - 5 or middle[top] - middle[-1] < 0.02 * (middle[top] - middle[0]):
         return ""
-    fall, speed, peak = _fall(clock - clock[top], middle, *LATE)
-    before, faster, _ = _fall(clock - clock[top], middle, *EARLY)
-    if not (abs(peak) < OFF and faster > speed):
+    fall, speed, peak = _fall(clock - clock[top], middle, *LATE_WINDOW)
+    before, faster, _ = _fall(clock - clock[top], middle, *EARLY_WINDOW)
+    if not (abs(peak) < MAX_TOP_OFFSET and faster > speed):
         return ""
     still = fall - (before - fall) / (faster**2 - speed**2) * speed**2
     for unit in ("m", "ft"):

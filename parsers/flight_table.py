@@ -22,7 +22,7 @@ from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows
 from fieldkit.safe_text import from_cell, printable
 
 SEPARATORS = (",", ";", "\t")
-OURS = ("flight_id", "rocket", "config", "motor", "date_time")
+OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
 """Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
 NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
@@ -51,7 +51,7 @@ def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
     fields = {_heading(name, strict=False).field for name in spelled}
-    if {"date_time"} == fields & set(OURS) and not fields & {column.name for column in READOUTS}:
+    if {"date_time"} == fields & set(OWN_COLUMNS) and not fields & {column.name for column in READOUTS}:
         return False  # a log of samples has a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
     return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
@@ -90,7 +90,7 @@ def _is_known(spelled: str) -> bool:
 
 def _is_ours(spelled: str) -> bool:
     heading = _heading(spelled, strict=False)
-    return heading.field in OURS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
+    return heading.field in OWN_COLUMNS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
 
 
 def _plain(spelled: str) -> str:
@@ -135,7 +135,9 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
     certain = {_heading(name, strict=False).field for name in spelled}
     if not certain - {""}:
-        raise DamagedLog(f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1)
+        raise DamagedLog(
+            f"found no column of the flight table, expected some of {', '.join(OWN_COLUMNS)}", row=row or 1
+        )
     headings: list[Heading] = []
     seen: dict[str, str] = {"": ""}
     for name in spelled:

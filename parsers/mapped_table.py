@@ -17,7 +17,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import HEAD, Choice, Found, Mapped, Note, Parser, Reading
 from fieldkit.importing.tables.column_choice import (
-    ENOUGH,
+    SUFFICIENT_CHANNELS,
     Pick,
     chosen,
     guessed,
@@ -37,14 +37,14 @@ from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import Unit
 
-SHORT = 10
-"""So many rows between two jumps of a clock are a flight, if there is a longer one. [1]"""
+MIN_FLIGHT_ROWS = 10
+"""Rows between two jumps of a clock that make a flight, if there is a longer one. [1]"""
 
 
 def recognises(head: bytes) -> bool:
     layout = layout_of(head)
     named = {pick.channel for pick in guessed(layout)}
-    return layout.named and "time" in named and bool(named & set(ENOUGH))
+    return layout.named and "time" in named and bool(named & set(SUFFICIENT_CHANNELS))
 
 
 def read(log: bytes) -> list[Found]:
@@ -158,10 +158,12 @@ def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[F
         raise DamagedLog("found no time in any row, expected numbers")
     parts, found = table.flights()
     longest = max(map(len, parts))
-    whole = [part for part in parts if len(part) >= min(SHORT, longest)]
+    whole = [part for part in parts if len(part) >= min(MIN_FLIGHT_ROWS, longest)]
     if len(whole) < len(parts):
         found.append(
-            Note(f"left out {len(parts) - len(whole)} pieces of less than {SHORT} rows, where the clock jumps")
+            Note(
+                f"left out {len(parts) - len(whole)} pieces of less than {MIN_FLIGHT_ROWS} rows, where the clock jumps"
+            )
         )
     readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]
     return [*readings, *found]

@@ -33,7 +33,7 @@ _STATE = re.compile(
     r"(?P<name>.*) \((?P<state>Up to date|Out of date|Data loaded from a file|Imported data|Not simulated yet)\)\s*$"
 )
 _HEADER = re.compile(r'"?(?P<mark>[^\w\s("]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)"?(?P<after>.?)')
-_SIMULATED = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
+_SIMULATED_CHANNELS = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +57,7 @@ def recognises(head: bytes) -> bool:
         return False
     if header.mark or _EVENT.search(text) or _POINTS.search(text):
         return True
-    return any(" ".join(heading(name).words) in _SIMULATED for name in header.names)
+    return any(" ".join(heading(name).words) in _SIMULATED_CHANNELS for name in header.names)
 
 
 def read(log: bytes) -> list[Found]:

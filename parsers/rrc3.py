@@ -30,8 +30,8 @@ AIR = (100.0, 115_000.0)
 """What an altimeter can measure at all. [Pa]"""
 CLIMB = 20.0
 """Heights below this say nothing about units: noise is as large. [m]"""
-AGREES = 0.08
-"""How far the ratio of two heights may be from that of their units: air is not standard. [1]"""
+HEIGHT_RATIO_TOLERANCE = 0.08
+"""How far the ratio of two heights may be from that of their units: real air is not standard air. [1]"""
 TAIL, JUMP = 3, 5_000.0
 """A pressure that jumps so far from the row before, among so many last rows, is garbage. [1], [Pa]"""
 
@@ -123,7 +123,7 @@ def _settled(table: Table) -> tuple[Series, Note]:
     ratio = float(np.nanmedian((printed - printed[ground])[far] / climbed[far])) if far.sum() >= 10 else np.nan
     for length, degrees in (("m", "c"), ("ft", "f")):
         unit = UNITS["length"][length]
-        if abs(ratio * unit.factor - 1) < AGREES:
+        if abs(ratio * unit.factor - 1) < HEIGHT_RATIO_TOLERANCE:
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
                 f"bears no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
             )

@@ -25,8 +25,8 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import leftover
 from fieldkit.shapes import Array, Float
 
-FEWEST = 4
-"""Clean flights with an apogee from which on the loop is closed."""
+MIN_CLEAN_FLIGHTS = 4
+"""Clean flights with an apogee from which on the loop is closed. [1]"""
 DRAWS = 600
 
 
@@ -50,7 +50,7 @@ class History:
 
 def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell = untold) -> list[History]:
     """Every rocket with flights enough, most flights first."""
-    known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= FEWEST}
+    known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= MIN_CLEAN_FLIGHTS}
     found = []
     for number, (name, flown) in enumerate(known.items()):
 
@@ -68,7 +68,7 @@ def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
 def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: Tell) -> History:
     clean = _clean(flown)
     rows = []
-    for place, row in enumerate(clean[FEWEST:], start=FEWEST):
+    for place, row in enumerate(clean[MIN_CLEAN_FLIGHTS:], start=MIN_CLEAN_FLIGHTS):
         tell(flown[row][0].flight_id, place / len(clean))
         rows.append(_forecast(flown[:row], flown[row]))
     whole = _close(flown)
@@ -144,9 +144,10 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     yield "# What real histories call for"
     yield ""
     yield fill(
-        f"Every rocket with at least {FEWEST} clean flights that have an apogee. The verdict is the loop's on all of "
-        "them. Each flight that came after the first "
-        f"{FEWEST} was forecast from those before it alone, by the plain model (*before*) and by what the loop, closed "
+        f"Every rocket with at least {MIN_CLEAN_FLIGHTS} clean flights that have an apogee. The verdict is the "
+        "loop's on all of them. Each flight that came after the first "
+        f"{MIN_CLEAN_FLIGHTS} was forecast from those before it alone, by the plain model (*before*) and by what the "
+        "loop, closed "
         "anew on those before it, made of that (*after*). Errors are shares of the apogee flown.",
         118,
     )

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from fieldkit.analysis.ascent import Ascent, ascend
-from fieldkit.analysis.channels import SPOKEN, Heights, Push, heights, is_clipped, pushes
+from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push, heights, is_clipped, pushes
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
@@ -16,13 +16,13 @@ from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
 
-_LATE, _FALL = 0.8, 1.0
+_MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
 _LEAST_GPS = 1.0
 """Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
-_LEAST = 0.15
+_MIN_APOGEE_ERROR = 0.15
 """Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
-_BLIND = 1.3
+_MAX_HEIGHT_GAP = 1.3
 """Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
 Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
 _BLIND_PART = 0.75
@@ -33,7 +33,7 @@ NO_APOGEE = "no apogee in this log: it ends before the top"
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn time, no acceleration"
 NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
-CLIPPED = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
+CLIPPED_NOTE = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
 NO_LANDING = "the log ends before landing: no duration"
 
 
@@ -81,7 +81,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         return Recorded(notes=(NO_FLIGHT,))
     told = _told(_Log(track, seen, ascent, shape, push, stated), lift, clocks)
     above = Track(track.time, seen.calm - seen.pad, track.source)
-    return replace(told, notes=(*told.notes, CLIPPED) if clipped else told.notes, track=above)
+    return replace(told, notes=(*told.notes, CLIPPED_NOTE) if clipped else told.notes, track=above)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -200,14 +200,14 @@ def _is_unseen(track: Heights, begin: float, burnout: float) -> bool:
     between = float(np.diff(track.time[first:last]).max(initial=0.0))
     longest = max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
     usual = median_step(track.time[max(0, first - 5) : last + 5])
-    return longest > _BLIND or usual > _BLIND_PART * (burnout - begin)
+    return longest > _MAX_HEIGHT_GAP or usual > _BLIND_PART * (burnout - begin)
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
     """When a receiver seems to fall about the boost, or None: it lost its satellites and went on along a course. [s]"""
     inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
     height = track.height[inside]
-    if track.source != SPOKEN["gps_altitude_msl"] or not height.size:
+    if track.source != CHANNEL_TITLES["gps_altitude_msl"] or not height.size:
         return None
     fallen = np.flatnonzero(np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0))
     return float(track.time[inside][fallen[0]]) if fallen.size else None
@@ -216,7 +216,9 @@ def _lost(track: Heights, begin: float, burnout: float) -> float | None:
 def _falls(ascent: Ascent) -> bool:
     """Whether the curve surely comes down at its end, though the samples that show it are few."""
     late = ascent.time[-1] - ascent.time[int(np.argmax(ascent.height))]
-    return bool(late > _LATE and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL)
+    return bool(
+        late > _MIN_TIME_AFTER_TOP and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL
+    )
 
 
 def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
@@ -229,7 +231,7 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
     near = np.abs(track.time - ascent.time[place]) < 1.0
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
-    least = _LEAST_GPS if track.source == SPOKEN["gps_altitude_msl"] else _LEAST
+    least = _LEAST_GPS if track.source == CHANNEL_TITLES["gps_altitude_msl"] else _MIN_APOGEE_ERROR
     sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)

@@ -12,7 +12,7 @@ LEAST_GAIN = 5.0
 """A rise that is less is no flight. [m]"""
 LEAST_SPEED = 5.0
 """A rise that is slower throughout is no flight. [m/s]"""
-_RESTS, _UNSURE = 0.15, 0.5
+_MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
 """A log that begins later than this before lift-off [s] may begin in it, and its pad be off by so much [m]."""
 _ZERO, _GROUND = 1.0, 20.0
 """What a logger's own zero drifts by while it waits, and how far from it a landing may be before that is the ground's
@@ -112,7 +112,7 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     moves = float(np.median(height[-third:]) - np.median(height[:third])) > 4 * track.noise + 1.0
     if height.size < 3 or moves:
         return (min(level, 0.0), _own_zero(track)) if track.zeroed else (level, 3.0)
-    least = _UNSURE if float(np.ptp(track.time[before])) < _RESTS else 0.0
+    least = _PAD_UNCERTAINTY if float(np.ptp(track.time[before])) < _MIN_PAD_TIME else 0.0
     gusts = [float(np.median(part)) for part in np.array_split(height, _PARTS)] if height.size >= 4 * _PARTS else []
     scatter = max(track.noise / np.sqrt(min(height.size, 10)), float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1))
     return level, float(np.linalg.norm([scatter, least, _drift(track, lift) * (top - lift + 5)]))

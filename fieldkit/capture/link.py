@@ -13,12 +13,12 @@ from fieldkit.capture.events import Event, Progress, Sample
 from fieldkit.capture.line import Line
 from fieldkit.errors import PortLost, PortTrouble
 
-LONGEST = 4096
-"""No piece between two marks is longer; what is longer is noise, and all but its end is passed over. [bytes]"""
+MAX_PIECE = 4096
+"""Size limit of a piece between two marks; of a longer one, which is noise, only the end is used. [byte]"""
 NOISE = 4
 """Noise is given up after so many times the silence that would be. [1]"""
-EVERY = 0.2
-"""How often progress is told. [s]"""
+PROGRESS_INTERVAL = 0.2
+"""Time between two reports of progress. [s]"""
 
 T = TypeVar("T")
 Talk = Generator[Event, None, T]
@@ -82,7 +82,7 @@ class Link:
             return chunk
         chunk = self.line.hear()
         self.heard += len(chunk)
-        if time.monotonic() - self._told >= EVERY:
+        if time.monotonic() - self._told >= PROGRESS_INTERVAL:
             self._told = time.monotonic()
             yield self.progress()
         return chunk
@@ -116,10 +116,10 @@ class Link:
                 found = bytes(self._pending[:at])
                 del self._pending[: at + len(mark)]
                 self._searched = 0
-                return found[-LONGEST:]
+                return found[-MAX_PIECE:]
             held = bytes(self._pending)
-            if len(held) > 2 * LONGEST:
-                held = held[-LONGEST:]
+            if len(held) > 2 * MAX_PIECE:
+                held = held[-MAX_PIECE:]
                 self.damaged += 1
             self._pending.clear()
             chunk = yield from self.hear()
@@ -146,6 +146,6 @@ class Link:
             chunk = yield from self.hear()
             if chunk:
                 heard += chunk
-                del heard[:-LONGEST]
+                del heard[:-MAX_PIECE]
                 quiet_since = time.monotonic()
         return bytes(heard)

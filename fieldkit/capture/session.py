@@ -15,8 +15,8 @@ from fieldkit.capture.protocol import Wishes, known_device, known_devices
 from fieldkit.capture.tape import Tape, begin, go_on
 from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 
-LISTENED = 16_384
-"""How much of the end of what is heard is looked at to recognise a unit. [bytes]"""
+RECOGNITION_BYTES = 16_384
+"""How much of the end of the received data is searched to recognize a unit. [byte]"""
 RATES = (9600, 19_200, 38_400)
 """Speeds at which units talk unasked, tried in turn where one makes no sense. [baud]"""
 PATIENCE = 300.0
@@ -199,13 +199,13 @@ def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
         chunk = yield from link.hear()
         if not chunk:
             continue
-        heard = (heard + chunk)[-LISTENED:]
+        heard = (heard + chunk)[-RECOGNITION_BYTES:]
         names = _overheard(heard)
         if len(names) == 1:
             _become(link, names[0], rates[at_rate], heard)
             yield Recognised(names[0])
             return
-        nonsense += sum(byte in _NONSENSE for byte in chunk)
+        nonsense += sum(byte in _NON_TEXT_BYTES for byte in chunk)
         if nonsense > 64 and len(rates) > 1:
             at_rate, nonsense, heard = (at_rate + 1) % len(rates), 0, b""
             link.line.retune(Settings(rates[at_rate]))
@@ -214,7 +214,7 @@ def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
     raise PortTrouble(f"{link.line.name}: heard {what} in {patience:.0f} s; name the unit with --device: {names_of}")
 
 
-_NONSENSE = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
+_NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
 """Bytes that no text holds: what a wrong speed makes of one."""
 
 

@@ -122,11 +122,11 @@ def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Line
     """The air and every safety line of each planned flight, and who decides."""
     from fieldkit.cli.screen import say_wrapped
     from fieldkit.planning.air import air_of
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor
         say_wrapped(f"{name}: air {air_of(one.plan).words()}", "  ")
         for line in own:
             say_wrapped(f"{name}: {line.words()}", "  ")
-    say_wrapped(DECIDES)
+    say_wrapped(ADVICE_NOTE)

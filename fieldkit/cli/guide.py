@@ -10,10 +10,10 @@ from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 if TYPE_CHECKING:
     from fieldkit.planning.motor_guide import Choice, Wanted
 
-SHOWN = 12
-"""How many motors have their checks told, where not all are asked for."""
-NEAREST, MOST = 2, 99
-"""How many delays of a motor are told beside it: as many as fit a line of 80 letters, and all of them."""
+MAX_CHECKED_MOTORS = 12
+"""Motors whose checks are printed unless all are asked for. [1]"""
+SHOWN_DELAYS, ALL_DELAYS = 2, 99
+"""Delays of a motor listed beside it: as many as fit a line of 80 characters, or all of them. [1]"""
 
 
 def print_guide(
@@ -29,7 +29,7 @@ def print_guide(
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, fitting, guide, lifts
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     target = length(fit["target"])
     with planning(context, given) as plan:
@@ -44,14 +44,14 @@ def print_guide(
         _print_json(plan, wanted, target, choices, weak)
         return
     _print(plan, wanted, choices, every=every)
-    _print_checks(choices, len(choices) if every else SHOWN, every=every)
+    _print_checks(choices, len(choices) if every else MAX_CHECKED_MOTORS, every=every)
     if weak:
         say_wrapped(
             f"left out, for they push with less than {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  "
         )
     say()
     delays = "each delay on sale" if every else "the delays on sale nearest to it, --all tells each"
-    say_wrapped(f"eject: after apogee, with {delays}; a check that is not told is well. {DECIDES}")
+    say_wrapped(f"eject: after apogee, with {delays}; a check that is not told is well. {ADVICE_NOTE}")
 
 
 def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
@@ -86,11 +86,11 @@ def _classes(text: str) -> tuple[str, str] | None:
 
 def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "list[Choice]", weak: list[str]) -> None:
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     said = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
-    document |= {"flights": said.rests_on, "model": said.model, "decides": DECIDES}
+    document |= {"flights": said.rests_on, "model": said.model, "decides": ADVICE_NOTE}
     document |= {"conditions": conditions(said.plan), "air": air_of(said.plan).json()}
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
@@ -102,7 +102,7 @@ def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]", *, every: bool
     say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
     print_conditions(said.plan, plan.rocket.starts)
     say()
-    _table(choices, MOST if every else NEAREST)
+    _table(choices, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
 def _print_checks(choices: "list[Choice]", shown: int, *, every: bool) -> None:

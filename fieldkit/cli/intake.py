@@ -21,8 +21,8 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
-FORETOLD = 6
-"""How many flights that come in are laid beside their predictions, a line each."""
+MAX_COMPARED_FLIGHTS = 6
+"""How many imported flights are compared with their forecasts, a line each."""
 
 FILES = 20
 """What so many files were is said, a line each."""
@@ -155,10 +155,10 @@ def _say(receipt: "Receipt", done: str, foretold: Sequence[str]) -> None:
         say_wrapped(in_a_line(one), "  ")
     if len(receipt.files) > FILES:
         say(f"and {len(receipt.files) - FILES} more files; --json lists all")
-    for line in foretold[:FORETOLD]:
+    for line in foretold[:MAX_COMPARED_FLIGHTS]:
         say_wrapped(line, "  ")
-    if len(foretold) > FORETOLD:
-        say(f"and {len(foretold) - FORETOLD} more that were foretold; see `fieldkit predictions`")
+    if len(foretold) > MAX_COMPARED_FLIGHTS:
+        say(f"and {len(foretold) - MAX_COMPARED_FLIGHTS} more that were foretold; see `fieldkit predictions`")
 
 
 def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:

@@ -141,13 +141,13 @@ def safety_of(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]
 def about_plan(said: "Prediction", lines: "Sequence[Line]") -> dict[str, Any]:
     """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     return {
         "conditions": conditions(said.plan),
         "air": air_of(said.plan).json(),
         "safety": [line.json() for line in lines],
-        "decides": DECIDES,
+        "decides": ADVICE_NOTE,
     }
 
 

@@ -24,13 +24,13 @@ def predictions(
 ) -> None:
     """List the predictions kept: those still open, those that became stale and why, and those flown."""
     from fieldkit.services.forecasts import which_rocket
-    from fieldkit.services.saved_forecasts import STANDING, kept, standing
+    from fieldkit.services.saved_forecasts import LISTED_STATES, kept, standing
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket) if rocket else None
         found = kept(ledger, known_motors(), name)
         where = ledger.name
-    shown = [one for one in found if every or one.state in STANDING]
+    shown = [one for one in found if every or one.state in LISTED_STATES]
     if json:
         print_json({"predictions": [one.json() for one in shown]})
         return

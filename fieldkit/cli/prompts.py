@@ -7,7 +7,7 @@ from fieldkit.cli.screen import complain
 from fieldkit.cli.session import MotorCheck
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
@@ -117,7 +117,7 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
 
 def _take(talk: Talk, question: Question, text: str) -> None:
     """Read an answer into the flight. Raises BadValue or UnknownMotor."""
-    if text == NOTHING:
+    if text == NOT_RECORDED:
         text = ""
     if question.name == "rocket" and not text:
         raise BadValue("found nothing, expected the rocket's name")
@@ -130,7 +130,7 @@ def _take(talk: Talk, question: Question, text: str) -> None:
 def _with_unit(talk: Talk, question: Question, text: str) -> str:
     """A number with the unit it was meant in, which is remembered for the next; another text as it is."""
     column = question.column
-    if column is None or text in ("", NOTHING):
+    if column is None or text in ("", NOT_RECORDED):
         return text
     unit = talk.units[manual_entry.kind(column)] = manual_entry.typed_unit(text) or _unit(talk, question)
     return manual_entry.with_unit(text, unit)

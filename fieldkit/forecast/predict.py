@@ -30,8 +30,8 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
-LARGEST = 1.5
-"""Of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
+MAX_LOG_APOGEE_RATIO = 1.5
+"""Limit of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
 DESIGN_CD_SD = 0.2
 """Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
 for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
@@ -201,7 +201,7 @@ def fly_ahead(
         scatter["delay"] = draw() * delay_sd
     readings = shown(part, values, scatter)
     # of a hop of a meter the reading's error in ratio knows no bounds
-    own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -LARGEST, LARGEST)
+    own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)
     higher = np.exp(own)
     apogee = readings["apogee"] * higher
     reading = np.clip(own_reading_sd(apogee, part.hyperprior) * draw(), -1.0, 1.0)

@@ -119,7 +119,7 @@ SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
 """Five and seven values per factor: finer grids move forecasts by less than a hundredth of their interval."""
 
-CERTIFIED = Hyperprior(
+CERTIFIED_PRIOR = Hyperprior(
     kind="certified",
     means=MappingProxyType({"drag": float(np.log(0.6))}),
     sds=MappingProxyType(
@@ -205,15 +205,15 @@ START = Hyperprior(
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
 """What learning begins from, and stays near where flights cannot tell: round figures from before any real flight was
-looked at. Cd as in `CERTIFIED`; motor types within 5 % of their certificate (the tests that certify them differ by
-that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not
-always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each
+looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them differ
+by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are
+not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each
 other in noise (`reading`) stays a judgment: the open flights come from one."""
 
 
 def certified() -> Hyperprior:
     """The hyperprior given that motors, masses and devices are what their papers say."""
-    return CERTIFIED
+    return CERTIFIED_PRIOR
 
 
 @cache

@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
-from fieldkit.motors.motor import PLUGGED, Motor, normalised
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
 from fieldkit.motors.search import Found, Listing, Shelf
 
 DATA = Path(__file__).with_name("catalogue.json.gz")
@@ -91,7 +91,7 @@ def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
 
 
 def _delays(entry: Mapping[str, Any]) -> tuple[float, ...]:
-    return tuple([PLUGGED if delay == "P" else float(delay) for delay in entry["delays"]])
+    return tuple([PLUGGED_DELAY if delay == "P" else float(delay) for delay in entry["delays"]])
 
 
 def _own(motor: Motor) -> Listing:

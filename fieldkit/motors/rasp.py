@@ -9,7 +9,7 @@ Source: the format as ThrustCurve.org describes it, https://www.thrustcurve.org/
 """
 
 from fieldkit.motors.draft import Draft, Place, add_draft, decoded, delays
-from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 
 _HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg maker"
 
@@ -54,7 +54,7 @@ def _header(words: list[str], place: Place) -> Draft:
 
 def write(motor: Motor) -> bytes:
     """A motor as a RASP file, every digit kept. Delays that are not recorded are a dash."""
-    delay = "-".join("P" if delay == PLUGGED else f"{delay:g}" for delay in motor.delays) or "-"
+    delay = "-".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in motor.delays) or "-"
     numbers = (motor.diameter * 1e3, motor.length * 1e3, delay, motor.propellant_mass, motor.loaded_mass)
     words = [number if isinstance(number, str) else f"{number:.12g}" for number in numbers]
     header = " ".join(["_".join(motor.designation.split()), *words, motor.maker or "unknown"])

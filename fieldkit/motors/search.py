@@ -7,20 +7,20 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
-from fieldkit.motors.motor import PLUGGED, Motor, delays_text
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
-_BEYOND = re.compile(r"[P-T]\d{3,}")
+_UNKNOWN_CLASS = re.compile(r"[P-T]\d{3,}")
 """Motors that no maker sells: `P4935`."""
 _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
-_SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
+_SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 """Letters and delay in the wrong order, as the letters of `F24-W4`."""
 _WORD = 3
 """From so many letters on they may be a maker and not a propellant."""
-_SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
-_LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
+_SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
+_LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by how widely they are flown: up to class E, and above it."""
 
 
@@ -67,7 +67,7 @@ class Listing:
 class Found:
     """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
 
-    `delay` is None where the name gives none, and `PLUGGED` where it ends in P.
+    `delay` is None where the name gives none, and `PLUGGED_DELAY` where it ends in P.
     """
 
     motor: Motor
@@ -194,7 +194,7 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and motor.delays and name.delay not in motor.delays:
-        asked = "plugged" if name.delay == PLUGGED else f"a delay of {name.delay:g} s"
+        asked = "plugged" if name.delay == PLUGGED_DELAY else f"a delay of {name.delay:g} s"
         notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
         if any(one.field == "delays" and not one.applied for one in motor.corrections):
             notes.append(f"that list is an old one; give the longest delay on the bag, as {listing.designation}-14A")
@@ -217,7 +217,7 @@ def _as_printed(motor: Motor, name: Name) -> Motor:
 
 
 def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
-    makers = _SMALL if _class(listing.name) <= "E" else _LARGE
+    makers = _SMALL_MOTOR_MAKERS if _class(listing.name) <= "E" else _LARGE_MOTOR_MAKERS
     place = makers.index(listing.maker) if listing.maker in makers else len(makers)
     return not listing.own, not listing.available, place
 
@@ -248,12 +248,12 @@ def _all(shelf: Shelf) -> Iterable[Listing]:
 
 
 def _unknown(shelf: Shelf, text: str, name: Name) -> str:
-    if _BEYOND.match(tidy(text)):
+    if _UNKNOWN_CLASS.match(tidy(text)):
         return (
             f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
         )
     elsewhere = shelf.get(name.core, ())
-    if elsewhere and (swapped := _SWAPPED.fullmatch(name.letters)):
+    if elsewhere and (swapped := _SWAPPED_SUFFIX.fullmatch(name.letters)):
         meant = f"{name.core}-{swapped[2]}{swapped[1]}"
         labels = ", ".join(listing.label for listing in _fitting(shelf, parse(meant), name.maker))
         return (

@@ -9,8 +9,8 @@ from fieldkit.physics.forces import TURN_LENGTH, Pull
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float, Integers
 
-STIFFEST = 0.5
-"""Largest share by which drag alone may change speed in a step. [1]"""
+MAX_DRAG_FRACTION = 0.5
+"""Largest fraction by which drag alone may change the speed in a step. [1]"""
 
 SHORT_PATH = 1.0
 """Longest path of a step by which a rocket turns into the wind. [m]"""
@@ -19,7 +19,7 @@ BIGGEST_GAIN = 0.4
 MOST_PARTS = 64
 """Into which a step is cut. [1]"""
 
-CROWD = 0.75
+PARALLEL_DRAWS = 0.75
 """Share of the draws that must need another part of a step for all of them to be taken through it. [1]"""
 
 NEWTON = 8
@@ -161,17 +161,17 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
 def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> Array:
     """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
 
-    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that. A planar
-    flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
+    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
+    planar flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
     """
     greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
     fastest = np.abs(track.velocity[0]).max() + dt.max() * greatest
     bound = setup.drag_area.max() * setup.air.density.max() * fastest * dt.max() / mass[2].min()
-    if len(track.position) == 1 and bound <= STIFFEST:
+    if len(track.position) == 1 and bound <= MAX_DRAG_FRACTION:
         return np.ones(1)
     speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
     stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
-    wanted = stiffness / STIFFEST
+    wanted = stiffness / MAX_DRAG_FRACTION
     if len(track.position) == 2:
         wanted = np.maximum(wanted, _bends(setup, track, dt, np.maximum(thrust[0], thrust[2]) / mass[2]))
     if np.max(wanted) <= 1:
@@ -199,7 +199,7 @@ def _advance(
     moving, rows = track, np.arange(len(track.time))
     for part in range(int(parts.max())):
         busy = parts > part
-        if busy.mean() < CROWD:
+        if busy.mean() < PARALLEL_DRAWS:
             _put_back(track, moving, rows)
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = Track(*(getattr(track, name)[..., rows] for name in Track.__dataclass_fields__))

@@ -15,7 +15,7 @@ from fieldkit.forecast.predict import Learnt
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
-from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.planning.delay import tolerance
 from fieldkit.planning.descent import fall_of
 from fieldkit.planning.forecasts import Rocket, flown_ahead, learnt_of
@@ -24,11 +24,11 @@ from fieldkit.planning.quantiles import named, three
 from fieldkit.planning.safety import Line, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
-SAME = 0.0006
-"""By how much two diameters of one mount may differ. [m]"""
+DIAMETER_TOLERANCE = 0.0006
+"""Largest difference between two diameters of one mount. [m]"""
 DRAWS = 64
 """Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
-SLANTED = 40
+SLANTED_PATH_DRAWS = 40
 """The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
@@ -54,8 +54,8 @@ class Wanted:
         """Whether a motor is all of it."""
         wide = 0.0 if self.mount is None else motor.diameter - self.mount
         return (
-            (wide < SAME if self.adapter else abs(wide) < SAME)
-            and motor.length <= self.length + SAME
+            (wide < DIAMETER_TOLERANCE if self.adapter else abs(wide) < DIAMETER_TOLERANCE)
+            and motor.length <= self.length + DIAMETER_TOLERANCE
             and motor.total_impulse <= self.impulse
             and (self.retired or motor.available)
             and (self.classes is None or self.classes[0] <= _letter(motor) <= self.classes[1])
@@ -136,7 +136,7 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
 
 def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor where none does."""
-    widest = math.inf if wanted.mount is None else wanted.mount + SAME
+    widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing
         for listings in catalogue.shelf.values()
@@ -160,7 +160,7 @@ def guide(
     """
     if not motors:
         return []
-    draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
+    draws = draws or (SLANTED_PATH_DRAWS if plan.wind or plan.rail_angle else DRAWS)
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
 
     def flown(rows: Sequence[int]) -> list[Flown]:
@@ -203,12 +203,12 @@ def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:
 
 def _nearest(motor: Motor, coast: float) -> float | None:
     """The delay on sale that fires nearest to apogee, the shortest for a motor that would not lift the rocket."""
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
     return min(sold, key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
 
 
 def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
     return tuple((delay, delay - coast) for delay in sold if math.isfinite(coast))
 
 

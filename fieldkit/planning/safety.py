@@ -25,12 +25,12 @@ from fieldkit.planning.quantiles import three
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, MILE, STANDARD_GRAVITY, ZERO_CELSIUS
 
-DECIDES = "These lines advise; the range safety officer decides."
+ADVICE_NOTE = "These lines advise; the range safety officer decides."
 HALF_SECOND = 0.5
 """Over which thrust is first averaged. [s]"""
 MPH = MILE / 3600
-SELDOM, OFTEN = 0.05, 0.5
-"""Chances of missing a limit below which a line is well, and from which on it is not safe. [1]"""
+SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
+"""Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""
 
 Verdict = Literal["ok", "caution", "unsafe", "unknown"]
 MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "✗", "unknown": "?"}
@@ -109,13 +109,13 @@ def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> li
 
 def by_chance(chance: float) -> Verdict:
     """How a check ends that is missed with this chance."""
-    return "ok" if chance < SELDOM else "caution" if chance < OFTEN else "unsafe"
+    return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
 
 
 def told(lines: Sequence[Line]) -> Iterator[str]:
     """All lines as text, and who decides."""
     yield from (line.words() for line in lines)
-    yield DECIDES
+    yield ADVICE_NOTE
 
 
 def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> Line:

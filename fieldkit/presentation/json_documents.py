@@ -16,7 +16,7 @@ from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import Compared, Findings
 
-FORWARD = "forward in time: each flight from the earlier ones of its rocket and of all others"
+FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
 MIDDLES = {
     "certified": "uncalibrated",
     "persistence": "flight_before",
@@ -115,7 +115,7 @@ def score_document(found: Report) -> dict[str, Any]:
         "errors": [asdict(way) for way in found.ways],
         "coverage90": found.coverage90,
         "corrected": corrected_coverage(found.rows),
-        "evaluation": FORWARD,
+        "evaluation": FORWARD_NOTE,
         **found.json(),
     }
 

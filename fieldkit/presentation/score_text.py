@@ -10,8 +10,8 @@ if TYPE_CHECKING:
     from fieldkit.scoring.bootstrap import Difference
     from fieldkit.scoring.proper_scores import Calibration
 
-LONGEST = 30
-"""Of a bar. [letters]"""
+MAX_BAR_LENGTH = 30
+"""Longest bar. [character]"""
 WAYS = ("forecast by", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
 DIFFERENCES = ("fieldkit's is less by", "error", "CRPS", "interval score")
 
@@ -89,7 +89,7 @@ def histogram(found: "Calibration") -> Iterator[str]:
     yield f"where flights lay in their forecasts (even is right; chance leaves {low:.0f} to {high:.0f} in each)"
     longest = max(*found.counts, 1)
     for place, number in enumerate(found.counts):
-        bar = "█" * round(LONGEST * number / longest)
+        bar = "█" * round(MAX_BAR_LENGTH * number / longest)
         note = "" if low <= number <= high else "  too few" if number < low else "  too many"
         yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
     for one in found.intervals:

@@ -12,7 +12,7 @@ RESAMPLED = 2000
 """Times the flights are drawn anew, with replacement."""
 SEED = 5
 LEVELS = (0.05, 0.95)
-FEWEST = 5
+MIN_FLIGHTS_FOR_VERDICT = 5
 """Flights from which on a difference has a verdict. [1]"""
 
 Interval = tuple[float, float]
@@ -92,7 +92,7 @@ class Difference:
     def verdict(self) -> str:
         """`better`, `worse`, or `unclear` by these flights."""
         low, high = self.interval
-        if self.flights < FEWEST or not low * high > 0:
+        if self.flights < MIN_FLIGHTS_FOR_VERDICT or not low * high > 0:
             return "unclear"
         return "better" if low > 0 else "worse"
 

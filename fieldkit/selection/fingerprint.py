@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.flight import READOUTS
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.model.readout_data import OBSERVED, compared
+from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import shown
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.diagnose import Diagnosis
@@ -44,7 +44,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[Mark]:
     along = _along(expected, shift, seen)
     rows = {
         name: _mark(name, expected[:, i], found[:, i], along, seen[:, i], fitted=True)
-        for i, name in enumerate(OBSERVED)
+        for i, name in enumerate(OBSERVED_READOUTS)
     }
     rows |= _others(diagnosis, readings, along)
     return [rows[column.name] for column in READOUTS]
@@ -61,7 +61,7 @@ def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
 
 def _shift(readings: dict[str, Float[Array, "2 flight"]]) -> Float[Array, "flight readout"]:
     """What the effect does to each readout of each flight, as the fit compares them."""
-    both = compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+    both = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     return np.asarray(np.nan_to_num(both[0] - both[1]))
 
 
@@ -119,7 +119,7 @@ def _others(
     plain = diagnosis.base.fit
     shown_plain = shown(plain.model, plain.moments()[0][None], {})
     rows = {}
-    for name in (column.name for column in READOUTS if column.name not in OBSERVED):
+    for name in (column.name for column in READOUTS if column.name not in OBSERVED_READOUTS):
         with np.errstate(invalid="ignore", divide="ignore"):
             miss = np.log(recorded(plain.model.flights, name) / shown_plain[name][0])
             shift = np.log(readings[name][0] / readings[name][1])

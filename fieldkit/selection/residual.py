@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.flight import CONDITIONS
 from fieldkit.inference.laplace.leave_one_out import LeftOut
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import groups
 from fieldkit.physics.setups import recorded
 from fieldkit.scoring.score import forecasts_of
@@ -76,7 +76,7 @@ def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
 
 def spreads(diagnosis: Diagnosis) -> list[Spread]:
     """Bias, spread and autocorrelation in time of every readout that was recorded."""
-    columns = zip(OBSERVED, readout_residuals(diagnosis).T, strict=True)
+    columns = zip(OBSERVED_READOUTS, readout_residuals(diagnosis).T, strict=True)
     return [spread_of(name, column[np.isfinite(column)]) for name, column in columns if np.isfinite(column).any()]
 
 
@@ -117,7 +117,7 @@ def fingerprint(trial: Trial) -> dict[str, float]:
     own = [fit.model.names.index(term.name) for term in trial.candidate.terms]
     acts = np.any([term.weight != 0 for term in trial.candidate.terms], axis=0)
     shift = (fit.tangent.slope[acts][..., own] @ mean[own]).mean(axis=0)
-    return {name: float(value) for name, value in zip(OBSERVED, shift, strict=True)}
+    return {name: float(value) for name, value in zip(OBSERVED_READOUTS, shift, strict=True)}
 
 
 def patterns(diagnosis: Diagnosis) -> list[Pattern]:
@@ -127,14 +127,16 @@ def patterns(diagnosis: Diagnosis) -> list[Pattern]:
 
 def readout_patterns(diagnosis: Diagnosis) -> list[Pattern]:
     """Every column against the residuals of the other readouts, corrected over all of them together."""
-    return _against(diagnosis, OBSERVED[1:])
+    return _against(diagnosis, OBSERVED_READOUTS[1:])
 
 
 def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
     numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
     every = readout_residuals(diagnosis)
     found = [
-        (name, *test) for name in readouts for test in associations(every[:, OBSERVED.index(name)], numbers, kinds)
+        (name, *test)
+        for name in readouts
+        for test in associations(every[:, OBSERVED_READOUTS.index(name)], numbers, kinds)
     ]
     corrected = holm([p for *_, p in found])
     rows = [

@@ -17,12 +17,12 @@ from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover
 
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
-FORWARD = (
+FORWARD_METHOD = (
     "each flight forecast from the flights before it, effect chosen anew from those at every flight "
     "(readouts linear about the fit to all flights)"
 )
-SHOWN = 3
-"""Effects whose fingerprint is shown, and tests that are advised."""
+MAX_SHOWN_EFFECTS = 3
+"""Effects whose fingerprint is shown, and tests that are advised. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,7 +80,7 @@ def findings(
             judge(forward.before, truth, forward.seen),
             judge(forward.after, truth, forward.seen),
             *gain(forward.before, forward.after, truth, forward.seen),
-            FORWARD,
+            FORWARD_METHOD,
         ),
         ahead=forward,
         patterns=tuple(patterns(diagnosis)),
@@ -97,7 +97,7 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
     """The effects to show: the accepted ones first, then the likeliest."""
     named = [item.best for item in diagnosis.ranking if item.effect]
     first = [trial for trial in named if trial.candidate.effect in diagnosis.effect.split("+")]
-    return [*first, *(trial for trial in named if trial not in first)][:SHOWN]
+    return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
@@ -115,4 +115,4 @@ def distinct(tests: list[Advice]) -> tuple[Advice, ...]:
     kept: dict[str, Advice] = {}
     for test in tests:
         kept.setdefault(test.subject, test)
-    return tuple(kept.values())[:SHOWN]
+    return tuple(kept.values())[:MAX_SHOWN_EFFECTS]

@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from fieldkit.inference.laplace.fleet import RocketFit
     from fieldkit.model.shared_prior import SharedPrior
 
-KEPT = "fleet: "
-"""Before the name of a rocket: where the ledger keeps its message."""
+MESSAGE_PREFIX = "fleet: "
+"""Prefix of the name under which the ledger stores a rocket's message."""
 DIGITS = 7
 """Significant digits of a kept figure: far more than a forecast shows. [1]"""
 
@@ -52,12 +52,12 @@ def _rocket_fit(ledger: Ledger, rocket: str, flown: Flown, hyperprior: Hyperprio
     from fieldkit.inference.laplace.fleet import rocket_fit
 
     digest = _digest(flown, hyperprior)
-    kept = ledger.draft(KEPT + rocket)
+    kept = ledger.draft(MESSAGE_PREFIX + rocket)
     if kept is not None and kept.get("digest") == digest:
         return _read(kept)
     made = rocket_fit(flown, hyperprior)
     try:
-        ledger.keep_draft(KEPT + rocket, {"digest": digest, **_written(made)})
+        ledger.keep_draft(MESSAGE_PREFIX + rocket, {"digest": digest, **_written(made)})
     except LedgerError:  # one that cannot be written to is slower and no less right
         return made
     return made

@@ -25,8 +25,8 @@ from fieldkit.services.provenance import design_parts, digest, model_parts, plan
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
-LIKELY = 40
-"""Equally likely apogees that a kept prediction is known by: enough to tell how it fared, to 2.5 %. [1]"""
+QUANTILE_COUNT = 40
+"""Equally likely apogees that represent a saved prediction: enough for its probabilities to 2.5 %. [1]"""
 Which = Literal["before", "after"]
 
 
@@ -122,7 +122,7 @@ def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[F
     for one in predictions:
         decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
         parts = decided | model_parts(history, one.model, version)
-        likely = quantiles(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
+        likely = quantiles(one.apogee, (np.arange(QUANTILE_COUNT) + 0.5) / QUANTILE_COUNT)
         payload = forecast_record(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
         ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
 

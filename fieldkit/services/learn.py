@@ -163,11 +163,11 @@ def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
 
     Of flights whose rocket had flown before, and of all of them, first flights included.
     """
-    from fieldkit.forecast.evaluation.comparison import OWN, tally
+    from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
     from fieldkit.forecast.evaluation.rivals import LABELS
 
     def ways(rows: "Sequence[Forecast]") -> list[dict[str, Any]]:
-        return [asdict(one) for name in (OWN, *LABELS) if (one := tally(rows, name)).flights]
+        return [asdict(one) for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights]
 
     return {
         name: {"after earlier flights of the rocket": ways([row for row in rows if row.earlier]), "all": ways(rows)}

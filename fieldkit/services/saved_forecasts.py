@@ -16,8 +16,8 @@ from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
 
 State = Literal["open", "stale", "flown", "replaced", "lapsed"]
-STANDING: tuple[State, ...] = ("open", "stale", "flown")
-"""States of predictions that are told where not all are asked for."""
+LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
+"""States of predictions that are listed unless all are asked for."""
 
 
 @dataclass(frozen=True, slots=True)

@@ -21,7 +21,7 @@ from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
 from fieldkit.progress import Tell, untold
 from fieldkit.services.plausible_flights import followed, implausible_flights
-from fieldkit.services.provenance import TEACHES, Parts
+from fieldkit.services.provenance import USED_IN_FIT, Parts
 from fieldkit.services.saved_forecasts import Kept
 
 
@@ -68,7 +68,7 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[Kept]) -> list[For
 def _beside(one: Kept, known: Sequence[Simulated], motors: Catalogue) -> Forecast:
     assert one.flight is not None
     made: Parts = one.made.payload.get("made_from", {})
-    knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == TEACHES}
+    knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == USED_IN_FIT}
     motor = motors.resolve(str(one.made.payload.get("motor") or one.flight.motor))
     (planned,) = simulate([(as_planned(one.flight, made), motor)])
     likely = np.array(one.made.payload.get("likely_m", one.interval), float)

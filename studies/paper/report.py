@@ -16,7 +16,7 @@ from studies.paper.exact import bayes_limit, lowest, reconstructions
 from studies.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
 from studies.paper.reference import (
     CERTIFIED_NAMES,
-    STATED,
+    STATED_FIGURES,
     Reference,
     certified,
     errors,
@@ -65,7 +65,7 @@ def report(ensemble: Ensemble | None = None) -> Report:
         flights=_table(flights, found, rebuilt, left_out),
         reconstruction=_errors(flights, rebuilt),
         published={
-            "stated": dict(STATED),
+            "stated": dict(STATED_FIGURES),
             "reconstruction": _errors(flights, flights.published_apogee),
             "parameters_reflown": _reflown(flights),
         },

@@ -14,7 +14,7 @@ from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.compare import compare
 from fieldkit.analysis.forces import forces
 from fieldkit.analysis.measure import (
-    CLIPPED,
+    CLIPPED_NOTE,
     NO_APOGEE,
     NO_BOOST,
     NO_FLIGHT,
@@ -139,7 +139,7 @@ def test_an_accelerometer_at_the_end_of_its_range_tells_no_boost() -> None:
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
     recorded = measure((heights, replace(felt, felt=np.minimum(felt.felt, 8 * GRAVITY))))
-    assert CLIPPED in recorded.notes
+    assert CLIPPED_NOTE in recorded.notes
     for name in ("peak_accel", "top_speed", "avg_accel"):
         assert abs(off(recorded, truth, name)) < 2 * recorded.figures[name].sd
         assert "acceleration" not in recorded.figures[name].source

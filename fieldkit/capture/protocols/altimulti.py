@@ -16,8 +16,8 @@ from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
 
-MOST = 25
-"""Flights that a unit keeps."""
+MAX_FLIGHTS = 25
+"""Flights that a unit keeps. [1]"""
 GREETINGS, GREETING = 8, 1.5
 """How often the unit is greeted, and how long it has to answer: opening the port restarts some boards. [s]"""
 ANSWER = 5.0
@@ -130,7 +130,7 @@ def _identified(link: Link) -> Talk[None]:
 def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     count = yield from _counted(link)
     _same_unit(link, count, captured)
-    flights = [Stored(number, f"flight {number}") for number in range(min(count, MOST))]
+    flights = [Stored(number, f"flight {number}") for number in range(min(count, MAX_FLIGHTS))]
     wanted = set(wishes.choose(flights)) if flights else set()
     chosen = [flight.number for flight in flights if flight.number in wanted]
     yield Listed(tuple(flights), tuple(chosen))

@@ -21,11 +21,11 @@ from fieldkit.errors import PortTrouble
 TRIES = 3
 BLOCK, ROW, LINE = 256, 8, 32
 """Bytes of a block, of a line that a unit sends, and of a line of a file. [bytes]"""
-ERASED = b"\xff" * BLOCK
+ERASED_BLOCK = b"\xff" * BLOCK
 MOST_LINES = 5000
 """No list of flights is longer."""
-MOST = 100_000
-"""No flight has more blocks; one that claims so has its line torn."""
+MAX_BLOCKS = 100_000
+"""No flight has more blocks; a line that claims more is damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -100,7 +100,7 @@ def extents(lines: Iterable[str]) -> list[Extent]:
     found = []
     for line in lines:
         match = re.fullmatch(r"flight (\d+) start ([0-9a-fA-F]{1,6}) end ([0-9a-fA-F]{1,6})", line.strip())
-        if match and 0 < int(match[3], 16) - int(match[2], 16) <= MOST:
+        if match and 0 < int(match[3], 16) - int(match[2], 16) <= MAX_BLOCKS:
             found.append(Extent(int(match[1]), int(match[2], 16), int(match[3], 16)))
     return found
 
@@ -114,7 +114,7 @@ def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -
             block = have.get(number) or (yield from _block(link, number))
             whole = whole and not block.missing
             done += 1
-            if block.content == ERASED and not block.missing:
+            if block.content == ERASED_BLOCK and not block.missing:
                 break
         done = sum(other.end - other.start for other in flights[: flights.index(one) + 1])
     link.share = 1.0
@@ -144,7 +144,7 @@ def _block(link: Link, number: int) -> Talk[Block]:
 
 def assembled(lines: Iterable[str]) -> Block:
     """The block that lines make up; what none of them holds is 0xff."""
-    content = bytearray(ERASED)
+    content = bytearray(ERASED_BLOCK)
     missing = set(range(0, BLOCK, ROW))
     for line in lines:
         row = _row(line)
@@ -183,7 +183,7 @@ def logs(captured: Captured) -> list[Log]:
     for one in extents(answers.get(b"l\n", [])):
         have = [number for number in range(one.start, one.end) if number in memory]
         content = b"".join(
-            memory[number].content if number in memory else ERASED
+            memory[number].content if number in memory else ERASED_BLOCK
             for number in range(one.start, max(have, default=0) + 1)
         )
         if have and content.strip(b"\xff"):
@@ -201,7 +201,7 @@ def settings(lines: Iterable[str]) -> dict[str, str | int]:
         elif match := _SETTING.match(line):
             name = re.sub(r"[^a-z0-9]+", "_", (match[1] or match[2]).lower()).strip("_")
             value = match[3].strip().strip('"')
-            found[_RENAMED.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,10}", value) else value
+            found[_RENAMED_KEYS.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,10}", value) else value
     return found
 
 
@@ -212,7 +212,7 @@ def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
 
 _CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")
 _SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-z0-9_-]{0,40})\s+)([!-~][ -~]{0,80})$")
-_RENAMED = {"serial_number": "serial", "current_flight": "last_flight"}
+_RENAMED_KEYS = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
 PROTOCOL = Protocol("Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", Settings(9600), talk, logs)

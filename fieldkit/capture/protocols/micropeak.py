@@ -24,7 +24,7 @@ TAIL = 1.5
 MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
 
 _HEX = frozenset(b"0123456789abcdefABCDEF")
-_WHITE = frozenset(b" \t\r\n")
+_WHITESPACE = frozenset(b" \t\r\n")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Stream:
                 self.digits.append(byte)
                 if len(self.digits) == self._needed and self._complete():
                     found.append(self._record(self.place + at + 1))
-            elif byte not in _WHITE:
+            elif byte not in _WHITESPACE:
                 self.start = -1
                 found.append(None)
                 continue  # it may begin another

@@ -7,7 +7,7 @@ from datetime import datetime
 from fieldkit.flight import Flight
 from fieldkit.forecast.conformal import stretch, stretched, surprise
 from fieldkit.forecast.evaluation.rivals import rival_draws
-from fieldkit.forecast.evaluation.stacking import STACKED, log_scores, mixed_in, weights_after
+from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, log_scores, mixed_in, weights_after
 from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
@@ -148,7 +148,7 @@ def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
 def next_weights(rows: Sequence[Forecast]) -> dict[str, float]:
     """The weights that the flight after these would be stacked with, by way. [1]"""
     weights = weights_after([log_scores(row.draws, row.rivals, row.flown) for row in rows])
-    return dict(zip(("fieldkit", *STACKED), weights.tolist(), strict=True))
+    return dict(zip(("fieldkit", *STACKED_RIVALS), weights.tolist(), strict=True))
 
 
 def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:

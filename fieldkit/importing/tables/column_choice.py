@@ -17,10 +17,20 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
-ENOUGH = (*HEIGHTS, "pressure", "felt_x", "felt_y", "felt_z", "felt_total", "felt", "felt?", "acceleration")
-"""Beside time, one of these makes a table worth reading."""
-VITAL = ("time", "altitude", "altitude_msl", "pressure")
-"""Channels that are never left out for want of a unit."""
+SUFFICIENT_CHANNELS = (
+    *HEIGHTS,
+    "pressure",
+    "felt_x",
+    "felt_y",
+    "felt_z",
+    "felt_total",
+    "felt",
+    "felt?",
+    "acceleration",
+)
+"""Besides time, one of these makes a table worth reading."""
+REQUIRED_CHANNELS = ("time", "altitude", "altitude_msl", "pressure")
+"""Channels that are never left out for lack of a unit."""
 LIMIT = 1e12
 """No sample is this far from zero; what is, was damaged. [any unit but of time]"""
 
@@ -117,7 +127,7 @@ def _folded(name: str) -> str:
 def missing_channel(channels: set[str]) -> str:
     if "time" not in channels:
         return "time"
-    return "" if channels & set(ENOUGH) else "altitude"
+    return "" if channels & set(SUFFICIENT_CHANNELS) else "altitude"
 
 
 def _column(pick: Pick, table: Table) -> Float[Array, "row"]:
@@ -156,7 +166,7 @@ def one_a_channel(picks: Sequence[Pick], table: Table) -> tuple[list[Pick], dict
             values[pick.channel] = column
             continue
         rival = next(one for one in kept if one.channel == pick.channel)
-        if not _agree(rival, values[pick.channel], pick, column) and pick.channel in VITAL:
+        if not _agree(rival, values[pick.channel], pick, column) and pick.channel in REQUIRED_CHANNELS:
             raise DamagedLog(
                 f"found two columns for {pick.channel} that differ, {shown(rival.name)} and {shown(pick.name)}; "
                 f"choose one with --map '{pick.channel}=its column'"

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.tables.column_choice import VITAL, Pick, to_si
+from fieldkit.importing.tables.column_choice import REQUIRED_CHANNELS, Pick, to_si
 from fieldkit.importing.tables.headings import QUANTITIES, plain, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
@@ -50,7 +50,7 @@ def units_of(
     left_out = []
     for name, pick in by_channel.items():
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
-        if name not in units and (pick.chosen or (name in VITAL and not spare)):
+        if name not in units and (pick.chosen or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that settles it"
             column = pick.name.split("[")[0].split("(")[0].strip() or pick.name

@@ -14,8 +14,8 @@ from fieldkit.importing.reading import Choice
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.paths import data_folder
 
-MOST = 500
-"""So many choices are remembered, the latest ones. [1]"""
+MAX_MAPPINGS = 500
+"""Number of choices remembered, the latest ones. [1]"""
 
 
 def read_choice(texts: Iterable[str]) -> Choice:
@@ -72,6 +72,6 @@ def remember(choice: Choice) -> None:
 
     if not choice.headers:
         return
-    kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MOST]
+    kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MAX_MAPPINGS]
     document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}
     replace(mapping_file(), json.dumps(document, indent=1).encode())

@@ -51,9 +51,20 @@ HEIGHT_WORDS = _set(
     "altitude höhe altitud altitudine quota hoogte höjd højde høyde wysokość výška высота висота "
     "yükseklik magasság korkeus 高度 고도"
 )
-_VERTICAL = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
+_VERTICAL_WORDS = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
 _SPEED = ("geschwind", "vitesse", "veloc", "snelheid", "hastighet", "prędko", "rychlost", "скорост", "速度", "속도")
-_PULL = ("beschleunig", "accél", "aceler", "acceler", "versnell", "przyspiesz", "zrychlen", "ускорен", "加速度", "가속")
+_PULL_WORDS = (
+    "beschleunig",
+    "accél",
+    "aceler",
+    "acceler",
+    "versnell",
+    "przyspiesz",
+    "zrychlen",
+    "ускорен",
+    "加速度",
+    "가속",
+)
 
 
 def base_words(head: Heading) -> tuple[str, ...]:
@@ -75,8 +86,8 @@ def channel_of(head: Heading) -> str:
         return "time"
     if len(words) == 1 and words[0] in HEIGHT_WORDS:
         return "altitude"
-    if any(stem in name for stem in _VERTICAL):
-        if any(stem in name for stem in _PULL):
+    if any(stem in name for stem in _VERTICAL_WORDS):
+        if any(stem in name for stem in _PULL_WORDS):
             return "acceleration"
         return "speed" * any(stem in name for stem in _SPEED)
     return ""

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.hyperprior import CERTIFIED
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.shapes import Array, Flags, Float
 
-TAIL = CERTIFIED.tail
+TAIL = CERTIFIED_PRIOR.tail
 """Degrees of freedom of the distribution that single flights are taken to have. [1]"""
 FACTORS = np.geomspace(0.5, 3.5, 16)
 """The apogee's own scatter over what the fit says. [1]"""

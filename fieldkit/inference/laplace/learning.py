@@ -3,8 +3,8 @@
 The flights of several flyers are independent given the hyperprior. Each step takes every rocket's posterior given all
 flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the
 posterior mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few
-groups can tell is held near a stated start: each variance has a scaled inverse chi squared prior there, worth `WORTH`
-groups. Readouts are linear about the last fits, which are made again in every round.
+groups can tell is held near a stated start: each variance has a scaled inverse chi squared prior there, worth
+`PRIOR_GROUPS` groups. Readouts are linear about the last fits, which are made again in every round.
 """
 
 from collections.abc import Mapping, Sequence
@@ -26,8 +26,8 @@ from fieldkit.shapes import Array, Float
 
 Fleet = Sequence[Flown]
 """The flights of one flyer, rocket by rocket."""
-WORTH = 4.0
-"""Groups that the start of a variance counts for: with three flyers what they differ by stays near it. [1]"""
+PRIOR_GROUPS = 4.0
+"""Number of groups that the initial variance counts for: with three flyers the estimate stays near it. [1]"""
 MEAN_SD = 0.2
 """How far the mean of a quantity over all flyers may lie from its start. [1]"""
 ROUNDS = 3
@@ -61,7 +61,7 @@ class _Sums:
     def variance(self, name: str, start: float) -> float:
         """Posterior mode of a variance whose prior is at `start`."""
         count = self.count.get(name, 0.0)
-        return (self.square.get(name, 0.0) + WORTH * start) / (count + WORTH)
+        return (self.square.get(name, 0.0) + PRIOR_GROUPS * start) / (count + PRIOR_GROUPS)
 
 
 def learn_hyperprior(
@@ -254,7 +254,7 @@ def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) ->
 def _factor(sums: _Sums, name: str, now: float, start: float) -> float:
     """By what a standard deviation grows, given standardized squares about it."""
     count = sums.count.get(name, 0.0)
-    return float(np.sqrt((sums.square.get(name, 0.0) + WORTH * (start / now) ** 2) / (count + WORTH)))
+    return float(np.sqrt((sums.square.get(name, 0.0) + PRIOR_GROUPS * (start / now) ** 2) / (count + PRIOR_GROUPS)))
 
 
 def _center(means: _Sums, quantity: str, now: Hyperprior, start: Hyperprior) -> float:

@@ -7,8 +7,8 @@ import numpy as np
 from fieldkit.inference.laplace.apogee_scatter import Spread, apogee_spread
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.posterior import Fit, residual_variance
-from fieldkit.model.hyperprior import CERTIFIED, Hyperprior
-from fieldkit.model.readout_data import OBSERVED, reading_sd
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
+from fieldkit.model.readout_data import OBSERVED_READOUTS, reading_sd
 from fieldkit.shapes import Array, Float
 
 
@@ -95,8 +95,8 @@ def _expected_sd(result: Fit) -> Float[Array, "flight readout"]:
     return sd
 
 
-def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED) -> Float[Array, "*draw"]:
+def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Float[Array, "*draw"]:
     """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
-    raw = np.full((*apogee.shape, len(OBSERVED)), 1.0)
+    raw = np.full((*apogee.shape, len(OBSERVED_READOUTS)), 1.0)
     raw[..., 0] = apogee
     return reading_sd(raw, hyperprior)[..., 0]

@@ -13,16 +13,16 @@ import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float
 
-UNSEEN = 1e3
+UNOBSERVED_SD = 1e3
 """Standard deviation given to what was not observed."""
 
 
-CERTAIN = 7.0
-"""Standard deviations inside a bound from which on nothing lies beyond it, to the last digit. [1]"""
+NEGLIGIBLE_TAIL_SDS = 7.0
+"""Standard deviations inside a bound from which on the probability beyond it is numerically zero. [1]"""
 
 
 def term_sds(model: Model) -> Float[Array, "scale term"]:
@@ -156,8 +156,8 @@ def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Arra
     scatter_scale = model.hyperprior.scales()[0]
     spread = np.where(usable[..., None], near.scatter_slope, 0.0)
     noise = scatter_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
-    diagonal = np.arange(len(OBSERVED))
-    noise[..., diagonal, diagonal] += np.where(usable, residual_variance(model, data) / data.trust, UNSEEN**2)
+    diagonal = np.arange(len(OBSERVED_READOUTS))
+    noise[..., diagonal, diagonal] += np.where(usable, residual_variance(model, data) / data.trust, UNOBSERVED_SD**2)
     return np.asarray(noise)
 
 
@@ -168,7 +168,7 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
         if np.isfinite(term.low) or np.isfinite(term.high):
             total -= log(_mass(term.low, term.high, term.mean, term.sd))
             middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
-            near = np.minimum(middle - term.low, term.high - middle) < CERTAIN * sd
+            near = np.minimum(middle - term.low, term.high - middle) < NEGLIGIBLE_TAIL_SDS * sd
             pairs = zip(middle[near].tolist(), sd[near].tolist(), strict=True)
             total[near] += [log(max(_mass(term.low, term.high, m, s), 1e-12)) for m, s in pairs]
     return total
@@ -215,6 +215,6 @@ def _last_unseen(told: Told, flight: int) -> Told:
     noise, sharpness, log_det = (each[:, upto].copy() for each in (told.noise, told.sharpness, told.log_det))
     slope[-1] = miss[-1] = 0.0
     every = np.eye(noise.shape[-1])
-    noise[:, -1], sharpness[:, -1] = every * UNSEEN**2, every / UNSEEN**2
-    log_det[:, -1] = len(every) * 2 * log(UNSEEN)
+    noise[:, -1], sharpness[:, -1] = every * UNOBSERVED_SD**2, every / UNOBSERVED_SD**2
+    log_det[:, -1] = len(every) * 2 * log(UNOBSERVED_SD)
     return Told(slope, miss, noise, sharpness, log_det)

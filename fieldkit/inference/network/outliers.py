@@ -9,7 +9,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
 from fieldkit.inference.network.vague import excess_sd, likeliest
 from fieldkit.model.field_features import features, shown
-from fieldkit.model.observations import READOUT_NAMES, SEEN, Observed
+from fieldkit.model.observations import INDEPENDENT_READOUTS, READOUT_NAMES, Observed
 from fieldkit.shapes import Array, Flags, Float, Int
 
 if TYPE_CHECKING:
@@ -43,9 +43,9 @@ def foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
 
 
 def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
-    flights, seen = len(observed), len(SEEN)
+    flights, seen = len(observed), len(INDEPENDENT_READOUTS)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
-    for number, name in enumerate(SEEN):
+    for number, name in enumerate(INDEPENDENT_READOUTS):
         readouts[number][:, [READOUT_NAMES.index(one) for one in told_by(name)]] = np.nan
     every = Observed(
         np.tile(observed.motor, (seen, 1)), np.tile(observed.declared, (seen, 1)), readouts.reshape(seen * flights, -1)
@@ -72,11 +72,11 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
         at = np.nanquantile(distance, 1 - share, axis=0)
         alarms = float((distance > at).any(axis=1).mean())
         low, high = (share, high) if alarms < FALSE_ALARMS else (low, share)
-    return {name: float(limit) for name, limit in zip(SEEN, at, strict=True)}
+    return {name: float(limit) for name, limit in zip(INDEPENDENT_READOUTS, at, strict=True)}
 
 
 def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
-    """The readout that does not fit, as a place in `SEEN`, or -1.
+    """The readout that does not fit, as a place in `INDEPENDENT_READOUTS`, or -1.
 
     Of those too far from what the others foretell, it is the one without which the others agree best. One that is
     vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
@@ -84,13 +84,13 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     if (excess_sd(observed) > 0).any():
         foretold = foretell(ensemble, observed)
         observed = likeliest(observed, foretold.mean, foretold.sd)
-    limit = np.array([ensemble.card["guard"][name] for name in SEEN])
+    limit = np.array([ensemble.card["guard"][name] for name in INDEPENDENT_READOUTS])
     far: Flags = foretell(ensemble, observed).distance > limit
     odd = far.any(axis=1)
     found = np.full(len(observed), -1)
     if odd.any():
         some = observed.rows(odd)
-        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in SEEN]
+        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in INDEPENDENT_READOUTS]
         worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
         found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
     return found
@@ -99,7 +99,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
 def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
     """The flights without the readouts that do not fit."""
     readouts = observed.readouts.copy()
-    for number, name in enumerate(SEEN):
+    for number, name in enumerate(INDEPENDENT_READOUTS):
         for one in told_by(name):
             readouts[which == number, READOUT_NAMES.index(one)] = np.nan
     return observed.with_readouts(readouts)
@@ -113,7 +113,11 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
         foretold = foretell(ensemble, observed.rows(odd))
         for row, flight in enumerate(odd):
             seen = int(which[flight])
-            name = SEEN[seen] if np.isfinite(observed.readout(SEEN[seen])[flight]) else "avg_accel"
+            name = (
+                INDEPENDENT_READOUTS[seen]
+                if np.isfinite(observed.readout(INDEPENDENT_READOUTS[seen])[flight])
+                else "avg_accel"
+            )
             ends = foretold.mean[row, seen] + np.array([-2, 2]) * foretold.sd[row, seen]
             value = float(observed.readout(name)[flight])
             lines[flight] = _line(name, value, float(foretold.shown[row, seen]), ends)

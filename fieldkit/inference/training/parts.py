@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fieldkit import __version__, parallel
-from fieldkit.model.observations import DECLARED, FIGURES, READOUT_NAMES
+from fieldkit.model.observations import DECLARED_FIELDS, FIGURES, READOUT_NAMES
 from fieldkit.model.prior_predictive import Truth, motors_apart, simulate
 from fieldkit.shapes import Array, Float
 
@@ -21,7 +21,7 @@ SIZE = 50_000
 """Flights of a part: seconds of work, and 20 MB. [1]"""
 FOLDER = "parts"
 """Where parts are kept beside the ensemble that is going to be made of them."""
-WIDTHS = (len(FIGURES), len(DECLARED), len(READOUT_NAMES), 1, 1)
+WIDTHS = (len(FIGURES), len(DECLARED_FIELDS), len(READOUT_NAMES), 1, 1)
 """Columns of each of a truth's arrays. [1]"""
 Told = Callable[[int, int], None]
 """Told how many parts there are by now, and of how many."""

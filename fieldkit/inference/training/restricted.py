@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.inference.network.mixture import logits, mixture
-from fieldkit.inference.training.density import FARTHEST, Batch, Members, Plan, Scale, fit
+from fieldkit.inference.training.density import MAX_FEATURE_SDS, Batch, Members, Plan, Scale, fit
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.validation.restricted import (
     SUBSETS,
@@ -64,7 +64,7 @@ def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "f
 def _run(members: Members, mean: Scale, sd: Scale, observed: Observed) -> Float[Array, "flight member part"]:
     import torch
 
-    scaled = ((features(observed) - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+    scaled = ((features(observed) - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
     with torch.no_grad():
         found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
     return found.swapaxes(0, 1).astype(float)

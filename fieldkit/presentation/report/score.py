@@ -10,7 +10,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.forecast.evaluation.comparison import Report
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, styled
+from fieldkit.presentation.report.style import AFTER_COLOR, BEFORE_COLOR, FAINT_COLOR, INK_COLOR, drawn, styled
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
 
 if TYPE_CHECKING:
@@ -57,9 +57,9 @@ def draw(figure: "Figure | SubFigure", report: Report) -> None:
 def _pits(panel: "Axes", report: Report) -> None:
     found = report.calibration
     even = sum(found.counts) / BINS
-    panel.axhspan(*found.expected, color=FAINT, alpha=0.18, linewidth=0, label="by chance")
-    panel.axhline(even, color=INK, linewidth=1)
-    panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER)
+    panel.axhspan(*found.expected, color=FAINT_COLOR, alpha=0.18, linewidth=0, label="by chance")
+    panel.axhline(even, color=INK_COLOR, linewidth=1)
+    panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER_COLOR)
     panel.set_title("where flights lay")
     panel.set_xlabel("share of the forecast below")
     panel.set_ylabel("flights")
@@ -72,9 +72,9 @@ def _reliability(panel: "Axes", report: Report) -> None:
     pits = [pit(row.draws, row.flown) for row in report.rows]
     curve = calibration(pits, CURVE).intervals
     low, high = np.array([one.expected for one in curve]).T
-    panel.fill_between(CURVE, low, high, color=FAINT, alpha=0.18, linewidth=0)
-    panel.plot([0, 1], [0, 1], color=INK, linewidth=1)
-    panel.plot(CURVE, [one.held for one in curve], "o-", color=AFTER, markersize=3.5, linewidth=1.5)
+    panel.fill_between(CURVE, low, high, color=FAINT_COLOR, alpha=0.18, linewidth=0)
+    panel.plot([0, 1], [0, 1], color=INK_COLOR, linewidth=1)
+    panel.plot(CURVE, [one.held for one in curve], "o-", color=AFTER_COLOR, markersize=3.5, linewidth=1.5)
     panel.set_title("how often intervals held")
     panel.set_xlabel("share they are to hold")
     panel.set_ylabel("share held")
@@ -86,13 +86,13 @@ def _rivals(panel: "Axes", report: Report) -> None:
     rows = range(len(report.against))
     for row, one in zip(rows, report.against, strict=True):
         low, high = (100 * end for end in one.error.interval)
-        colour = {"better": AFTER, "worse": BEFORE}.get(one.verdict, FAINT)
+        colour = {"better": AFTER_COLOR, "worse": BEFORE_COLOR}.get(one.verdict, FAINT_COLOR)
         panel.plot([low, high], [row, row], color=colour, linewidth=4, alpha=0.5, solid_capstyle="butt")
         panel.plot(100 * one.error.less, row, "o", color=colour, markersize=6)
         panel.annotate(
             one.verdict, (100 * one.error.less, row), (0, 8), textcoords="offset points", ha="center", fontsize=8
         )
-    panel.axvline(0, color=INK, linewidth=1)
+    panel.axvline(0, color=INK_COLOR, linewidth=1)
     panel.set_yticks(list(rows), [LABELS[one.rival] for one in report.against])
     panel.set_ylim(len(report.against) - 0.5, -0.6)
     panel.margins(x=0.15)

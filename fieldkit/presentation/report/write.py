@@ -20,8 +20,8 @@ from fieldkit.safe_text import as_markdown
 SUFFIXES = (".html", ".htm", ".pdf", ".png", ".md")
 NUMBERS = (3, 4, 5, 6, 7)
 """Columns of the table of flights that are numbers."""
-WIDE = 7.2
-"""Of pictures on a page. [inch]"""
+PICTURE_WIDTH = 7.2
+"""Width of pictures on a page. [inch]"""
 T = TypeVar("T")
 
 
@@ -93,15 +93,15 @@ def _card(card: Card) -> dict[str, Any]:
         "title": title,
         "subtitle": subtitle,
         "figures": headline(card),
-        "forecast": embedded(picture(partial(forecast, card=card), (WIDE, 2.2), "svg")),
-        "log": embedded(picture(partial(log, card=card), (WIDE, 3.1), "svg")),
+        "forecast": embedded(picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "svg")),
+        "log": embedded(picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "svg")),
         "columns": [("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)],
         "remarks": remarks(card),
     }
 
 
 def _overview(book: Book, kind: str) -> bytes:
-    return picture(partial(foretold_flown, cards=book.cards), (WIDE, 1.0 + 0.26 * len(book.cards)), kind)
+    return picture(partial(foretold_flown, cards=book.cards), (PICTURE_WIDTH, 1.0 + 0.26 * len(book.cards)), kind)
 
 
 def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
@@ -124,9 +124,11 @@ def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
-        yield beside(f"{number}-forecast", picture(partial(forecast, card=card), (WIDE, 2.2), "png"), "Predicted")
+        yield beside(
+            f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Predicted"
+        )
         told = "The log" if card.trace else "The flights of this rocket so far"
-        yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), told)
+        yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)
         for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, "SI", "US"), figures), ""]

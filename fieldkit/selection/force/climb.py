@@ -35,16 +35,16 @@ class Track:
 
     def part(self, rows: Flags) -> "Track":
         """Some of its samples."""
-        return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED})
+        return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED_FIELDS})
 
 
-SAMPLED = tuple(name for name in Track.__dataclass_fields__ if name != "window")
-"""What a climb has one of at every sample."""
+SAMPLED_FIELDS = tuple(name for name in Track.__dataclass_fields__ if name != "window")
+"""Fields of a climb that have one value per sample."""
 
 
 def track_of(measured: Forces) -> Track:
     """The climb of which forces were measured."""
-    return Track(**{name: getattr(measured, name) for name in SAMPLED}, window=measured.window or 0.0)
+    return Track(**{name: getattr(measured, name) for name in SAMPLED_FIELDS}, window=measured.window or 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)

@@ -11,7 +11,7 @@ from fieldkit.model.rocket_model import bent
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
 from fieldkit.selection.force.one_flight import Found
-from fieldkit.selection.force.several_flights import FEWEST, Common, common_law
+from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common, common_law
 from fieldkit.selection.force.terms import library
 
 Says = Literal["", "agrees", "more", "another effect", "cannot tell", "nothing of it"]
@@ -61,7 +61,7 @@ def testify(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> Witness
 
 def _says(verdict: str, law: tuple[Common, ...], flights: int) -> Says:
     """How a law stands to a verdict."""
-    if flights < FEWEST:
+    if flights < MIN_CLIMBS:
         return ""
     wanted = set(verdict.split("+")) - {"none", "unexplained"}
     found = {one.term.effect for one in law} - {""}

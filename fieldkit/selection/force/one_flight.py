@@ -11,8 +11,8 @@ from fieldkit.selection.force.terms import Term, library
 
 SHIFTS = tuple(sorted(np.linspace(-0.15, 0.15, 13).tolist(), key=abs))
 """Of the clock that are tried, the smallest first. [s]"""
-SLOWEST = 5.0
-"""Below this speed a climb is over and its direction unknown. [m/s]"""
+MIN_SPEED = 5.0
+"""Speed below which a climb is over and its direction unknown. [m/s]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,7 +54,7 @@ def missing_force(track: Track, rocket: Rocket, guard: float = 0.0) -> Missing:
     """
     time = track.time_from_liftoff
     burnout = float(time[track.burning].max(initial=-np.inf))
-    flown = (track.speed > SLOWEST) & (np.abs(time - burnout) >= guard)
+    flown = (track.speed > MIN_SPEED) & (np.abs(time - burnout) >= guard)
     return beside_model(_on_time(track.part(flown), rocket), rocket)
 
 

@@ -15,16 +15,16 @@ from fieldkit.selection.force.climb import Missing
 from fieldkit.selection.force.terms import Term
 from fieldkit.shapes import Array, Float
 
-STRICT = 1.0
+CANDIDATE_COUNT_WEIGHT = 1.0
 """Weight of the number of candidates in the extended criterion. [1]"""
-MOST = 4
-"""Terms at most."""
-SEEN = 1e-3
-"""Share of a term that must be left beside what is free, for the climb to show it. [1]"""
+MAX_TERMS = 4
+"""Largest number of terms. [1]"""
+MIN_RESIDUAL_FRACTION = 1e-3
+"""Fraction of a term that must remain after the free terms are projected out. [1]"""
 LEAST_DRAG = 0.1
 """Of the model's drag: a climb that shows less shows nothing of it. [1]"""
-NEARLY = 4.0
-"""Of the criterion, within which another term is named beside the chosen one. [1]"""
+CRITERION_TIE = 4.0
+"""Difference of the criterion within which another term is named beside the chosen one. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -120,7 +120,9 @@ def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = 
     acting = {name: column for name, column in whole.items() if np.linalg.norm(column) > 1e-9}
     columns = {name: _left(column, given) for name, column in acting.items()}
     columns = {
-        name: left for name, left in columns.items() if np.linalg.norm(left) > SEEN * np.linalg.norm(acting[name])
+        name: left
+        for name, left in columns.items()
+        if np.linalg.norm(left) > MIN_RESIDUAL_FRACTION * np.linalg.norm(acting[name])
     }
     drag = None
     if "drag" in free:
@@ -133,13 +135,13 @@ def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = 
 def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[Chosen, ...]:
     """Terms added one by one while the best of the others gains anything beside those chosen before."""
     chosen: list[Chosen] = []
-    while len(chosen) < min(MOST, len(candidates)):
+    while len(chosen) < min(MAX_TERMS, len(candidates)):
         before = [one.name for one in chosen]
         gains = {name: gain(before, name) for name in candidates if name not in before}
         best = max(gains, key=lambda name: gains[name])
         if gains[best] <= 0:
             break
-        least = max(gains[best] - NEARLY, 0.0)
+        least = max(gains[best] - CRITERION_TIE, 0.0)
         also = tuple(name for name in gains if name != best and gains[name] > least)
         chosen.append(Chosen(best, gains[best], also))
     return tuple(chosen)
@@ -147,7 +149,7 @@ def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]
 
 def price(terms: int, candidates: int) -> float:
     """What the criterion asks for one more beside so many terms: by how much more ways there are to choose them."""
-    return 2 * STRICT * log((candidates - terms) / (terms + 1))
+    return 2 * CANDIDATE_COUNT_WEIGHT * log((candidates - terms) / (terms + 1))
 
 
 def _left(wanted: Array, basis: Sequence[Array]) -> Array:

@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 from fieldkit.selection.force.log_evidence import Witness
 from fieldkit.selection.force.one_flight import Found
-from fieldkit.selection.force.several_flights import FEWEST, Common
+from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
 
-BESIDE = {
+COMPARISON_TEXTS = {
     "agrees": "this speaks for {effects}, as the verdict from the readouts does",
     "more": "this speaks for {effects}, which the readouts alone do not show",
     "another effect": "this speaks for {effects}, which is not the verdict from the readouts",
@@ -20,7 +20,7 @@ def climbs_in_words(said: Witness) -> Iterator[str]:
     if said.flights:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
         if said.says:
-            yield BESIDE[said.says].format(effects="+".join(said.effects))
+            yield COMPARISON_TEXTS[said.says].format(effects="+".join(said.effects))
     reasons: dict[str, list[str]] = {}
     for flight_id, why in said.silent:
         reasons.setdefault(why, []).append(flight_id)
@@ -30,7 +30,7 @@ def climbs_in_words(said: Witness) -> Iterator[str]:
 
 
 def _law(said: Witness) -> str:
-    if len(said.flights) < FEWEST:
+    if len(said.flights) < MIN_CLIMBS:
         alone = ", ".join(map(_term, said.flights[0].law.terms)) or "none"
         return f"{alone}; one flight alone decides nothing"
     terms = [f"{_term(one)} (in {one.flights} of {one.seen})" for one in said.law]

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity
-from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
 from fieldkit.quantities import measure, spelled
 
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, and offered from the last flight."""
 BY_NAME = {question.name: question for question in QUESTIONS}
 READ = tuple(column.name for column in READOUTS)
-MORE = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
-OTHER = {"SI": "US", "US": "SI", "mixed": "SI"}
+MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
+OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
 """The system in which a figure is repeated beside it."""
 
 
@@ -58,7 +58,7 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
     flight, wrong = Flight(), dict[str, str]()
     for name, text in texts.items():
         try:
-            value = read_answer(name, "" if text == NOTHING else text, units.get(name, ""))
+            value = read_answer(name, "" if text == NOT_RECORDED else text, units.get(name, ""))
             flight = flight.with_changes(**{name: value})
         except BadValue as error:
             wrong[name] = str(error)
@@ -75,7 +75,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
     value = said.flight.number(question.name) if column else None
     if column is None or value is None:
         return spelled(unit)
-    figures = [measure(column, value, one) for one in (system, OTHER[system])]
+    figures = [measure(column, value, one) for one in (system, OTHER_SYSTEM[system])]
     others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
     return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)
 

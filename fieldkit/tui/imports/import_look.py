@@ -24,9 +24,9 @@ if TYPE_CHECKING:
     from fieldkit.tui.next.desk import Desk
 
 Parts = list[str | tuple[str, str]]
-MOST, NOTES = 200, 6
-"""Flights or rejected rows, and notes, that are listed."""
-WIDE = 44
+MAX_LISTED, MAX_NOTES = 200, 6
+"""Number of flights or rejected rows, and of notes, that are listed. [1]"""
+NAME_WIDTH = 44
 """Cells for the names of flights, before their apogees."""
 UP = Path("..")
 """The row that leads to the folder above."""
@@ -157,9 +157,9 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
     parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
-    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:NOTES]]
-    if len(receipt.notes) > NOTES:
-        parts.append(f"\n  and {len(receipt.notes) - NOTES} more notes")
+    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:MAX_NOTES]]
+    if len(receipt.notes) > MAX_NOTES:
+        parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
     if receipt.ids:
         parts.append(("\nEnter stores it", "b"))
     return Content.assemble(*parts)
@@ -172,9 +172,9 @@ def what_it_holds(look: Look, system: str) -> Hanging:
         figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]
         figures += logged.beside(flight.extra, system)
         return cards.lines(cards.heading(flight, flight.flight_id) or "One flight", figures, 20)
-    named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MOST]]
-    width = min(max((len(name) for name, _ in named), default=0), WIDE)
-    more = [("", f"and {len(look.flights) - MOST} more")] if len(look.flights) > MOST else []
+    named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MAX_LISTED]]
+    width = min(max((len(name) for name, _ in named), default=0), NAME_WIDTH)
+    more = [("", f"and {len(look.flights) - MAX_LISTED} more")] if len(look.flights) > MAX_LISTED else []
     return cards.lines("Flights, and the apogee of each" if named else "", [*named, *more], width)
 
 
@@ -182,11 +182,11 @@ def left_out(look: Look) -> Hanging:
     """Each row that would be left out: where it is, and why."""
     rejected = look.receipt.rejected if look.receipt else ()
     lines = [Content.assemble(("Left out, and why", "b $primary"))] if rejected else []
-    for one in rejected[:MOST]:
+    for one in rejected[:MAX_LISTED]:
         place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
         lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))
-    if len(rejected) > MOST:
-        lines.append(Content(f"and {len(rejected) - MOST} more; fieldkit import --dry-run lists all"))
+    if len(rejected) > MAX_LISTED:
+        lines.append(Content(f"and {len(rejected) - MAX_LISTED} more; fieldkit import --dry-run lists all"))
     return Hanging(tuple((2, line) for line in lines))
 
 

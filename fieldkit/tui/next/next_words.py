@@ -65,10 +65,10 @@ def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
 
 def checks(one: "Choice") -> Pairs:
     """The safety lines, each with its figures and its limit."""
-    from fieldkit.planning.safety import DECIDES, MARKS
+    from fieldkit.planning.safety import ADVICE_NOTE, MARKS
 
     lines = [(f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines]
-    return [*lines, ("", DECIDES)]
+    return [*lines, ("", ADVICE_NOTE)]
 
 
 def kept_in_words(said: "Prediction", system: str) -> str:

@@ -17,7 +17,7 @@ from fieldkit.importing.manual_entry import QUESTIONS, Question
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import (
     BY_NAME,
-    MORE,
+    MORE_FIELDS,
     READ,
     Answered,
     Begun,
@@ -231,7 +231,7 @@ class AddScreen(PageScreen):
         """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
         if isinstance(self.focused, Button):
             self.action_save() if self.typed else self._to_first()
-        elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
             self.set_focus(self._sheet.button)
         else:
             self.focus_next()

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.motor_guide import Choice
     from fieldkit.tui.next.forecast_card import ForecastCard
 
-ROOMY = 150
+WIDE_SCREEN = 150
 """Columns of a screen with room for every figure beside the card."""
 DRAWS = 400
 """Flights flown for each motor: the hill is drawn of them. [1]"""
@@ -194,7 +194,7 @@ class NextScreen(PageScreen):
         from fieldkit.tui.next.motor_rows import listed
 
         settings, table = self.desk.settings, self.query_one(Table)
-        brief = not self.has_class("-comparing") and self.size.width < ROOMY
+        brief = not self.has_class("-comparing") and self.size.width < WIDE_SCREEN
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
         table.show(heads, self._motors.ordered(settings.target), cells)
         self.query_one("#count", Static).update(Content(self._motors.counted(settings.units)))

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from fieldkit.capture import Ended, Port, Progress
     from fieldkit.services.imports import Receipt
 
-SHOWN = 600
+MAX_DRAWN_ALTITUDES = 600
 """Altitudes of a telemetry stream that are drawn."""
-SAID = 50
-"""Lines of what happened that are kept; the last few are in sight."""
+MAX_LOG_LINES = 50
+"""Lines of the event log that are kept; the last few are visible."""
 
 
 class CaptureScreen(PageScreen):
@@ -204,7 +204,7 @@ class CaptureScreen(PageScreen):
                 self._progress(message.event)
 
     def _say(self, text: str) -> None:
-        self._said = [*self._said, printable(text).replace("--device", "d")][-SAID:]
+        self._said = [*self._said, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
         self.query_one("#said", Static).update(hanging(map(shortened, self._said)))
         self.query_one("#happened").scroll_end(animate=False)
 
@@ -221,7 +221,7 @@ class CaptureScreen(PageScreen):
         sample, system = progress.sample, self.desk.settings.units
         if sample is None:
             return
-        self._heights = [*self._heights, sample.altitude][-SHOWN:]
+        self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
         unit = spelled(unit_of(cards.APOGEE, system))
         self.query_one("#big", Digits).update(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)

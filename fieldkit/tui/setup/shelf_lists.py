@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
-NORMAL, WIDE = 70, 96
-"""Cells from which a table has room for more columns."""
+NORMAL_TABLE_WIDTH, WIDE_TABLE_WIDTH = 70, 96
+"""Widths from which a table has room for more columns. [cell]"""
 
 
 class Listed(NamedTuple):
@@ -32,7 +32,7 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> Listed:
     """The motors that a search found."""
     from fieldkit.motors.motor import delays_text
 
-    wide = width >= WIDE
+    wide = width >= WIDE_TABLE_WIDTH
     heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 7, True), Head("avg N", 6, True)]
     heads += [Head("burn s", 6, True), Head("grams", 7, True)] if wide else []
     heads += [Head("delays s", 22 if wide else 12), Head("", 14 if wide else 5)]
@@ -48,7 +48,7 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> Listed:
 
 def builds_listed(kept: Kept, system: str, width: int) -> Listed:
     """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
-    narrow = width < NORMAL
+    narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(group: Group) -> list[str]:
         numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
@@ -61,7 +61,7 @@ def builds_listed(kept: Kept, system: str, width: int) -> Listed:
 
 def sites_listed(kept: Kept, system: str, width: int) -> Listed:
     """The sites that flights name or that were saved, with what safety lines ask of them."""
-    narrow = width < NORMAL
+    narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(place: Place) -> list[str]:
         site = place.site

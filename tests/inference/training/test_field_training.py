@@ -20,7 +20,7 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     from fieldkit.cli.main import main
     from fieldkit.inference.training import density, field
 
-    monkeypatch.setattr(field, "JUDGED", 100)
+    monkeypatch.setattr(field, "EVALUATION_FLIGHTS", 100)
     monkeypatch.setitem(field.PLANS, "quick", density.Plan(epochs=2, batch=256))
     out = tmp_path / "field"
     options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")

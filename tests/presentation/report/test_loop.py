@@ -30,7 +30,7 @@ from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
-from fieldkit.selection.forward_choice import FEWEST
+from fieldkit.selection.forward_choice import MIN_EARLIER_FLIGHTS
 from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, options, telling
 from fieldkit.selection.unexplained import leftover
 from fieldkit.services import close_loop, forecasts
@@ -120,9 +120,9 @@ def test_no_flights_have_no_errors() -> None:
 
 
 def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
-    assert found.ahead.seen.tolist() == [False] * FEWEST + [True] * (12 - FEWEST)
-    assert found.forward.before.flights == 12 - FEWEST
-    assert not any(found.ahead.chosen[:FEWEST])
+    assert found.ahead.seen.tolist() == [False] * MIN_EARLIER_FLIGHTS + [True] * (12 - MIN_EARLIER_FLIGHTS)
+    assert found.forward.before.flights == 12 - MIN_EARLIER_FLIGHTS
+    assert not any(found.ahead.chosen[:MIN_EARLIER_FLIGHTS])
 
 
 def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
