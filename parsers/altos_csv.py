@@ -16,7 +16,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.altos import NO_VALUE, TICK, entered
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.text import first_lines
 from fieldkit.units import UNITS, Unit
@@ -137,7 +137,7 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
     return channels
 
 
-def _present(table: Table) -> Table:
+def _present(table: LogTable) -> LogTable:
     """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
     for name, values in table.values.items():
         if name != "time":
@@ -150,7 +150,7 @@ def _present(table: Table) -> Table:
     return table
 
 
-def _by_flight(table: Table) -> list[Table]:
+def _by_flight(table: LogTable) -> list[LogTable]:
     """A table for each serial number and flight, in the order in which they come."""
     keys = [table.values[name] for name in ("serial", "flight") if name in table.values]
     marks = np.nan_to_num(np.column_stack(keys), nan=-1.0) if keys else np.zeros((len(table), 1))
@@ -159,7 +159,7 @@ def _by_flight(table: Table) -> list[Table]:
     return [replace(table.pick(which == which[start]), found=()) for start in sorted(first.tolist())]
 
 
-def _unwrapped(table: Table) -> Table:
+def _unwrapped(table: LogTable) -> LogTable:
     """The table with a clock that goes on where its 16 bits start anew."""
     time = table.values["time"]
     fallen = np.diff(time, prepend=time[:1]) < -WRAP / 2
@@ -174,7 +174,7 @@ def _about(log: bytes, header_row: int) -> dict[str, str]:
     return {pair[1].strip().lower(): pair[2].strip() for pair in pairs if pair}
 
 
-def _reading(part: Table, about: dict[str, str]) -> Reading:
+def _reading(part: LogTable, about: dict[str, str]) -> Reading:
     serial, flight = (_number(part, name) for name in ("serial", "flight"))
     return Reading(
         extra={"flight": flight} if flight else {},
@@ -186,13 +186,13 @@ def _reading(part: Table, about: dict[str, str]) -> Reading:
     )
 
 
-def _number(part: Table, name: str) -> str:
+def _number(part: LogTable, name: str) -> str:
     """A whole number that every row of a flight repeats, as text."""
     values = part.get(name)
     return "" if values is None or not abs(values[0]) < NO_VALUE else f"{values[0]:.0f}"
 
 
-def _events(part: Table) -> dict[str, float]:
+def _events(part: LogTable) -> dict[str, float]:
     """When each state was first entered; one that the log begins in tells nothing but that time 0 is boost. [s]"""
     states = part.get("state")
     if states is None:

@@ -28,8 +28,8 @@ from fieldkit.importing.tables.altos import (
 from fieldkit.importing.tables.altos_flash import (
     LAYOUTS,
     OLD_RECORD,
-    Layout,
     Octets,
+    RecordLayout,
     hex_bytes,
     new_form,
     number_at,
@@ -114,7 +114,7 @@ def _flights(records: Int[Octets, "record byte"]) -> list[Int[Octets, "record by
     return [part for part in np.split(records, starts[starts > 0]) if len(part)]
 
 
-def _reading(records: Int[Octets, "record byte"], settings: str, layout: Layout) -> Reading | None:
+def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordLayout) -> Reading | None:
     """The flight of records, None if there are no samples in it."""
     time = seconds(number_at(records, -2, 2))
     samples = records[:, 0] == SAMPLE
@@ -158,7 +158,7 @@ def _samples(
     time: Float[Array, "record"],
     head: Int[Octets, "flight byte"],
     settings: str,
-    layout: Layout,
+    layout: RecordLayout,
 ) -> Series:
     acceleration = None
     if layout.acceleration is not None and layout.ground is not None and len(head):

@@ -35,7 +35,7 @@ SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class PacketField:
     """A number in a packet: its place, how it is written, and what one of it is in SI."""
 
     place: int
@@ -45,38 +45,38 @@ class Field:
     convert: Callable[[Integers], Array] | None = None
 
 
-FLIGHT_STATE = {"state": Field(5, "u1")}
+FLIGHT_STATE = {"state": PacketField(5, "u1")}
 
 
-def _kalman(place: int) -> Mapping[str, Field]:
+def _kalman(place: int) -> Mapping[str, PacketField]:
     """Acceleration, speed and height, as every device sends them. [m/s^2, m/s, m]"""
     return {
-        "acceleration": Field(place, "<i2", 1 / 16),
-        "speed": Field(place + 2, "<i2", 1 / 16),
-        "altitude": Field(place + 4, "<i2"),
+        "acceleration": PacketField(place, "<i2", 1 / 16),
+        "speed": PacketField(place + 2, "<i2", 1 / 16),
+        "altitude": PacketField(place + 4, "<i2"),
     }
 
 
-def _air(pressure: int, temperature: int) -> Mapping[str, Field]:
+def _air(pressure: int, temperature: int) -> Mapping[str, PacketField]:
     """Pressure and temperature, as devices with a digital sensor send them. [Pa, K]"""
     return {
-        "pressure": Field(pressure, "<i4"),
-        "temperature": Field(temperature, "<i2", 0.01, ZERO_CELSIUS),
+        "pressure": PacketField(pressure, "<i4"),
+        "temperature": PacketField(temperature, "<i2", 0.01, ZERO_CELSIUS),
     }
 
 
-ANALOGUE = {**FLIGHT_STATE, "pressure": Field(8, "<i2", convert=mp3h6115), **_kalman(18)}
+ANALOGUE = {**FLIGHT_STATE, "pressure": PacketField(8, "<i2", convert=mp3h6115), **_kalman(18)}
 MINI = {**FLIGHT_STATE, **_air(12, 16), **_kalman(18)}
 SATELLITES = {
-    "fixed": Field(5, "u1"),
-    "gps_altitude_msl": Field(6, "<i2"),
-    "height_low": Field(6, "<u2"),
-    "height_high": Field(31, "i1"),
-    "mode": Field(25, "u1"),
-    "latitude": Field(8, "<i4", 1e-7),
-    "longitude": Field(12, "<i4", 1e-7),
+    "fixed": PacketField(5, "u1"),
+    "gps_altitude_msl": PacketField(6, "<i2"),
+    "height_low": PacketField(6, "<u2"),
+    "height_high": PacketField(31, "i1"),
+    "mode": PacketField(25, "u1"),
+    "latitude": PacketField(8, "<i4", 1e-7),
+    "longitude": PacketField(12, "<i4", 1e-7),
 }
-PACKETS: Mapping[int, tuple[str, Mapping[str, Field]]] = {
+PACKETS: Mapping[int, tuple[str, Mapping[str, PacketField]]] = {
     1: ("TeleMetrum 1", ANALOGUE),
     2: ("TeleMini 1", ANALOGUE),
     3: ("TeleNano", ANALOGUE),
@@ -204,7 +204,7 @@ def _position(values: dict[str, Any]) -> dict[str, Any]:
     return {name: np.where(fixed, each, np.nan) for name, each in values.items()}
 
 
-def _values(packets: Int[Octets, "packet byte"], field: Field) -> Float[Array, "packet"]:
+def _values(packets: Int[Octets, "packet byte"], field: PacketField) -> Float[Array, "packet"]:
     counts = _numbers(packets, field.place, field.kind)
     return counts.astype(float) * field.scale + field.offset if field.convert is None else field.convert(counts)
 

@@ -15,7 +15,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS, find_header
 from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
@@ -65,7 +65,7 @@ def read(log: bytes) -> list[Found]:
     return [*(Reading(series=_series(part, found), device="ARTS2") for part in parts), *found]
 
 
-def _series(table: Table, notes: list[Found]) -> Series:
+def _series(table: LogTable, notes: list[Found]) -> Series:
     series = table.series()
     level = float(np.median(table.values["acc"][:RESTING])) / STANDARD_GRAVITY
     if abs(level - 1) < 0.2:

@@ -69,7 +69,7 @@ _TABLE = np.array(BUYPASS, np.uint16)
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class SampleFrame:
     """One sample: its kind, the logger's clock, and the numbers under each label."""
 
     kind: str
@@ -90,7 +90,7 @@ def recognises(head: bytes) -> bool:
     return any(kind in narrow(head) for kind in KINDS)
 
 
-def frames_of(lines: Sequence[bytes]) -> list[Frame | None]:
+def frames_of(lines: Sequence[bytes]) -> list[SampleFrame | None]:
     """The frame of each line, the last one if several were printed over each other; None where none is sound."""
     starts = [line.rfind(b"@ LOG_") for line in lines]
     checked = [
@@ -103,7 +103,7 @@ def frames_of(lines: Sequence[bytes]) -> list[Frame | None]:
     ]
 
 
-def _frame(text: bytes) -> Frame | None:
+def _frame(text: bytes) -> SampleFrame | None:
     head = _HEAD.match(text)
     if not head:
         return None
@@ -116,7 +116,7 @@ def _frame(text: bytes) -> Frame | None:
         field[1].decode().lower(): tuple(map(int, re.findall(rb"[-+]?\d{1,9}", field[2])))
         for field in _FIELD.finditer(text, head.end())
     }
-    return Frame(head[1].decode(), moment, fields)
+    return SampleFrame(head[1].decode(), moment, fields)
 
 
 def read(log: bytes) -> list[Found]:

@@ -30,7 +30,7 @@ NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "typ
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
+class ColumnRole:
     """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
 
     `unit` is empty if cells bring theirs.
@@ -98,7 +98,7 @@ def _plain(spelled: str) -> str:
     return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
 
 
-def _heading(spelled: str, *, strict: bool) -> Heading:
+def _heading(spelled: str, *, strict: bool) -> ColumnRole:
     """What a header stands for.
 
     Raises BadValue for a column we know in a unit we do not, unless another column already holds the
@@ -106,19 +106,19 @@ def _heading(spelled: str, *, strict: bool) -> Heading:
     """
     plain = _plain(spelled)
     if plain in TEXT_COLUMNS or plain in BY_NAME:
-        return Heading(spelled.strip(), plain)
+        return ColumnRole(spelled.strip(), plain)
     if told := _beside(plain, strict=strict):
-        return Heading(spelled.strip(), unit=told.unit, beside=told)
+        return ColumnRole(spelled.strip(), unit=told.unit, beside=told)
     for name in sorted(BY_NAME, key=len, reverse=True):
         column, ending = BY_NAME[name], plain.removeprefix(f"{name}_")
         if ending == plain:
             continue
         if ending in units.UNITS[column.quantity]:
-            return Heading(spelled.strip(), name, ending)
+            return ColumnRole(spelled.strip(), name, ending)
         if strict and "_" not in ending and ending not in NO_UNITS:
             units.unit(column.quantity, ending)
         break
-    return Heading(spelled.strip())
+    return ColumnRole(spelled.strip())
 
 
 def _beside(plain: str, *, strict: bool) -> Beside | None:
@@ -131,14 +131,14 @@ def _beside(plain: str, *, strict: bool) -> Beside | None:
         return None
 
 
-def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
+def _headings(spelled: Sequence[str], row: int) -> list[ColumnRole]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
     certain = {_heading(name, strict=False).field for name in spelled}
     if not certain - {""}:
         raise DamagedLog(
             f"found no column of the flight table, expected some of {', '.join(OWN_COLUMNS)}", row=row or 1
         )
-    headings: list[Heading] = []
+    headings: list[ColumnRole] = []
     seen: dict[str, str] = {"": ""}
     for name in spelled:
         try:
@@ -170,14 +170,14 @@ _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals or one above a thousand."""
 
 
-def _numbers(headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
+def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
     """Every cell of the columns that hold numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
             yield from (c for h, c in zip(headings, cells, strict=False) if _holds_numbers(h))
 
 
-def _holds_numbers(heading: Heading) -> bool:
+def _holds_numbers(heading: ColumnRole) -> bool:
     return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
 
 
@@ -199,7 +199,7 @@ def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
 
 
 def _reading(
-    row: int, cells: list[str] | DamagedLog, headings: Sequence[Heading], mark: str, separator: str
+    row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str
 ) -> Reading | DamagedLog:
     """The flight of one row, or what is wrong with the row."""
     if isinstance(cells, DamagedLog):
@@ -232,7 +232,7 @@ def _reading(
     return Reading(stated, extra, columns, row)
 
 
-def _value_beside(cell: str, heading: Heading, place: Beside, mark: str) -> object:
+def _value_beside(cell: str, heading: ColumnRole, place: Beside, mark: str) -> object:
     """The value of a cell beside a readout: a standard deviation in SI, or a source. Raises BadValue. [SI]"""
     cell = cell.strip()
     if cell.lower() in NOT_RECORDED:
@@ -242,13 +242,13 @@ def _value_beside(cell: str, heading: Heading, place: Beside, mark: str) -> obje
     return place.read(from_cell(cell))
 
 
-def _known_header(cell: str, heading: Heading) -> str:
+def _known_header(cell: str, heading: ColumnRole) -> str:
     if not heading.spelled:
         raise BadValue(f"found {shown(cell)} under an empty header, expected the header to be named")
     return from_cell(cell)
 
 
-def _value(cell: str, heading: Heading, mark: str) -> object:
+def _value(cell: str, heading: ColumnRole, mark: str) -> object:
     """The value of a cell: SI, a date, tags or text. Raises BadValue. [SI]"""
     if heading.field not in BY_NAME:
         cell = from_cell(cell)
@@ -263,7 +263,7 @@ def _value(cell: str, heading: Heading, mark: str) -> object:
     return cell.strip()
 
 
-def _check_number(cell: str, column: Column, heading: Heading, mark: str) -> None:
+def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:
     """Raise BadValue for a cell whose number or unit is in doubt."""
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
@@ -275,7 +275,7 @@ def _check_number(cell: str, column: Column, heading: Heading, mark: str) -> Non
         raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
 
 
-def _number(cell: str, heading: Heading, mark: str) -> float:
+def _number(cell: str, heading: ColumnRole, mark: str) -> float:
     column = BY_NAME[heading.field]
     _check_number(cell, column, heading, mark)
     try:

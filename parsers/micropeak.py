@@ -37,14 +37,14 @@ MIN_GROUND_PRESSURE, MAX_GROUND_PRESSURE = 10_000, 120_000
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class DeviceModel:
     """A device that speaks this way, and how far apart its samples are. [s]"""
 
     name: str
     step: float
 
 
-MODELS = (Model("MicroPeak", 0.192), Model("MicroKite", 19.2), Model("MicroPeak 2", 0.1))
+MODELS = (DeviceModel("MicroPeak", 0.192), DeviceModel("MicroKite", 19.2), DeviceModel("MicroPeak 2", 0.1))
 
 
 def recognises(head: bytes) -> bool:
@@ -109,7 +109,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
     return found
 
 
-def _reading(model: Model, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:
+def _reading(model: DeviceModel, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:
     pressure = _whole(ground, samples)
     pad, apogee = pressure_height(np.array([ground, least], float))
     try:

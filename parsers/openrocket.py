@@ -37,7 +37,7 @@ _SIMULATED_CHANNELS = ("thrust", "mass", "drag", "drag coefficient", "mach numbe
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class ExportHeader:
     """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off.
 
     `quoted` where a spreadsheet put quotation marks about every cell, the comments among them.
@@ -74,7 +74,7 @@ def read(log: bytes) -> list[Found]:
     return [replace(item, events=events, extra=extra) if isinstance(item, Reading) else item for item in found]
 
 
-def _header(text: str) -> Header | None:
+def _header(text: str) -> ExportHeader | None:
     """The line of names, in which time comes with its unit and every cell ends in brackets."""
     for row, line in enumerate(lines_of(text)[:500], start=1):
         match = _HEADER.match(line)
@@ -85,7 +85,7 @@ def _header(text: str) -> Header | None:
             bracketed = all(name.endswith(")") for name in names)
             heights = any(channel_of(heading(name)) == "altitude" for name in names)
             if bracketed and (heights or match["mark"]) and len(names) > 1:
-                return Header(tuple(names), row, separator, match["mark"], line.startswith('"'))
+                return ExportHeader(tuple(names), row, separator, match["mark"], line.startswith('"'))
     return None
 
 

@@ -18,7 +18,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.plausibility import check
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.text import first_lines, shown
 
 MOST_ABOVE = 5
@@ -83,7 +83,7 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     raise DamagedLog("found no line of columns, expected one such as Data: (Time, Altitude, Velocity", row=1)
 
 
-def _table(log: bytes, data_row: int, data: str) -> Table:
+def _table(log: bytes, data_row: int, data: str) -> LogTable:
     unit = re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", data, re.IGNORECASE)
     channels = [
         Channel("time", 0, needed=True, header="Time"),
@@ -97,7 +97,7 @@ def _table(log: bytes, data_row: int, data: str) -> Table:
     return read_columns(log, channels, after=data_row, separator=parted[1] if parted else ",", widths=range(3, 6))
 
 
-def _written(table: Table) -> int:
+def _written(table: LogTable) -> int:
     """How many rows there are before those that were never written, up to the end of the log.
 
     The last row tells nothing: it may be cut off within its voltage.

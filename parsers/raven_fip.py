@@ -16,7 +16,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Parser, Reading
 from fieldkit.importing.tables.clocks import MAX_CLOCK, in_order
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.text import lines, narrow
 from fieldkit.shapes import Array, Float
@@ -87,7 +87,7 @@ def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
         yield mark.join(row) if place <= len(cells) and not any(map(bytes.strip, cells[place:])) else line
 
 
-def _clocks(table: Table, places: Mapping[str, int]) -> tuple[Series, ...]:
+def _clocks(table: LogTable, places: Mapping[str, int]) -> tuple[Series, ...]:
     """The samples, channels together that were taken at the same times."""
     found: list[Series] = []
     for name, place in places.items():
@@ -108,7 +108,7 @@ def _series(series: Series, name: str, values: Float[Array, "time"]) -> Series:
     return series if np.isnan(values).all() else replace(series, **{name: values})
 
 
-def _events(table: Table) -> dict[str, float]:
+def _events(table: LogTable) -> dict[str, float]:
     """When each flag is first set on any channel, for some end before others. [s]"""
     events: dict[str, float] = {}
     for place, (known, which) in table.words.items():

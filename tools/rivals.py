@@ -21,7 +21,7 @@ import torch
 from fieldkit.inference.network.ensemble import load_folder
 from fieldkit.inference.network.field_ensemble import intervals, posterior
 from fieldkit.inference.network.mixture import logits, mixture
-from fieldkit.inference.training.density import MAX_FEATURE_SDS, Plan, fit
+from fieldkit.inference.training.density import MAX_FEATURE_SDS, TrainingPlan, fit
 from fieldkit.inference.training.field import batch
 from fieldkit.inference.training.fit import one_thread
 from fieldkit.model.field_features import features
@@ -98,7 +98,7 @@ def by_zuko(observe: Callable, first: np.ndarray, count: int) -> tuple[LogDensit
 def by_mixture(observe: Callable) -> tuple[LogDensity, dict]:
     """The ensemble's own members at this size."""
     began = time.process_time()
-    members, mean, sd = fit(observe, Plan(epochs=FLOW_EPOCHS))
+    members, mean, sd = fit(observe, TrainingPlan(epochs=FLOW_EPOCHS))
 
     def log_density(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
         scaled = ((columns - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)

@@ -2,15 +2,15 @@
 
 from fieldkit.analysis.columns import columns
 from fieldkit.analysis.measure import measure, rises
-from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded, Track
+from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
 
 __all__ = [
-    "Climb",
     "Event",
     "Figure",
     "Forces",
+    "HeightTrack",
+    "MeasuredClimb",
     "Recorded",
-    "Track",
     "columns",
     "measure",
     "rises",

@@ -12,7 +12,7 @@ from fieldkit.analysis.ballistic import Coast, fitted_coast
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
-from fieldkit.analysis.process_noise import SPEED_OF_SOUND, Marks, Samples, Settled, samples_on, settled
+from fieldkit.analysis.process_noise import SPEED_OF_SOUND, FittedCurve, Marks, Samples, samples_on, settled
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.smooth import Grid, apply, basis
 from fieldkit.shapes import Array, Flags, Float
@@ -130,7 +130,7 @@ def _fitted(begun: _Begun, marks: Marks) -> Ascent:
     return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
 
 
-def _likeliest(begun: _Begun, found: Settled, marks: Marks, lift: float) -> tuple[float, float]:
+def _likeliest(begun: _Begun, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
     """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
     about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)
@@ -162,7 +162,7 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
     return low
 
 
-def _drawn(grid: Grid, guess: Guess, found: Settled, fused: bool, spread: float) -> Ascent:
+def _drawn(grid: Grid, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
     """The curve, guess and rest together, and draws of it."""
     knots = grid.time
     coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))

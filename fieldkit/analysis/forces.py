@@ -5,7 +5,7 @@ import numpy as np
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.initial_guess import levelled
-from fieldkit.analysis.records import Climb, Event, Figure, Forces
+from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 from fieldkit.shapes import Array, Float
@@ -41,14 +41,14 @@ _SCALE = 0.02
 """Of an accelerometer's error, to the acceleration. [1]"""
 
 
-def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> Climb:
+def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> MeasuredClimb:
     """The ascent between two times, with its standard deviations."""
     inside = (ascent.time >= begin) & (ascent.time <= end)
 
     def cut(values: Array) -> Array:
         return np.asarray(values[..., inside])
 
-    return Climb(
+    return MeasuredClimb(
         cut(ascent.time),
         cut(ascent.height),
         cut(ascent.heights).std(axis=0),
@@ -61,7 +61,7 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
     )
 
 
-def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
+def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
     """Push per mass and, in the coast, Cd·A per mass, from lift-off to what was ejected or to apogee.
 
     An axial accelerometer gives the push as it is; else it is the smoothed vertical acceleration plus gravity, which

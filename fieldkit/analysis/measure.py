@@ -11,7 +11,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
-from fieldkit.analysis.records import Event, Figure, Recorded, Track
+from fieldkit.analysis.records import Event, Figure, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
@@ -80,7 +80,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
     told = _told(_Log(track, seen, ascent, shape, push, stated), lift, clocks)
-    above = Track(track.time, seen.calm - seen.pad, track.source)
+    above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     return replace(told, notes=(*told.notes, CLIPPED_NOTE) if clipped else told.notes, track=above)
 
 
@@ -103,7 +103,7 @@ class _Log:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _FlightPart:
     """What one part of a flight tells."""
 
     events: Mapping[str, Event] = field(default_factory=dict)
@@ -120,7 +120,7 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     burnt = boost.events.get("burnout")
     burnout = burnt.time if burnt else begin
     top = _top(log, lift, burnt, apogee)
-    down = _down(log, apogee[0], lift, burnout) if apogee else _Part()
+    down = _down(log, apogee[0], lift, burnout) if apogee else _FlightPart()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
     known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
@@ -130,7 +130,7 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     return Recorded(events, known, climb, pressed, (*top.notes[:1], *boost.notes, *top.notes[1:], *down.notes))
 
 
-def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _Part]:
+def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
     """Lift-off, if it is believed, and what the boost tells."""
     found = boost_event(log.ascent, log.push, begin, end, log.source)
     lost = _lost(log.track, begin, found[0].time) if found else None
@@ -143,10 +143,10 @@ def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Eve
     if lift is None:
         notes += (NO_LIFTOFF,)
     if found is None or lift is None or found[0].time >= end - 0.2:
-        return lift, _Part(notes=notes)
+        return lift, _FlightPart(notes=notes)
     burnout, speed = found
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
-    return lift, _Part({"burnout": burnout}, figures, notes)
+    return lift, _FlightPart({"burnout": burnout}, figures, notes)
 
 
 def _burn(log: _Log, lift: Event, burnout: Event, speed: Figure) -> dict[str, Figure]:
@@ -161,19 +161,19 @@ def _burn(log: _Log, lift: Event, burnout: Event, speed: Figure) -> dict[str, Fi
     return figures | ({"peak_accel": peak} if peak else {})
 
 
-def _top(log: _Log, lift: Event | None, burnout: Event | None, apogee: tuple[Event, Figure] | None) -> _Part:
+def _top(log: _Log, lift: Event | None, burnout: Event | None, apogee: tuple[Event, Figure] | None) -> _FlightPart:
     """Apogee, and the times to it."""
     if apogee is None:
-        return _Part(notes=(NO_APOGEE,))
+        return _FlightPart(notes=(NO_APOGEE,))
     figures = {"apogee": apogee[1]}
     if lift:
         figures["time_to_apogee"] = _between(lift, apogee[0], log.track.source)
     if lift and burnout:
         figures["coast_to_apogee"] = _between(burnout, apogee[0], log.source)
-    return _Part({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
+    return _FlightPart({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
 
 
-def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _Part:
+def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _FlightPart:
     """What the way down tells."""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
@@ -191,7 +191,7 @@ def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _Part
     speed = descent_speed(track, seen, ejected or replace(apogee, sd=2.0), landed, level)
     if speed:
         figures["descent_speed"] = speed
-    return _Part(events, figures, () if landed else (NO_LANDING,))
+    return _FlightPart(events, figures, () if landed else (NO_LANDING,))
 
 
 def _is_unseen(track: Heights, begin: float, burnout: float) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 
 from fieldkit.analysis.initial_guess import Guess
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
-from fieldkit.analysis.smooth import Design, Fit, Grid, apply, design, fit
+from fieldkit.analysis.smooth import CurvePosterior, Grid, SplineDesign, apply, design, fit
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
@@ -53,7 +53,7 @@ class Samples:
 
     time: Float[Array, "time"]
     height: Float[Array, "time"]
-    splines: Design
+    splines: SplineDesign
     noise: float
 
     @property
@@ -92,23 +92,23 @@ def _opening(grid: Grid, guess: Guess, charge: float) -> float:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Settled:
+class FittedCurve:
     """What a fit came to: the curve, and the variances and the wander it was made with."""
 
-    curve: Fit
+    curve: CurvePosterior
     noise: float
     variance: Float[Array, "time"]
     thrust: float
     coast: float
     opening: float
 
-    def again(self, samples: Samples, guess: Guess, marks: Marks) -> Fit:
+    def again(self, samples: Samples, guess: Guess, marks: Marks) -> CurvePosterior:
         """The curve about another guess with the same settings."""
         wander = wanders(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
         return fit(samples.splines, samples.above(guess), 1 / self.variance, wander)
 
 
-def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Settled:
+def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> FittedCurve:
     """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
 
     `fused` where an accelerometer gave the guess its shape.
@@ -123,7 +123,7 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Settle
     left = model.left(settings, weight)
     alike = lag_one(left[(weight > 0.5) & ~model.early])
     share = (1 - alike) / (1 + alike)
-    return Settled(
+    return FittedCurve(
         model.curve(settings, share * weight),
         max(float(np.exp(settings[2])), mad_sd(left[~model.early])),
         model.variance(settings) / weight / share,
@@ -156,7 +156,7 @@ class _Model:
         noisier = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
         return np.asarray(np.exp(2 * settings[2]) * noisier + self.known)
 
-    def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Fit:
+    def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
         """The curve through the rest."""
         wander = wanders(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
         return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander)

@@ -10,7 +10,7 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from fieldkit.capture.events import Event, Progress, Sample
-from fieldkit.capture.line import Line
+from fieldkit.capture.line import SerialLine
 from fieldkit.errors import PortLost, PortTrouble
 
 MAX_PIECE = 4096
@@ -38,7 +38,7 @@ def never() -> bool:
 class Link:
     """A conversation's end of a line, and the counts of a whole capture, which may outlive several lines."""
 
-    line: Line
+    line: SerialLine
     stop: Callable[[], bool] = never
     ends: float = float("inf")
     """When to stop, on the monotonic clock. [s]"""

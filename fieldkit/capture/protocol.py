@@ -10,7 +10,7 @@ from pathlib import Path
 
 from fieldkit.capture.captured import Captured, Log, read_capture
 from fieldkit.capture.events import Stored
-from fieldkit.capture.line import Settings
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.errors import CaptureTrouble, PortTrouble
 from fieldkit.plugins import plugins
@@ -62,7 +62,7 @@ class Protocol:
     """
 
     title: str
-    settings: Settings
+    settings: PortSettings
     talk: Callable[[Link, Wishes, Captured], Talk[bool]]
     logs: Callable[[Captured], list[Log]] = as_it_came
     overhears: Callable[[bytes], bool] = unheard

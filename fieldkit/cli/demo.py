@@ -14,7 +14,7 @@ from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
     from fieldkit.services.demo import Demo
-    from studies.paper.report import Report
+    from studies.paper.report import PaperReport
 
 app = typer.Typer()
 
@@ -122,7 +122,7 @@ def _loop(found: "Demo") -> None:
     say()
 
 
-def _paper(tell: Tell) -> "Report | None":
+def _paper(tell: Tell) -> "PaperReport | None":
     """The reference paper put to the test, where the studies are here."""
     if not studies_are_here():
         return None
@@ -132,7 +132,7 @@ def _paper(tell: Tell) -> "Report | None":
     return report()
 
 
-def _profile(paper: "Report | None") -> None:
+def _profile(paper: "PaperReport | None") -> None:
     say("5. What the thrust profile costs that the reference paper published")
     say()
     if paper is None:

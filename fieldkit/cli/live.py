@@ -60,15 +60,15 @@ class View:
         from fieldkit import capture
 
         match event:
-            case capture.Opened(port, device, file):
+            case capture.PortOpened(port, device, file):
                 self.device, self.port = device, port
                 self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
             case capture.Recognised(device):
                 self.device = device
                 self._say(f"this is {capture.known_devices()[device].title}")
-            case capture.Told(text):
+            case capture.Instruction(text):
                 self._say(text)
-            case capture.Listed(flights, chosen):
+            case capture.FlightsListed(flights, chosen):
                 self._say(f"{len(flights)} in memory, reading {len(chosen)}")
             case capture.Lost(_, why):
                 self._say(f"{why}; all that came is kept, waiting for it to come back")

@@ -19,7 +19,7 @@ _ROCKSIM_PLUGGED = 1000.0
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class FileLine:
     """A line of a file: where a draft's values were found."""
 
     source: str
@@ -48,10 +48,10 @@ class Place:
 
 
 @dataclass(slots=True)
-class Draft:
+class MotorDraft:
     """The header of a motor in SI units, and the samples read so far; each knows its place in the file."""
 
-    place: Place
+    place: FileLine
     maker: str
     designation: str
     kind: str
@@ -60,9 +60,9 @@ class Draft:
     delays: tuple[float, ...]
     propellant_mass: float
     loaded_mass: float
-    samples: list[tuple[Place, float, float]] = field(default_factory=list)
+    samples: list[tuple[FileLine, float, float]] = field(default_factory=list)
 
-    def add(self, place: Place, time: float, thrust: float) -> None:
+    def add(self, place: FileLine, time: float, thrust: float) -> None:
         """One sample [s, N]. Raises DamagedLog for a step back in time or a negative value."""
         if self.samples and time < self.samples[-1][1]:
             raise place.damaged(f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase")
@@ -118,7 +118,7 @@ class Draft:
             )
 
 
-def delays(text: str, place: Place) -> tuple[float, ...]:
+def delays(text: str, place: FileLine) -> tuple[float, ...]:
     """Delays as files write them: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L say nothing. [s]"""
     found = []
     for word in re.split(r"[-,;/\s]+", text.strip().upper()):
@@ -132,7 +132,7 @@ def delays(text: str, place: Place) -> tuple[float, ...]:
     return tuple(found)
 
 
-def add_draft(drafts: list[Draft], draft: Draft) -> None:
+def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
     """Put a motor to those of a file. Raises DamagedLog where there are too many."""
     if len(drafts) >= MAX_MOTORS:
         raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, expected at most that in a file")

@@ -27,7 +27,7 @@ MOST_MOTORS = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Motor:
+class DesignMotor:
     """A motor of one of a design's configurations, as the file names it; `count` of them in its mount."""
 
     configuration: str
@@ -51,7 +51,7 @@ class Design:
     length: float | None
     cd: float | None
     cd_by: str
-    motors: tuple[Motor, ...]
+    motors: tuple[DesignMotor, ...]
     notes: tuple[str, ...]
     simulations: tuple[Simulation, ...] = ()
 
@@ -160,11 +160,11 @@ def _on(cd: float, reference: float, diameter: float) -> float:
     return cd * (reference / diameter) ** 2 if reference > 0 and diameter > 0 else cd
 
 
-def _motors(rocket: "Element") -> "list[Motor]":
+def _motors(rocket: "Element") -> "list[DesignMotor]":
     names = {one.get("configid", ""): one.findtext("name") or "" for one in rocket.iterfind("motorconfiguration")}
     held = ((one, count) for mount, count in _mounts(rocket, 1) for one in mount.iterfind("motormount/motor"))
     return [
-        Motor(
+        DesignMotor(
             shown(names.get(one.get("configid", ""), "")),
             shown(one.findtext("manufacturer")),
             shown(one.findtext("designation")),

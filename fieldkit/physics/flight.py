@@ -5,7 +5,7 @@ from itertools import pairwise
 
 import numpy as np
 
-from fieldkit.physics.burn import Track, burn
+from fieldkit.physics.burn import AscentState, burn
 from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast
 from fieldkit.physics.forces import planar
 from fieldkit.physics.state import Flown, Setup
@@ -52,14 +52,14 @@ def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
             yield order[first:last], flat.part(order[first:last])
 
 
-def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[Track, Apogee, Array]:
+def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apogee, Array]:
     """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
     track = burn(setup, highlights=highlights)
     fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
     return track, coast(setup, track, fires, timed=highlights), fires
 
 
-def _flown(setup: Setup, track: Track, top: Apogee, fires: Array) -> Flown:
+def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Flown:
     lifted = np.isfinite(track.time)
     start = np.where(lifted, track.time - track.flying, 0.0)
     early = np.isfinite(top.eject_height)

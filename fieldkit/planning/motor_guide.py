@@ -21,7 +21,7 @@ from fieldkit.planning.descent import fall_of
 from fieldkit.planning.forecasts import Rocket, flown_ahead, learnt_of
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
-from fieldkit.planning.safety import Line, safety_lines, thrust_to_weight
+from fieldkit.planning.safety import SafetyCheck, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DIAMETER_TOLERANCE = 0.0006
@@ -79,7 +79,7 @@ def _letter(motor: Motor) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class MotorChoice:
     """A motor with the delay that suits it best, the flight it would give and its safety lines.
 
     `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` tells
@@ -93,7 +93,7 @@ class Choice:
     flown: bool
     first_thrust: float
     average_thrust: float
-    lines: tuple[Line, ...]
+    lines: tuple[SafetyCheck, ...]
 
     @property
     def apogee(self) -> float:
@@ -106,7 +106,7 @@ class Choice:
         return self.prediction.plan
 
     @property
-    def failed(self) -> list[Line]:
+    def failed(self) -> list[SafetyCheck]:
         """The safety lines that are not well, and known."""
         return [line for line in self.lines if line.failed]
 
@@ -152,7 +152,7 @@ def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 
 def guide(
     rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
-) -> list[Choice]:
+) -> list[MotorChoice]:
     """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
 
     A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
@@ -169,7 +169,7 @@ def guide(
 
     known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
     return [
-        Choice(
+        MotorChoice(
             motor,
             delay,
             _ejections(motor, three(said.coast_time)[1] if (said.apogee > 0).mean() > 0.5 else math.nan),
@@ -212,6 +212,6 @@ def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
     return tuple((delay, delay - coast) for delay in sold if math.isfinite(coast))
 
 
-def by_closeness(found: Sequence[Choice], target: float | None) -> list[Choice]:
+def by_closeness(found: Sequence[MotorChoice], target: float | None) -> list[MotorChoice]:
     """Nearest to a target first [m]; without one, the highest first."""
     return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)

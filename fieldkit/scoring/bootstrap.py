@@ -78,7 +78,7 @@ def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], see
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class ScoreDifference:
     """The mean score of ours and of a rival on the same flights; `less` is by how much ours is smaller, with its 90 %
     bootstrap interval, flights resampled in pairs."""
 
@@ -102,14 +102,14 @@ class Difference:
         return figures | {"verdict": self.verdict}
 
 
-def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> Difference:
+def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> ScoreDifference:
     """The difference of two scores, smaller being better, each of the same flights."""
     if not len(ours):
         nan = float("nan")
-        return Difference(0, nan, nan, nan, (nan, nan))
+        return ScoreDifference(0, nan, nan, nan, (nan, nan))
     less = theirs - ours
     interval = ends_of(less[resampled(len(less))].mean(axis=1))
-    return Difference(len(less), float(ours.mean()), float(theirs.mean()), float(less.mean()), interval)
+    return ScoreDifference(len(less), float(ours.mean()), float(theirs.mean()), float(less.mean()), interval)
 
 
 def ends_of(values: Float[Array, "resample"]) -> Interval:

@@ -21,7 +21,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class FingerprintMark:
     """One readout: what the effect would do, and what was there, both in expected standard deviations.
 
     `sd` is of what was there. `fitted` is False for readouts that the fit does not use: those are compared
@@ -35,7 +35,7 @@ class Mark:
     fitted: bool
 
 
-def marks(diagnosis: Diagnosis, trial: Trial) -> list[Mark]:
+def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
     """The ten readouts under one effect at its fitted strength, signed as on flights that show more of it."""
     plain, seen = diagnosis.base.fit, diagnosis.data.seen
     readings = _with_and_without(trial)
@@ -97,13 +97,13 @@ def _along(
     return np.asarray(along / size * (np.sign(shift[teach, strongest].sum()) or 1.0))
 
 
-def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> Mark:
+def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> FingerprintMark:
     """Both along the flights that should show the effect; what is common to all is kept."""
     power = float((along[seen] ** 2).sum())
     if not power:
         nan = float("nan")
-        return Mark(name, nan, nan, nan, fitted)
-    return Mark(
+        return FingerprintMark(name, nan, nan, nan, fitted)
+    return FingerprintMark(
         name,
         float((expected[seen] * along[seen]).sum() / power),
         float((found[seen] * along[seen]).sum() / power),
@@ -114,7 +114,7 @@ def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *
 
 def _others(
     diagnosis: Diagnosis, readings: dict[str, Float[Array, "2 flight"]], along: Float[Array, "flight"]
-) -> dict[str, Mark]:
+) -> dict[str, FingerprintMark]:
     """The readouts that the fit leaves aside, beside flights with and without the effect."""
     plain = diagnosis.base.fit
     shown_plain = shown(plain.model, plain.moments()[0][None], {})
@@ -127,11 +127,11 @@ def _others(
     return rows
 
 
-def _other(name: str, miss: Any, shift: Any, along: Array, teach: Flags) -> Mark:
+def _other(name: str, miss: Any, shift: Any, along: Array, teach: Flags) -> FingerprintMark:
     seen = np.isfinite(miss) & np.isfinite(shift) & teach & (along != 0)
     if seen.sum() < 4:
         nan = float("nan")
-        return Mark(name, nan, nan, nan, fitted=False)
+        return FingerprintMark(name, nan, nan, nan, fitted=False)
     centred = np.where(seen, miss - np.mean(miss[seen]), 0.0)
     unit = max(float(np.std(centred[seen], ddof=1)), 1e-9)
     moved = np.where(seen, shift - np.mean(shift[seen]), 0.0)

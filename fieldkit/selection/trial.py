@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes
-from fieldkit.inference.laplace.leave_one_out import LeftOut, leave_one_out
+from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
@@ -22,7 +22,7 @@ class Trial:
 
     candidate: Candidate
     fit: Fit
-    left_out: LeftOut
+    left_out: LeaveOneOut
 
     @property
     def log_evidence(self) -> float:

@@ -8,11 +8,11 @@ from fieldkit.forecast.widen import widened_leftover
 from fieldkit.progress import Tell, untold
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.diagnose import Diagnosis
-from fieldkit.selection.fingerprint import Mark, marks
+from fieldkit.selection.fingerprint import FingerprintMark, marks
 from fieldkit.selection.force.log_evidence import Witness, testify
 from fieldkit.selection.forward_choice import Ahead, ahead
 from fieldkit.selection.next_experiment import Advice, Explanation, telling
-from fieldkit.selection.residual import Pattern, Spread, patterns, readout_patterns, spreads
+from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover
 
@@ -53,8 +53,8 @@ class Findings:
     ahead: Ahead
     patterns: tuple[Pattern, ...]
     readout_patterns: tuple[Pattern, ...]
-    spreads: tuple[Spread, ...]
-    fingerprints: tuple[tuple[Trial, tuple[Mark, ...]], ...]
+    spreads: tuple[ResidualDistribution, ...]
+    fingerprints: tuple[tuple[Trial, tuple[FingerprintMark, ...]], ...]
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
     testimony: Witness

@@ -101,7 +101,7 @@ def _options(afresh: bool, since: date | None) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
+class HeldOutRocket:
     """A rocket whose flights are to be forecast with a hyperprior that was learned without them."""
 
     flyers: tuple[Flyer, ...]
@@ -111,14 +111,14 @@ class LeftOut:
     afresh: bool
 
 
-def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = False) -> Iterator[LeftOut]:
+def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = False) -> Iterator[HeldOutRocket]:
     """Every rocket of every flyer, to be left out in turn."""
     for number, flyer in enumerate(flyers):
         for rocket in flyer.rockets:
-            yield LeftOut(tuple(flyers), number, rocket, hyperprior, afresh)
+            yield HeldOutRocket(tuple(flyers), number, rocket, hyperprior, afresh)
 
 
-def forecasts_of(work: LeftOut) -> "list[Forecast]":
+def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
     """Forecasts, forward in time, of a rocket's flights by a hyperprior that never saw any of them."""
     from fieldkit.forecast.evaluation.forward_in_time import forward
     from fieldkit.inference.laplace.learning import learn_hyperprior

@@ -22,11 +22,11 @@ from fieldkit.capture import (
     Back,
     Ended,
     Event,
-    Opened,
+    Instruction,
     Port,
+    PortOpened,
     Progress,
     Sample,
-    Told,
     Wishes,
     capture,
     captures,
@@ -72,7 +72,7 @@ def test_checksums_are_those_of_the_makers() -> None:
 def followed(events: Iterable[Event], wire: Wire) -> Ended:
     """How a capture ended; a unit that talks by itself begins when its port is open."""
     for event in events:
-        if isinstance(event, Opened):
+        if isinstance(event, PortOpened):
             wire.opened.set()
     assert isinstance(event, Ended)
     return event
@@ -420,7 +420,7 @@ def test_a_port_in_use_is_said(tmp_path: Path) -> None:
     device: Device = quiet
     with played(device) as wire:
         first = capture(Port(wire.name), "eggtimer", folder=tmp_path, wishes=Wishes(wait=5))
-        assert isinstance(next(first), Opened)
+        assert isinstance(next(first), PortOpened)
         with pytest.raises(PortTrouble, match="another program"):
             next(capture(Port(wire.name), "eggtimer", folder=tmp_path))
         first.close()  # type: ignore[attr-defined]
@@ -435,12 +435,12 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("TERM", "xterm")
     with View() as view:
-        view.show(Opened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
+        view.show(PortOpened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
         for height, speed in ((100.0, 80.0), (250.0, 20.0), (240.0, -9.0)):
             view.show(Progress(1000, 10, 2, 0.5, Sample(height, 1.0, speed, "coast")))
         view.heard -= 60
         view.show(Progress(1234, 10, 2, 0.5, view.last))
-        view.show(Told("\x1b[31mred [bold]"))
+        view.show(Instruction("\x1b[31mred [bold]"))
     shown = screen.getvalue()
     assert "every byte goes to" in shown
     assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown

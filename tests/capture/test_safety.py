@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 from fieldkit.capture import Port, Wishes, known_devices
 from fieldkit.capture.captured import Captured
 from fieldkit.capture.commands import ALLOWED_COMMANDS, ForbiddenCommand, allowed
-from fieldkit.capture.line import Line
+from fieldkit.capture.line import SerialLine
 from fieldkit.capture.link import Link, Stopped
 from fieldkit.capture.tape import Tape, begin
 from fieldkit.errors import FieldkitError
@@ -90,7 +90,7 @@ def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str
     for command in FORBIDDEN:
         ear = Ear(silent)
         with pytest.raises(ForbiddenCommand):
-            Line("port", protocol, tape, ear).send(command)
+            SerialLine("port", protocol, tape, ear).send(command)
         assert not ear.written
 
 
@@ -102,7 +102,7 @@ def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str
 def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, protocol: str, command: bytes) -> None:
     ear = Ear(silent)
     try:
-        Line("port", protocol, tape, ear).send(command)
+        SerialLine("port", protocol, tape, ear).send(command)
     except ForbiddenCommand:
         assert not ear.written
     else:
@@ -284,7 +284,7 @@ def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str
 
         ear = Ear(reply)
         patience = count()
-        link = Link(Line("port", name, tape, ear), lambda patience=patience: next(patience) > 5000)
+        link = Link(SerialLine("port", name, tape, ear), lambda patience=patience: next(patience) > 5000)
         wishes = Wishes(
             lambda flights: [-3, 2**40, *(f.number for f in flights)], seed % 3 == 0, 434.55e6, wait=5, silence=5
         )

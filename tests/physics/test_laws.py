@@ -27,7 +27,7 @@ from fieldkit.physics.atmosphere import (
     pad_air,
     station_pressure,
 )
-from fieldkit.physics.burn import Track, burn
+from fieldkit.physics.burn import AscentState, burn
 from fieldkit.physics.flight import apogees, fly
 from fieldkit.physics.state import Flown, Setup, State
 from fieldkit.physics.thrust_steps import Curve
@@ -189,7 +189,7 @@ def test_a_longer_rail_is_left_faster_and_changes_nothing_else() -> None:
 # Energy
 
 
-def points(setup: Setup, track: Track) -> Iterator[Any]:
+def points(setup: Setup, track: AscentState) -> Iterator[Any]:
     closed = len(track.position) == 1 and not setup.forces
     return coasting._layers(setup, track, timed=True) if closed else coasting._steps(setup, track)
 

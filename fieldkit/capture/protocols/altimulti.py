@@ -9,8 +9,8 @@ import time
 from dataclasses import dataclass
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Listed, Sample, Stored, Told
-from fieldkit.capture.line import Settings
+from fieldkit.capture.events import FlightsListed, Instruction, Sample, Stored
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import NOISE, Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.capture.sentences import Sentence, sentence, sentences
@@ -34,7 +34,7 @@ def overhears(heard: bytes) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class AnswerFrame:
     """An answer to one command, from its `$start;` on."""
 
     content: bytes
@@ -47,9 +47,9 @@ class Frame:
         return self.ended and not self.bad
 
 
-def frames(captured: Captured) -> dict[int, Frame]:
+def frames(captured: Captured) -> dict[int, AnswerFrame]:
     """The best answer there is for each flight that was asked for."""
-    best: dict[int, Frame] = {}
+    best: dict[int, AnswerFrame] = {}
     for answer in captured.answers():
         asked = re.fullmatch(rb"r(\d+);", answer.command)
         if asked:
@@ -59,17 +59,17 @@ def frames(captured: Captured) -> dict[int, Frame]:
     return best
 
 
-def _worth(frame: Frame) -> tuple[bool, int, bool]:
+def _worth(frame: AnswerFrame) -> tuple[bool, int, bool]:
     return frame.whole, frame.good, frame.ended
 
 
-def _frame(content: bytes) -> Frame:
+def _frame(content: bytes) -> AnswerFrame:
     start = max(content.find(b"$start;"), 0)
     end = content.find(b"$end;", start)
     content = content[start : end + len(b"$end;") if end >= 0 else None]
     data = [one for one in sentences(content) if one.fields and one.name != "telemetry"]
     good = sum(one.sound and one.name == "data" for one in data)
-    return Frame(content, good, len(data) - good, end >= 0)
+    return AnswerFrame(content, good, len(data) - good, end >= 0)
 
 
 def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
@@ -133,7 +133,7 @@ def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     flights = [Stored(number, f"flight {number}") for number in range(min(count, MAX_FLIGHTS))]
     wanted = set(wishes.choose(flights)) if flights else set()
     chosen = [flight.number for flight in flights if flight.number in wanted]
-    yield Listed(tuple(flights), tuple(chosen))
+    yield FlightsListed(tuple(flights), tuple(chosen))
     have = {number for number, frame in frames(captured).items() if frame.whole}
     link.send(b"f;")
     try:
@@ -177,7 +177,7 @@ def _flight(link: Link, number: int) -> Talk[bool]:
             return True
         fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
         again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
-        yield Told(f"flight {number}: {fault}{again}")
+        yield Instruction(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False
 
@@ -226,4 +226,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join([*head, *flown]) + b"\n")]
 
 
-PROTOCOL = Protocol("bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", Settings(38_400), talk, logs, overhears)
+PROTOCOL = Protocol("bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", PortSettings(38_400), talk, logs, overhears)

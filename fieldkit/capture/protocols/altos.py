@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 from fieldkit.capture.altus import ANSWER, silence_echo, version
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Listed, Stored, Told
-from fieldkit.capture.line import Settings
+from fieldkit.capture.events import FlightsListed, Instruction, Stored
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
@@ -55,7 +55,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     ]
     wanted = set(wishes.choose(listed)) if listed else set()
     chosen = [one for one in flights if one.number in wanted]
-    yield Listed(tuple(listed), tuple(one.number for one in chosen))
+    yield FlightsListed(tuple(listed), tuple(one.number for one in chosen))
     have = {number: block for number, block in blocks(captured).items() if not block.missing}
     return (yield from _downloaded(link, chosen, have))
 
@@ -137,7 +137,7 @@ def _block(link: Link, number: int) -> Talk[Block]:
             return block
         link.damaged += 1
         again = "; reading it again" if attempt < TRIES else "; they stay empty"
-        yield Told(f"block {number:x}: {block.missing} lines did not arrive whole{again}")
+        yield Instruction(f"block {number:x}: {block.missing} lines did not arrive whole{again}")
         yield from link.drain(0.3)
     return block
 
@@ -215,4 +215,6 @@ _SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-
 _RENAMED_KEYS = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
-PROTOCOL = Protocol("Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", Settings(9600), talk, logs)
+PROTOCOL = Protocol(
+    "Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", PortSettings(9600), talk, logs
+)

@@ -9,8 +9,8 @@ import re
 import time
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Told
-from fieldkit.capture.line import Settings
+from fieldkit.capture.events import Instruction
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
@@ -50,7 +50,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
             link.line.tape.note(done=kind)
             came = came or frames > 0
             if not frames:
-                yield Told(f"the unit sent no {'low' if kind == 'LOW' else 'high'}-rate data")
+                yield Instruction(f"the unit sent no {'low' if kind == 'LOW' else 'high'}-rate data")
     link.share = 1.0
     if not came:
         raise PortTrouble(f"{link.line.name}: no frame in answer to download l and download h from a Blue Raven")
@@ -92,4 +92,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content)] if b"@ " in content else []
 
 
-PROTOCOL = Protocol("Featherweight Blue Raven (USB)", Settings(115_200), talk, logs, overhears)
+PROTOCOL = Protocol("Featherweight Blue Raven (USB)", PortSettings(115_200), talk, logs, overhears)

@@ -7,7 +7,7 @@ Sources: Serial_Connection.md (broofa/eggtimer_for_mac), Eggtimer manual release
 import re
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.line import Settings
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 
@@ -43,7 +43,7 @@ def logs(captured: Captured) -> list[Log]:
 
 PROTOCOL = Protocol(
     "Eggtimer Classic, TRS (text, as printed)",
-    Settings(9600),
+    PortSettings(9600),
     talk,
     logs,
     overhears,

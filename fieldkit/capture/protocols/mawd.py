@@ -9,8 +9,8 @@ import re
 import time
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Told
-from fieldkit.capture.line import Settings
+from fieldkit.capture.events import Instruction
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import NOISE, Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.errors import PortTrouble
@@ -34,7 +34,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     link.about["firmware"] = " ".join(firmware)
     count = yield from _count(link)
     if not count:
-        yield Told("the unit holds no flight")
+        yield Instruction("the unit holds no flight")
         return True
     return (yield from _flight(link, count))
 
@@ -87,7 +87,7 @@ def _flight(link: Link, count: int) -> Talk[bool]:
         if good == count:
             return True
         again = "; reading it again" if attempt < TRIES else ""
-        yield Told(f"{good} of {count} samples arrived{again}")
+        yield Instruction(f"{good} of {count} samples arrived{again}")
     return False
 
 
@@ -101,4 +101,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content or captured.raw)] if captured.raw else []
 
 
-PROTOCOL = Protocol("PerfectFlite MAWD", Settings(38_400, xonxoff=True), talk, logs)
+PROTOCOL = Protocol("PerfectFlite MAWD", PortSettings(38_400, xonxoff=True), talk, logs)

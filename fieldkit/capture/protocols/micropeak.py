@@ -9,8 +9,8 @@ import time
 from dataclasses import dataclass, field
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Told
-from fieldkit.capture.line import Settings
+from fieldkit.capture.events import Instruction
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.importing.tables.checksums import crc_x25
@@ -132,11 +132,11 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
                 link.about["model"] = MODELS.get(record.model, "MicroPeak")
                 link.samples, link.share = base + record.count, 1.0
                 if not record.count:
-                    yield Told("the unit holds no flight")
+                    yield Instruction("the unit holds no flight")
                 yield from link.drain(TAIL)
                 return True
             link.damaged += 1
-            yield Told("the record is damaged; switch the unit on again, it sends once each time")
+            yield Instruction("the record is damaged; switch the unit on again, it sends once each time")
         if stream.start >= 0 and len(stream.digits) > before:
             useful = time.monotonic()
             link.samples = base + max(0, len(stream.digits) - 20) // 4
@@ -144,7 +144,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
         elif stream.start >= 0 and time.monotonic() - useful > PAUSE:
             stream = Stream()
             link.damaged += 1
-            yield Told("the record stopped in the middle; switch the unit on again, it sends once each time")
+            yield Instruction("the record stopped in the middle; switch the unit on again, it sends once each time")
     return False
 
 
@@ -174,7 +174,7 @@ def _end(raw: bytes, record: Record) -> int:
 
 PROTOCOL = Protocol(
     "Altus Metrum MicroPeak, MicroKite, MicroPeak 2",
-    Settings(9600),
+    PortSettings(9600),
     talk,
     logs,
     overhears,

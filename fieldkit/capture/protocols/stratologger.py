@@ -9,7 +9,7 @@ import re
 
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Sample
-from fieldkit.capture.line import Settings
+from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Link, Talk
 from fieldkit.capture.protocol import Protocol, Wishes
 from fieldkit.units import FOOT
@@ -58,7 +58,7 @@ def logs(captured: Captured) -> list[Log]:
 
 PROTOCOL = Protocol(
     "PerfectFlite StratoLogger live telemetry (its memory is read by the vendor's program only)",
-    Settings(9600),
+    PortSettings(9600),
     talk,
     logs,
     overhears,

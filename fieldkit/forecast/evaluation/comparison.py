@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.evaluation.rivals import BAR, LABELS
 from fieldkit.forecast.prediction import LEVELS, quantiles
-from fieldkit.scoring.bootstrap import Difference, paired
+from fieldkit.scoring.bootstrap import ScoreDifference, paired
 from fieldkit.scoring.proper_scores import Calibration, calibration, crps, interval_score, pit
 from fieldkit.shapes import Array, Flags, Float
 
@@ -59,9 +59,9 @@ class Against:
     """
 
     rival: str
-    error: Difference
-    crps: Difference
-    interval_score: Difference
+    error: ScoreDifference
+    crps: ScoreDifference
+    interval_score: ScoreDifference
 
     @property
     def flights(self) -> int:
@@ -90,7 +90,7 @@ class Against:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class ScoreReport:
     """How good a set of forecasts was: every way by itself, against each rival, by rocket against the bar, and its
     calibration. `crps` is in metres."""
 
@@ -120,11 +120,11 @@ class Report:
         }
 
 
-def judged_report(rows: Sequence[Forecast]) -> Report:
+def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
     """Everything that is reported of forecasts that were flown."""
     rockets = dict.fromkeys(row.rocket for row in rows)
     own = {rocket: against([row for row in rows if row.rocket == rocket], BAR) for rocket in rockets}
-    return Report(
+    return ScoreReport(
         tuple(rows),
         tuple(one for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights),
         tuple(pair for name in LABELS if (pair := against(rows, name)).flights),

@@ -12,7 +12,7 @@ from fieldkit.importing.tables.column_choice import REQUIRED_CHANNELS, Pick, to_
 from fieldkit.importing.tables.headings import QUANTITIES, plain, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
-    Settled,
+    InferredUnit,
     height_unit_by_pressure,
     rest,
     settle_felt,
@@ -90,7 +90,7 @@ def _settled(
     values: Mapping[str, Float[Array, "row"]],
     known: Mapping[str, str],
     units: Mapping[str, tuple[Unit, str, str]],
-) -> dict[str, Settled]:
+) -> dict[str, InferredUnit]:
     """Units that physics settles."""
     if "time" in units:
         values = {**values, "time": to_si(units["time"][0], values["time"])}

@@ -14,7 +14,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.cell import MAX_CELL_VALUE, Channel, converter, gaps, number_in
 from fieldkit.importing.tables.damage import MOST_TOLD
-from fieldkit.importing.tables.table import Table
+from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import ENDLESS_LINE_MARK, shown
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -216,7 +216,7 @@ class Rows:
             self.columns[i] = [self._joined(column)[kept]]
         self.kept = int(kept.sum())
 
-    def table(self, *, cut: bool) -> Table:
+    def table(self, *, cut: bool) -> LogTable:
         """What was kept. Raises DamagedLog if that is nothing."""
         if not self.kept:
             raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
@@ -229,7 +229,7 @@ class Rows:
         known = zip(self.words, map(list, self.vocabulary), said, strict=True)
         words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
         found = tuple(self._found(cut, short))
-        return Table(values, rows.astype(np.int64), words, tuple(self.remarks), found)
+        return LogTable(values, rows.astype(np.int64), words, tuple(self.remarks), found)
 
     @staticmethod
     def _joined(column: list[np.ndarray[Any, Any]]) -> np.ndarray[Any, Any]:

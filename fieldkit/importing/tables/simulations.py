@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.shapes import Array, Float
@@ -102,7 +102,7 @@ def read_simulation(
     separator: str | None = ",",
     comment: str = "",
     seconds: bool = False,
-) -> tuple[Table, list[Found]]:
+) -> tuple[LogTable, list[Found]]:
     """The rows of an export and what they tell: a simulation for each time that the clock starts.
 
     `seconds` says that the program's clock has no unit in its header and counts seconds. Raises DamagedLog for
@@ -142,7 +142,7 @@ def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
     return list(channels.values())
 
 
-def _vertical(table: Table) -> Table:
+def _vertical(table: LogTable) -> LogTable:
     """The table without a speed that is not the vertical one.
 
     Raises DamagedLog if the climb is not what the speed makes it: then a unit is not what the header says.

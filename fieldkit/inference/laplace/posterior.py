@@ -58,7 +58,7 @@ def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight re
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class FlightEvidence:
     """What each flight's readouts have to say, near a point.
 
     `slope` and `miss` are zero in what cannot be compared; `miss` is from what the prior means of the terms expect.
@@ -85,7 +85,7 @@ class Fit:
     model: Model
     data: Data
     tangent: Tangent
-    told: Told
+    told: FlightEvidence
     mean: Float[Array, "scale term"]
     precision: Float[Array, "scale term term"]
     covariance: Float[Array, "scale term term"]
@@ -122,7 +122,7 @@ def _concluded(
     model: Model,
     data: Data,
     near: Tangent,
-    told: Told,
+    told: FlightEvidence,
     information: Float[Array, "scale term term"],
     gain: Float[Array, "scale term"],
     misfit: Float[Array, "scale"],
@@ -142,13 +142,13 @@ def _concluded(
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
 
 
-def _told(model: Model, data: Data, near: Tangent) -> Told:
+def _told(model: Model, data: Data, near: Tangent) -> FlightEvidence:
     prior_mean = np.array([term.mean for term in model.terms])
     usable = data.seen & np.isfinite(near.values)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     noise = _noise(model, data, near, usable)
-    return Told(slope, miss, noise, *inverses(noise))
+    return FlightEvidence(slope, miss, noise, *inverses(noise))
 
 
 def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Array, "scale flight readout readout"]:
@@ -208,7 +208,7 @@ def _upto(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale one_m
     return np.concatenate([np.zeros_like(each[:, :1]), np.cumsum(each, axis=1)], axis=1)
 
 
-def _last_unseen(told: Told, flight: int) -> Told:
+def _last_unseen(told: FlightEvidence, flight: int) -> FlightEvidence:
     """What the flights up to one have to say, before it is seen."""
     upto = slice(flight + 1)
     slope, miss = told.slope[upto].copy(), told.miss[upto].copy()
@@ -217,4 +217,4 @@ def _last_unseen(told: Told, flight: int) -> Told:
     every = np.eye(noise.shape[-1])
     noise[:, -1], sharpness[:, -1] = every * UNOBSERVED_SD**2, every / UNOBSERVED_SD**2
     log_det[:, -1] = len(every) * 2 * log(UNOBSERVED_SD)
-    return Told(slope, miss, noise, sharpness, log_det)
+    return FlightEvidence(slope, miss, noise, sharpness, log_det)

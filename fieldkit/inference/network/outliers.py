@@ -22,7 +22,7 @@ FALSE_ALARMS = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Foretold:
+class PredictedReadouts:
     """Each readout as the others foretell it, on the scale of `shown`; nan where there is no readout."""
 
     shown: Float[Array, "flight seen"]
@@ -35,14 +35,16 @@ class Foretold:
         return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
 
 
-def foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
+def foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     """Each readout from the others, in one run of the graph for a block of flights."""
     blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
     parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
-    return Foretold(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd")))
+    return PredictedReadouts(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd"))
+    )
 
 
-def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
+def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     flights, seen = len(observed), len(INDEPENDENT_READOUTS)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
     for number, name in enumerate(INDEPENDENT_READOUTS):
@@ -54,7 +56,7 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
     own = np.arange(seen)
     mean, sharp = parts[own, :, :, WIDTH + own], parts[own, :, :, WIDTH + seen + own]
     variance = np.exp(-2 * np.clip(sharp, *GUARD_SHARPEST)).mean(axis=-1) + mean.var(axis=-1)
-    return Foretold(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
+    return PredictedReadouts(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
 
 
 def told_by(name: str) -> tuple[str, ...]:

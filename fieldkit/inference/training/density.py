@@ -87,7 +87,7 @@ class Batch:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class TrainingPlan:
     """How long and how fast: passes over fresh observations of the same flights, batch, peak rate."""
 
     epochs: int
@@ -95,7 +95,9 @@ class Plan:
     rate: float = 3e-3
 
 
-def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = None) -> tuple[Members, Scale, Scale]:
+def fit(
+    observe: Callable[[], Batch], plan: TrainingPlan, progress: Progress | None = None
+) -> tuple[Members, Scale, Scale]:
     """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
     `observe()` gives the same flights as observed afresh. Each member sees them in another order.

@@ -13,7 +13,7 @@ from fieldkit.inference.network import outliers
 from fieldkit.inference.network.ensemble import from_parts
 from fieldkit.inference.network.field_ensemble import INTERVALS, intervals
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, logits
-from fieldkit.inference.training.density import HIDDEN_UNITS, LAYERS, MEMBERS, Batch, Plan, fit
+from fieldkit.inference.training.density import HIDDEN_UNITS, LAYERS, MEMBERS, Batch, TrainingPlan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.training.parts import drop_parts, simulate_parts
@@ -30,7 +30,7 @@ from fieldkit.motors import Motor
 from fieldkit.parallel import workers
 from fieldkit.shapes import Array, Float
 
-PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=20)}
+PLANS = {"quick": TrainingPlan(epochs=2), "published": TrainingPlan(epochs=20)}
 """A first look, and what is shipped."""
 EVALUATION_FLIGHTS = 20_000
 """Fresh flights the ensemble is judged on, and as many of the maker held out."""
@@ -129,7 +129,9 @@ def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 
 
-def _card(seed: int, n_train: int, schedule: str, plan: Plan, effects: Sequence[str], apart: bool) -> dict[str, Any]:
+def _card(
+    seed: int, n_train: int, schedule: str, plan: TrainingPlan, effects: Sequence[str], apart: bool
+) -> dict[str, Any]:
     """What is known before training."""
     named = (f" --effects {','.join(effects)}" if effects else "") + (" --cluster local" if apart else "")
     options = f"--schedule {schedule} --seed {seed} --n-train {n_train}{named}"

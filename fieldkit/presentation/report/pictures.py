@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fieldkit.presentation.report.card import Card, Foretold
+from fieldkit.presentation.report.card import Card, CardForecast
 from fieldkit.presentation.report.style import (
     AFTER_COLOR,
     BEFORE_COLOR,
@@ -56,7 +56,7 @@ def _metres(height: Any) -> Any:
     return np.asarray(height) * FOOT
 
 
-def _hill(panel: "Axes", foretold: Foretold) -> None:
+def _hill(panel: "Axes", foretold: CardForecast) -> None:
     """The density of the draws, by a normal kernel in the logarithm; hatched between 5 and 95 %."""
     draws = foretold.draws[foretold.draws > 0]
     if len(draws) < 3 or np.ptp(draws) == 0:

@@ -8,7 +8,7 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.files import write
-from fieldkit.forecast.evaluation.comparison import Report
+from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.presentation.report.style import AFTER_COLOR, BEFORE_COLOR, FAINT_COLOR, INK_COLOR, drawn, styled
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
@@ -28,7 +28,7 @@ def check_picture(path: Path) -> None:
         raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_picture(reports: Mapping[str, Report | None], path: Path, *, force: bool = False) -> None:
+def write_picture(reports: Mapping[str, ScoreReport | None], path: Path, *, force: bool = False) -> None:
     """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
 
     Raises FieldkitError, where the file is there already too, unless with `force`.
@@ -46,7 +46,7 @@ def write_picture(reports: Mapping[str, Report | None], path: Path, *, force: bo
         write(path, drawn(figure, path.suffix.lower()[1:]), force=force)
 
 
-def draw(figure: "Figure | SubFigure", report: Report) -> None:
+def draw(figure: "Figure | SubFigure", report: ScoreReport) -> None:
     """The three pictures of one report."""
     place, held, rivals = figure.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _pits(place, report)
@@ -54,7 +54,7 @@ def draw(figure: "Figure | SubFigure", report: Report) -> None:
     _rivals(rivals, report)
 
 
-def _pits(panel: "Axes", report: Report) -> None:
+def _pits(panel: "Axes", report: ScoreReport) -> None:
     found = report.calibration
     even = sum(found.counts) / BINS
     panel.axhspan(*found.expected, color=FAINT_COLOR, alpha=0.18, linewidth=0, label="by chance")
@@ -68,7 +68,7 @@ def _pits(panel: "Axes", report: Report) -> None:
     panel.legend(loc="upper right", fontsize=7)
 
 
-def _reliability(panel: "Axes", report: Report) -> None:
+def _reliability(panel: "Axes", report: ScoreReport) -> None:
     pits = [pit(row.draws, row.flown) for row in report.rows]
     curve = calibration(pits, CURVE).intervals
     low, high = np.array([one.expected for one in curve]).T
@@ -82,7 +82,7 @@ def _reliability(panel: "Axes", report: Report) -> None:
     panel.set_ylim(0, 1.02)
 
 
-def _rivals(panel: "Axes", report: Report) -> None:
+def _rivals(panel: "Axes", report: ScoreReport) -> None:
     rows = range(len(report.against))
     for row, one in zip(rows, report.against, strict=True):
         low, high = (100 * end for end in one.error.interval)

@@ -9,7 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.motors.motor import Motor
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.setups import RAIL_LENGTH, recorded
-from fieldkit.selection.force.climb import Missing, Rocket, Track, track_of
+from fieldkit.selection.force.climb import ClimbTrack, Missing, RocketInputs, track_of
 from fieldkit.selection.force.one_flight import MIN_SPEED, Law, law, missing_force
 from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.terms import library
@@ -53,16 +53,16 @@ class FlightForce:
     points: tuple[Point, ...]
 
 
-def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> Rocket:
+def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
     """A flight as the model has it: motor as certified, mass as weighed, the air of the day; area in m^2."""
     conditions = ("site_elevation", "temperature", "pressure", "humidity")
     air = pad_air(*(np.asarray(recorded([flight], name)[0]) for name in conditions))
     assert flight.dry_mass is not None
     rail = RAIL_LENGTH if flight.rail_length is None else flight.rail_length
-    return Rocket(motor, flight.dry_mass, drag_area, air, rail)
+    return RocketInputs(motor, flight.dry_mass, drag_area, air, rail)
 
 
-def flight_force(flight_id: str, said: Recorded, rocket: Rocket) -> FlightForce | str:
+def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> FlightForce | str:
     """The missing force of one flight, or why its log does not show it."""
     if said.forces is None:
         return "; ".join(said.notes) or TOO_SHORT
@@ -83,7 +83,7 @@ def flight_force(flight_id: str, said: Recorded, rocket: Rocket) -> FlightForce 
     )
 
 
-def _told(forces: Forces) -> Track:
+def _told(forces: Forces) -> ClimbTrack:
     """The part of a climb that tells: all of it as an accelerometer felt it, the coast alone by smoothed heights."""
     track = track_of(forces)
     if forces.window is not None:

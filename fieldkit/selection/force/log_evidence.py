@@ -10,7 +10,7 @@ from fieldkit.analysis import Recorded
 from fieldkit.model.rocket_model import bent
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
-from fieldkit.selection.force.one_flight import Found
+from fieldkit.selection.force.one_flight import FoundTerm
 from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common, common_law
 from fieldkit.selection.force.terms import library
 
@@ -105,7 +105,7 @@ def _flight(one: FlightForce) -> dict[str, Any]:
     }
 
 
-def _term(one: Found | Common) -> dict[str, Any]:
+def _term(one: FoundTerm | Common) -> dict[str, Any]:
     return {
         "term": one.term.name,
         "effect": one.term.effect or None,

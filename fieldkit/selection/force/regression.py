@@ -12,7 +12,7 @@ from math import log
 import numpy as np
 
 from fieldkit.selection.force.climb import Missing
-from fieldkit.selection.force.terms import Term
+from fieldkit.selection.force.terms import ForceTerm
 from fieldkit.shapes import Array, Float
 
 CANDIDATE_COUNT_WEIGHT = 1.0
@@ -28,7 +28,7 @@ CRITERION_TIE = 4.0
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
+class ChosenTerm:
     """A term's name, what it takes off the criterion, and the terms that would have done nearly as well."""
 
     name: str
@@ -107,7 +107,7 @@ class FreeDrag:
         return np.array([factor if name in self.shares else 1.0 for name in names])
 
 
-def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = ()) -> Regression:
+def regression(missing: Missing, terms: Sequence[ForceTerm], free: Collection[str] = ()) -> Regression:
     """The regression of a missing force on those terms that act somewhere along its climb.
 
     Terms named in `free` are taken out beforehand rather than put to the test.
@@ -132,9 +132,9 @@ def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = 
     return Regression(wanted, columns, _worth(wanted, list(columns.values())), len(given), drag)
 
 
-def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[Chosen, ...]:
+def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[ChosenTerm, ...]:
     """Terms added one by one while the best of the others gains anything beside those chosen before."""
-    chosen: list[Chosen] = []
+    chosen: list[ChosenTerm] = []
     while len(chosen) < min(MAX_TERMS, len(candidates)):
         before = [one.name for one in chosen]
         gains = {name: gain(before, name) for name in candidates if name not in before}
@@ -143,7 +143,7 @@ def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]
             break
         least = max(gains[best] - CRITERION_TIE, 0.0)
         also = tuple(name for name in gains if name != best and gains[name] > least)
-        chosen.append(Chosen(best, gains[best], also))
+        chosen.append(ChosenTerm(best, gains[best], also))
     return tuple(chosen)
 
 

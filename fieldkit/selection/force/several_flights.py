@@ -13,7 +13,7 @@ from functools import partial
 import numpy as np
 
 from fieldkit.selection.force.regression import Regression, forward, price
-from fieldkit.selection.force.terms import Term
+from fieldkit.selection.force.terms import ForceTerm
 from fieldkit.shapes import Array, Float
 
 MIN_CLIMBS = 2
@@ -30,7 +30,7 @@ class Common:
     those `seen` that could show it. `also` are terms that would have done nearly as well in its place.
     """
 
-    term: Term
+    term: ForceTerm
     value: float
     sd: float
     gain: float
@@ -67,7 +67,7 @@ class Mean:
         return bool(abs(self.value) > least)
 
 
-def common_law(climbs: Sequence[Regression], terms: Sequence[Term]) -> tuple[Common, ...]:
+def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tuple[Common, ...]:
     """The fewest terms that come back in the missing force of several climbs, the most telling first."""
     if len(climbs) < MIN_CLIMBS:
         return ()

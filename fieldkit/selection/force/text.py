@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from fieldkit.selection.force.log_evidence import Witness
-from fieldkit.selection.force.one_flight import Found
+from fieldkit.selection.force.one_flight import FoundTerm
 from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
 
 COMPARISON_TEXTS = {
@@ -37,7 +37,7 @@ def _law(said: Witness) -> str:
     return ", ".join(terms) or "nothing that comes back from flight to flight"
 
 
-def _term(one: Found | Common) -> str:
+def _term(one: FoundTerm | Common) -> str:
     also = f", or {', '.join(one.also)}," if one.also else ""
     return f"{one.term.name}{also} {one.value:.3g} +/- {one.sd:.2g} {one.term.unit}"
 

@@ -9,7 +9,7 @@ from fieldkit import files
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import FIELDS, READOUTS, Flight
-from fieldkit.importing import Choice, Mapped, Rejected
+from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import read, read_together
 from fieldkit.importing.to_flights import CheckMotor
@@ -36,7 +36,7 @@ def gather(
     *,
     format: str | None = None,
     defaults: Mapping[str, object] | None = None,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
 ) -> Gathered:
     """Read files for one import; `defaults` are fields for flights that leave them open.
 

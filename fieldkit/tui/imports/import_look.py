@@ -19,7 +19,7 @@ from fieldkit.tui.widgets.hanging import Hanging
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
-    from fieldkit.importing.reading import Choice
+    from fieldkit.importing.reading import ColumnChoice
     from fieldkit.services.imports import Receipt
     from fieldkit.tui.next.desk import Desk
 
@@ -50,7 +50,7 @@ class Look:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ReadOptions:
     """How files are read: the parser by name, None for the one that recognises it; what they leave open; what the
     columns of a table are, as typed (`altitude=Alt (ft)`)."""
 
@@ -70,7 +70,7 @@ class Reading:
 
         return read_changes(Flight(), self.given)
 
-    def named(self) -> "list[Choice]":
+    def named(self) -> "list[ColumnChoice]":
         """The columns as they are named here. Raises BadValue."""
         from fieldkit.importing.tables.mapping import read_choice
 
@@ -91,7 +91,7 @@ def listed(folder: Path) -> list[Path]:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
 
-def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
+def look_at(desk: "Desk", path: Path, reading: ReadOptions) -> Look:
     """What a file would bring; nothing is stored."""
     try:
         if path.suffix.lower() == SUFFIX:
@@ -115,7 +115,7 @@ def _by_key(options: re.Match[str]) -> str:
     return "m, then " + "; ".join(part for part in options.groups() if part)
 
 
-def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
+def store(desk: "Desk", path: Path, reading: ReadOptions) -> "Receipt":
     """Put what a file brings into the ledger, and remember how its columns were named."""
     from fieldkit.importing.tables.mapping import remember
 
@@ -126,7 +126,7 @@ def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
     return receipt
 
 
-def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
+def _bring_in(desk: "Desk", path: Path, reading: ReadOptions, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
     """What became of a file, and the flights in it."""
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.imports import gather, take_in

@@ -11,7 +11,7 @@ from fieldkit.tui.widgets import cards
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
     from fieldkit.planning.delay import Delays
-    from fieldkit.services.saved_forecasts import Kept
+    from fieldkit.services.saved_forecasts import SavedForecast
     from fieldkit.shapes import Array, Float
     from fieldkit.tui.next.answer import Answer
 
@@ -51,7 +51,7 @@ def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
     return replace(answer, title="Points of a flight, fewer are better; lines are 5 %, middle and 95 %", draw=draw)
 
 
-def of_kept(answer: "Answer", found: "Sequence[Kept]", system: str) -> "Answer":
+def of_kept(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":
     """The forecasts that were kept, the newest first, and what was flown."""
     from fieldkit.services.saved_forecasts import LISTED_STATES
 

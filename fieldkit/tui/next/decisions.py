@@ -13,7 +13,7 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
-    from fieldkit.forecast.evaluation.comparison import Report
+    from fieldkit.forecast.evaluation.comparison import ScoreReport
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Motor
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.contest_day import Day
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import Line
+    from fieldkit.planning.safety import SafetyCheck
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
@@ -138,7 +138,7 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, said: "Prediction", more: "Iterable[Line]" = ()) -> tuple[str, ...]:
+    def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
         from fieldkit.planning.descent import fall_of
         from fieldkit.planning.safety import safety_lines, told
@@ -148,7 +148,7 @@ class Decision:
         return (*conditions_in_words(said.plan, self.rocket.starts), "", *told([*lines, *more]))
 
 
-def _missed(found: "Report", system: str) -> Iterator[str]:
+def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
     """What each way of forecasting missed by, and the share of flights in the intervals, as a table."""
     yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
     for way in found.ways:

@@ -10,7 +10,7 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
-    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.motor_guide import MotorChoice
     from fieldkit.tui.next.next_plan import Plan
 
 AT_ONCE = 40
@@ -26,7 +26,7 @@ class MotorList:
 
     plan: "Plan | None" = None
     found: "Sequence[Motor]" = ()
-    known: "dict[Motor, Choice]" = field(default_factory=dict)
+    known: "dict[Motor, MotorChoice]" = field(default_factory=dict)
     fitting: bool = True
 
     def find(self, motors: "Catalogue", text: str) -> "list[Motor]":

@@ -22,7 +22,7 @@ from fieldkit.tui.widgets.table import Table
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.motors import Motor
-    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.motor_guide import MotorChoice
     from fieldkit.tui.next.forecast_card import ForecastCard
 
 WIDE_SCREEN = 150
@@ -177,14 +177,14 @@ class NextScreen(PageScreen):
         if plan is None or not waiting:
             return
 
-        def work() -> "list[Choice]":
+        def work() -> "list[MotorChoice]":
             from fieldkit.planning.motor_guide import guide
 
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
         self.ask(work, self._have, "forecast")
 
-    def _have(self, found: "Sequence[Choice]") -> None:
+    def _have(self, found: "Sequence[MotorChoice]") -> None:
         self._motors.known |= {one.motor: one for one in found}
         self._refill()
         self._forecast()

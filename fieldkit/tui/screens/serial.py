@@ -188,13 +188,13 @@ class CaptureScreen(PageScreen):
         match message.event:
             case None:
                 self._capturing = False
-            case capture.Opened(port, device, file):
+            case capture.PortOpened(port, device, file):
                 self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
             case capture.Recognised(device):
                 self._say(f"this is {capture.known_devices()[device].title}")
-            case capture.Told(text):
+            case capture.Instruction(text):
                 self._say(text)
-            case capture.Listed(flights, chosen):
+            case capture.FlightsListed(flights, chosen):
                 self._say(f"{len(flights)} flights in memory, reading {len(chosen)}")
             case capture.Lost(_, why):
                 self._say(f"! {why}; all that came is kept, waiting for it to come back")

@@ -16,7 +16,7 @@ from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.groups import Group, Place
+from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 
 if TYPE_CHECKING:
@@ -88,7 +88,7 @@ def of_build(group: Group, system: str) -> Facts:
     return Facts((cards.lines(" ".join(group.names), pairs), flown), title, draw)
 
 
-def of_site(place: Place, system: str) -> Facts:
+def of_site(place: LaunchSite, system: str) -> Facts:
     """A site: its air, what was flown there, and the limits that its safety lines ask for."""
     from fieldkit.planning.air import air_of
 

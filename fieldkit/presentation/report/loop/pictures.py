@@ -17,7 +17,7 @@ from fieldkit.presentation.report.style import (
     styled,
 )
 from fieldkit.scoring.score import Forecasts
-from fieldkit.selection.fingerprint import Mark
+from fieldkit.selection.fingerprint import FingerprintMark
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
 
@@ -117,7 +117,7 @@ def fingerprints(figure: "Figure | SubFigure", found: Findings) -> None:
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=2, fontsize=8)
 
 
-def _fingerprint(panel: "Axes", row: tuple[Mark, ...]) -> None:
+def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
     place = np.arange(len(row))
     expected, found, sd = (np.array([getattr(mark, name) for mark in row]) for name in ("expected", "found", "sd"))
     panel.axvline(0, color=INK_COLOR, linewidth=1)
