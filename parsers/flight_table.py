@@ -16,7 +16,7 @@ from dataclasses import dataclass
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
-from fieldkit.flight.readout import Beside, beside
+from fieldkit.flight.readout import ReadoutColumn, beside
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.safe_text import from_cell, printable
@@ -39,7 +39,7 @@ class ColumnRole:
     spelled: str
     field: str = ""
     unit: str = ""
-    beside: Beside | None = None
+    beside: ReadoutColumn | None = None
 
     @property
     def key(self) -> str:
@@ -121,7 +121,7 @@ def _heading(spelled: str, *, strict: bool) -> ColumnRole:
     return ColumnRole(spelled.strip())
 
 
-def _beside(plain: str, *, strict: bool) -> Beside | None:
+def _beside(plain: str, *, strict: bool) -> ReadoutColumn | None:
     """What stands beside a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
     try:
         return beside(plain)
@@ -210,7 +210,7 @@ def _reading(
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}
     extra: dict[str, str] = {}
-    known: dict[Beside, object] = {}
+    known: dict[ReadoutColumn, object] = {}
     for heading, cell in zip(headings, cells, strict=False):
         try:
             if heading.field:
@@ -232,7 +232,7 @@ def _reading(
     return Reading(stated, extra, columns, row)
 
 
-def _value_beside(cell: str, heading: ColumnRole, place: Beside, mark: str) -> object:
+def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
     """The value of a cell beside a readout: a standard deviation in SI, or a source. Raises BadValue. [SI]"""
     cell = cell.strip()
     if cell.lower() in NOT_RECORDED:

@@ -17,7 +17,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.widen import widened_leftover
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
 from fieldkit.scoring.bootstrap import LEVELS, resampled
 from fieldkit.selection.diagnose import Diagnosis, diagnose
@@ -48,7 +48,7 @@ class History:
     said: tuple[str, ...]
 
 
-def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell = untold) -> list[History]:
+def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: ReportProgress = no_op) -> list[History]:
     """Every rocket with flights enough, most flights first."""
     known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= MIN_CLEAN_FLIGHTS}
     found = []
@@ -65,7 +65,7 @@ def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
     return [row for row, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
 
 
-def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: Tell) -> History:
+def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: ReportProgress) -> History:
     clean = _clean(flown)
     rows = []
     for place, row in enumerate(clean[MIN_CLEAN_FLIGHTS:], start=MIN_CLEAN_FLIGHTS):

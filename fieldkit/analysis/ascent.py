@@ -79,7 +79,7 @@ def ascend(
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Begun:
+class _FitStart:
     """What a fit begins with: the samples that count, the coast that they suggest, and a first guess.
 
     `fused` where an accelerometer gave the guess.
@@ -103,12 +103,12 @@ def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
     return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
 
 
-def _begun(track: Heights, seen: Outline, grid: Grid, counts: Flags, push: Push | None, marks: Marks) -> _Begun:
+def _begun(track: Heights, seen: Outline, grid: Grid, counts: Flags, push: Push | None, marks: Marks) -> _FitStart:
     """The samples that count on a grid, and a first guess by them and by an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    return _Begun(samples_on(grid, time, height, track.noise), coast, guess, fused)
+    return _FitStart(samples_on(grid, time, height, track.noise), coast, guess, fused)
 
 
 def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
@@ -116,7 +116,7 @@ def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
     return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SPEED_OF_SOUND - 1) < _NEAR_SOUND)
 
 
-def _fitted(begun: _Begun, marks: Marks) -> Ascent:
+def _fitted(begun: _FitStart, marks: Marks) -> Ascent:
     """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted anew."""
     samples, grid = begun.samples, begun.samples.grid
     if begun.fused:
@@ -130,7 +130,7 @@ def _fitted(begun: _Begun, marks: Marks) -> Ascent:
     return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
 
 
-def _likeliest(begun: _Begun, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
+def _likeliest(begun: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
     """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
     about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)

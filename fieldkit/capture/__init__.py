@@ -18,11 +18,12 @@ from fieldkit.capture.events import (
     Stored,
 )
 from fieldkit.capture.port import Port, ports
-from fieldkit.capture.protocol import Protocol, Wishes, known_device, known_devices, logs_in
+from fieldkit.capture.protocol import CaptureOptions, Protocol, known_device, known_devices, logs_in
 from fieldkit.capture.session import capture, resume
 
 __all__ = [
     "Back",
+    "CaptureOptions",
     "Captured",
     "Ended",
     "Event",
@@ -37,7 +38,6 @@ __all__ = [
     "Recognised",
     "Sample",
     "Stored",
-    "Wishes",
     "capture",
     "captures",
     "is_capture",

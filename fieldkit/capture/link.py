@@ -21,7 +21,7 @@ PROGRESS_INTERVAL = 0.2
 """Time between two reports of progress. [s]"""
 
 T = TypeVar("T")
-Talk = Generator[Event, None, T]
+Dialogue = Generator[Event, None, T]
 """A conversation, or a part of one: events on the way, something at its end."""
 
 
@@ -69,7 +69,7 @@ class Link:
         """Where the capture is."""
         return Progress(self.heard, self.samples, self.damaged, self.share, self.sample)
 
-    def hear(self) -> Talk[bytes]:
+    def hear(self) -> Dialogue[bytes]:
         """What has arrived, perhaps nothing. Raises Stopped, PortLost."""
         if self.stop():
             raise Stopped("stopped")
@@ -97,7 +97,7 @@ class Link:
         self._pending.clear()
         self._searched = 0
 
-    def first_word(self, wait: float, asked: str) -> Talk[None]:
+    def first_word(self, wait: float, asked: str) -> Dialogue[None]:
         """Wait for anything at all. Raises PortTrouble after so long. [s]"""
         began = time.monotonic()
         while time.monotonic() - began < wait:
@@ -107,7 +107,7 @@ class Link:
                 return
         raise PortTrouble(f"{self.line.name}: heard nothing in {wait:.0f} s; {asked}")
 
-    def piece(self, mark: bytes, silence: float) -> Talk[bytes | None]:
+    def piece(self, mark: bytes, silence: float) -> Dialogue[bytes | None]:
         """The bytes up to the next mark, without it; None after silence, or four times that of noise. [s]"""
         began = quiet_since = time.monotonic()
         while True:
@@ -133,12 +133,12 @@ class Link:
             if mark not in self._pending and now - began >= NOISE * silence:
                 return None
 
-    def text_line(self, silence: float) -> Talk[str | None]:
+    def text_line(self, silence: float) -> Dialogue[str | None]:
         """The next line without its end, in which every byte is a character; None after silence. [s]"""
         found = yield from self.piece(b"\n", silence)
         return None if found is None else found.decode("latin-1").rstrip("\r")
 
-    def drain(self, silence: float, patience: float = NOISE) -> Talk[bytes]:
+    def drain(self, silence: float, patience: float = NOISE) -> Dialogue[bytes]:
         """The end of what arrives until there is silence, or `patience` times that of noise. [s]"""
         heard = bytearray()
         began = quiet_since = time.monotonic()

@@ -9,9 +9,9 @@ from pathlib import Path
 from fieldkit.capture.captured import read_capture
 from fieldkit.capture.events import Back, Ended, Event, Instruction, Lost, PortOpened, Recognised
 from fieldkit.capture.line import PortSettings, SerialLine, open_line
-from fieldkit.capture.link import Link, Stopped, Talk, never
+from fieldkit.capture.link import Dialogue, Link, Stopped, never
 from fieldkit.capture.port import Port, again, ports
-from fieldkit.capture.protocol import Wishes, known_device, known_devices
+from fieldkit.capture.protocol import CaptureOptions, known_device, known_devices
 from fieldkit.capture.tape import Tape, begin, go_on
 from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 
@@ -38,7 +38,7 @@ def capture(
     device: str | None = None,
     *,
     folder: Path,
-    wishes: Wishes = Wishes(),  # noqa: B008  # frozen
+    wishes: CaptureOptions = CaptureOptions(),  # noqa: B008  # frozen
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
@@ -64,7 +64,7 @@ def resume(
     port: Port | None = None,
     device: str | None = None,
     *,
-    wishes: Wishes = Wishes(),  # noqa: B008  # frozen
+    wishes: CaptureOptions = CaptureOptions(),  # noqa: B008  # frozen
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
@@ -102,13 +102,19 @@ def _name(device: str) -> str:
     return next(name for name, one in known_devices().items() if one is wanted)
 
 
-def _settings(name: str, wishes: Wishes) -> PortSettings:
+def _settings(name: str, wishes: CaptureOptions) -> PortSettings:
     settings = known_devices()[name].settings if name else PortSettings(RATES[0])
     return replace(settings, baud=wishes.baud) if wishes.baud else settings
 
 
 def _run(
-    tape: Tape, port: Port, name: str, settings: PortSettings, wishes: Wishes, stop: Callable[[], bool], look: Look
+    tape: Tape,
+    port: Port,
+    name: str,
+    settings: PortSettings,
+    wishes: CaptureOptions,
+    stop: Callable[[], bool],
+    look: Look,
 ) -> Iterator[Event]:
     line = open_line(port.name, name, settings, tape)
     link = Link(line, stop)
@@ -136,7 +142,7 @@ def _run(
     yield Ended(tape.file, link.line.protocol, tape.size, link.samples, link.damaged, why, whole, dict(link.about))
 
 
-def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: Wishes, look: Look) -> Talk[bool]:
+def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
     """Talk until a unit has told what it has, over cables that are pulled; whether it is whole.
 
     Raises PortLost where it stays away, or is lost again and again and says nothing between.
@@ -160,7 +166,7 @@ def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: Wishes, 
             yield Back(link.line.name)
 
 
-def _converse(link: Link, wishes: Wishes) -> Talk[bool]:
+def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
     """Talk to a known unit, with what the tape has of it."""
     one = known_devices()[link.line.protocol]
     if one.invites:
@@ -170,7 +176,7 @@ def _converse(link: Link, wishes: Wishes) -> Talk[bool]:
 
 def _reopened(
     link: Link, unit: Port, settings: PortSettings, patience: float, look: Look, lost: PortLost
-) -> Talk[SerialLine]:
+) -> Dialogue[SerialLine]:
     """The line of a unit that is there again. Raises the loss again when it stays away."""
     tape, name = link.line.tape, link.line.protocol
     gives_up = time.monotonic() + patience
@@ -180,7 +186,9 @@ def _reopened(
         found = again(unit, look())
         if found is not None:
             try:
-                line = open_line(found, name, _settings(name, Wishes(baud=settings.baud)) if name else settings, tape)
+                line = open_line(
+                    found, name, _settings(name, CaptureOptions(baud=settings.baud)) if name else settings, tape
+                )
             except PortTrouble:
                 pass  # it may take a moment until the system lets it be opened
             else:
@@ -191,7 +199,7 @@ def _reopened(
     raise lost
 
 
-def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
+def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
     """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
     yield Instruction("listening for a unit that talks by itself; one that has to be asked is named with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
@@ -231,7 +239,7 @@ def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
     link.push_back(heard)
 
 
-def _kept(link: Link, silence: float | None) -> Talk[None]:
+def _kept(link: Link, silence: float | None) -> Dialogue[None]:
     """Keep what comes without a look at it, until it stops."""
     with suppress(Stopped, PortLost):
         yield from link.drain(AFTER_A_FAULT if silence is None else silence, patience=float("inf"))

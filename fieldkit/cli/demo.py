@@ -9,7 +9,7 @@ import typer
 
 from fieldkit.cli.screen import print_table, progress, say, say_report, say_wrapped
 from fieldkit.cli.studies import HOW, studies_are_here
-from fieldkit.progress import Tell, part
+from fieldkit.progress import ReportProgress, part
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def _loop(found: "Demo") -> None:
     say()
 
 
-def _paper(tell: Tell) -> "PaperReport | None":
+def _paper(tell: ReportProgress) -> "PaperReport | None":
     """The reference paper put to the test, where the studies are here."""
     if not studies_are_here():
         return None

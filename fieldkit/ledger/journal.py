@@ -42,7 +42,7 @@ class Image:
         return Image(self.table, self.after, self.before)
 
 
-class Pen:
+class ChangeRecorder:
     """Changes rows and remembers how they were; `sign` enters it all in the journal."""
 
     def __init__(self, connection: Connection) -> None:

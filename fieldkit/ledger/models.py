@@ -9,7 +9,7 @@ from sqlalchemy import Connection, func, insert, select
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger.checksums import seal, sound_rows
-from fieldkit.ledger.journal import Pen, now
+from fieldkit.ledger.journal import ChangeRecorder, now
 from fieldkit.ledger.records import StoredPrediction, Version
 from fieldkit.ledger.tables import active_versions
 from fieldkit.ledger.tables import predictions as made
@@ -18,7 +18,7 @@ from fieldkit.ledger.tables import versions as kept
 FIELDS = tuple(field.name for field in fields(StoredPrediction))
 
 
-def keep_version(pen: Pen, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
+def keep_version(pen: ChangeRecorder, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
     """Keep a model of a rocket under its next number."""
     last = pen.connection.scalar(select(func.max(kept.c.number)).where(kept.c.rocket == rocket)) or 0
     at = now()
@@ -38,7 +38,7 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
     ]
 
 
-def activate(pen: Pen, rocket: str, number: int | None) -> bool:
+def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
     """Use a kept model, or none of them; False where that is so already. Raises LedgerError."""
     there = {version.number: version.active for version in versions(pen.connection, rocket)}
     if number is not None and number not in there:
@@ -51,7 +51,7 @@ def activate(pen: Pen, rocket: str, number: int | None) -> bool:
     return bool(pen.images)
 
 
-def _use(pen: Pen, rocket: str, number: int) -> None:
+def _use(pen: ChangeRecorder, rocket: str, number: int) -> None:
     pen.delete(active_versions, active_versions.c.rocket == rocket)
     pen.insert(active_versions, [{"rocket": rocket, "number": number}])
 

@@ -75,11 +75,11 @@ class Found:
     notes: tuple[str, ...] = ()
 
 
-Shelf = Mapping[str, Sequence[Listing]]
+Listings = Mapping[str, Sequence[Listing]]
 """Listings by their plain name: `F24`."""
 
 
-def find(shelf: Shelf, text: str, maker: str = "") -> Found:
+def find(shelf: Listings, text: str, maker: str = "") -> Found:
     """The one motor that a text means.
 
     Raises UnknownMotor with the nearest names, and AmbiguousMotor with a line for each that it could be.
@@ -90,7 +90,7 @@ def find(shelf: Shelf, text: str, maker: str = "") -> Found:
     return _found(name, candidates[0])
 
 
-def resolve(shelf: Shelf, text: str, maker: str = "") -> Found:
+def resolve(shelf: Listings, text: str, maker: str = "") -> Found:
     """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
 
     Of several, one in production comes first, then the maker most widely flown in that class, then the
@@ -102,7 +102,7 @@ def resolve(shelf: Shelf, text: str, maker: str = "") -> Found:
     return _found(name, best, note)
 
 
-def search(shelf: Shelf, text: str) -> list[Motor]:
+def search(shelf: Listings, text: str) -> list[Motor]:
     """Every motor that a text could mean, best first: names, makers, `24mm`, cases, propellants, or parts.
 
     The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
@@ -116,7 +116,7 @@ def search(shelf: Shelf, text: str) -> list[Motor]:
     return [listing.motor() for listing in unique.values() or nearest(shelf, name)]
 
 
-def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
+def nearest(shelf: Listings, name: Name, limit: int = 5) -> list[Listing]:
     """The listings with the names most like a name: the next thrusts of its class, or similar letters."""
     same = [key for key in shelf if name.core and _class(key) == _class(name.core)]
     keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
@@ -129,7 +129,7 @@ def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
     return listings[:limit]
 
 
-def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing]]:
+def _candidates(shelf: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
     if is_cluster(text):
         raise UnknownMotor(
             f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
@@ -142,7 +142,7 @@ def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing
     return name, candidates
 
 
-def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
+def _fitting(shelf: Listings, name: Name, maker: str) -> list[Listing]:
     """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
     fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
@@ -235,7 +235,7 @@ def _thrust(name: str) -> float:
     return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
-def _parsed(shelf: Shelf, text: str) -> Name:
+def _parsed(shelf: Listings, text: str) -> Name:
     """What a text says, the makers of own motors among it; they are looked for where words are left over."""
     name = parse(text)
     if name.core and len(name.letters) < _WORD:
@@ -243,11 +243,11 @@ def _parsed(shelf: Shelf, text: str) -> Name:
     return parse(text, {listing.maker for listing in _all(shelf) if listing.own and listing.maker})
 
 
-def _all(shelf: Shelf) -> Iterable[Listing]:
+def _all(shelf: Listings) -> Iterable[Listing]:
     return (listing for listings in shelf.values() for listing in listings)
 
 
-def _unknown(shelf: Shelf, text: str, name: Name) -> str:
+def _unknown(shelf: Listings, text: str, name: Name) -> str:
     if _UNKNOWN_CLASS.match(tidy(text)):
         return (
             f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.physics.forces import TURN_LENGTH, Pull
+from fieldkit.physics.forces import TURN_LENGTH, EquationsOfMotion
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float, Integers
 
@@ -102,7 +102,7 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
 
     Without `highlights` top speed, peak acceleration and rail speed are not looked for.
     """
-    pull = Pull(setup, burning=True)
+    pull = EquationsOfMotion(setup, burning=True)
     zero = np.zeros(setup.draws)
     start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
     latest = start[np.isfinite(start)].max(initial=0.0)
@@ -189,7 +189,13 @@ def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
 
 
 def _advance(
-    track: AscentState, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+    track: AscentState,
+    setup: Setup,
+    pull: EquationsOfMotion,
+    dt: Array,
+    thrust: Stages,
+    mass: Stages,
+    begun: Array | None,
 ) -> None:
     """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
 
@@ -204,7 +210,7 @@ def _advance(
             rows, kept = rows[busy], np.flatnonzero(busy)
             moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
             setup = setup.part(kept)
-            pull = Pull(setup, burning=True)
+            pull = EquationsOfMotion(setup, burning=True)
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
@@ -228,7 +234,9 @@ def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
         setattr(track, name, values)
 
 
-def _step(track: AscentState, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None) -> None:
+def _step(
+    track: AscentState, pull: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+) -> None:
     """One classical Runge-Kutta step of position and velocity; `begun` as in `_advance`."""
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
     a1 = pull(x, v, thrust[0], mass[0]) if begun is None else begun

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.physics.burn import AscentState
-from fieldkit.physics.forces import Pull
+from fieldkit.physics.forces import EquationsOfMotion
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -116,7 +116,7 @@ def _count(wanted: Array) -> Array:
 def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     """Classical Runge-Kutta in upward speed of time, position and sideways speed."""
     burns, motor = setup.burns, setup.motor
-    pull = Pull(setup, burning=False)
+    pull = EquationsOfMotion(setup, burning=False)
     mass = setup.dry_mass + burns.casing_mass[motor]
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)

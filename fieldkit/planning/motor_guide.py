@@ -11,7 +11,7 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.kinds import by_kind
-from fieldkit.forecast.predict import Learnt
+from fieldkit.forecast.predict import FittedForecast
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
@@ -163,7 +163,7 @@ def guide(
     draws = draws or (SLANTED_PATH_DRAWS if plan.wind or plan.rail_angle else DRAWS)
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
 
-    def flown(rows: Sequence[int]) -> list[Flown]:
+    def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
         learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(learnt, model=replace(learnt.model, coarse=True)))
 
@@ -182,11 +182,11 @@ def guide(
     ]
 
 
-Flown = tuple[float | None, Prediction]
+ForecastWithDelay = tuple[float | None, Prediction]
 """The delay that suits a motor best, if any is on sale [s], and its flight."""
 
 
-def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
+def _flown(rocket: Rocket, learnt: FittedForecast) -> list[ForecastWithDelay]:
     """Each motor of what was learnt, with the delay that suits it."""
     coasts = coast_times(learnt.model, learnt.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(learnt.model.found, coasts, strict=True)]
@@ -195,7 +195,7 @@ def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
     return list(zip(delays, made, strict=True))
 
 
-def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:
+def _with_delays(learnt: FittedForecast, delays: Sequence[float | None]) -> FittedForecast:
     planned = zip(learnt.model.flights, delays, strict=True)
     flights = tuple(flight.with_changes(delay=delay) for flight, delay in planned)
     return replace(learnt, model=replace(learnt.model, flights=flights))

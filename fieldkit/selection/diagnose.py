@@ -14,7 +14,7 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import Effect
-from fieldkit.progress import Tell, part, untold
+from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate, Place, effect_candidates
 from fieldkit.selection.choice import Ranked, choose, choose_in_folds, confidence, probability, rank, stands
@@ -94,7 +94,7 @@ class _Verdict:
     pattern: tuple[Place, ...] = ()
 
 
-def diagnose(model: Model, data: Data, tell: Tell = untold, given: Sequence[str] = ()) -> Diagnosis:
+def diagnose(model: Model, data: Data, tell: ReportProgress = no_op, given: Sequence[str] = ()) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach.
 
     `given` are effects to take whatever the evidence for them, each where it is most at home. Raises UnknownEffect
@@ -143,7 +143,7 @@ Families = Mapping[str, Sequence[Candidate]]
 """Candidates by the effect that a verdict would speak of, patterns under no name."""
 
 
-def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Tell) -> tuple[Second, ...]:
+def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: ReportProgress) -> tuple[Second, ...]:
     """Second effects beside the likeliest ones."""
     found: list[Second] = []
     for number, first in enumerate(firsts := likely_firsts(ranking)):
@@ -155,7 +155,7 @@ def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Te
     return tuple(found)
 
 
-def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: Tell) -> tuple[Ranked, ...]:
+def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: ReportProgress) -> tuple[Ranked, ...]:
     """The options, and what is tried beside the best two effects, the best three, as long as those may be chosen."""
     for count in range(2, MOST_EFFECTS):
         best = choose([item for item in options if len(item.effects) == count])
@@ -174,7 +174,7 @@ def _others(first: Ranked, families: Families) -> Families:
     return {name: family for name, family in families.items() if name and name not in first.effects}
 
 
-def _beside(first: Ranked, data: Data, families: Families, tell: Tell) -> Second:
+def _beside(first: Ranked, data: Data, families: Families, tell: ReportProgress) -> Second:
     """Every family tried beside an effect in the place in which that is most at home."""
     fitted = first.best.fit
     worth = fitted.log_evidence + SECOND
@@ -187,7 +187,7 @@ def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Seq
     first, *others = given
     chosen = next(item for item in ranking if item.effect == first)
     for name in others:
-        (chosen,) = _beside(chosen, data, {name: families[name]}, untold).ranking
+        (chosen,) = _beside(chosen, data, {name: families[name]}, no_op).ranking
     return chosen
 
 
@@ -204,7 +204,7 @@ def _search(
     data: Data,
     plain: Fit,
     families: Families,
-    tell: Tell,
+    tell: ReportProgress,
     turns: int = MAX_SEARCHES,
     worth: float = -np.inf,
 ) -> tuple[Trial, list[Trial]]:

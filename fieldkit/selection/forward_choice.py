@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import Fit, Growing
 from fieldkit.model.readout_data import Data
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.choice import ODDS, Ranked, choose, choose_in_folds, rank, stands
@@ -42,7 +42,7 @@ class Ahead:
     chosen: tuple[str, ...]
 
 
-def ahead(diagnosis: Diagnosis, tell: Tell = untold) -> Ahead:
+def ahead(diagnosis: Diagnosis, tell: ReportProgress = no_op) -> Ahead:
     """Forecasts of a diagnosed history forward in time."""
     teach = diagnosis.data.seen[:, 0]
     count = len(teach)

@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 from fieldkit.analysis import Recorded
 from fieldkit.forecast.widen import widened_leftover
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
-from fieldkit.selection.force.log_evidence import Witness, testify
+from fieldkit.selection.force.log_evidence import LogEvidence, testify
 from fieldkit.selection.forward_choice import Ahead, ahead
 from fieldkit.selection.next_experiment import Advice, Explanation, telling
 from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
@@ -57,13 +57,13 @@ class Findings:
     fingerprints: tuple[tuple[Trial, tuple[FingerprintMark, ...]], ...]
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
-    testimony: Witness
+    testimony: LogEvidence
 
 
 def findings(
     rocket: str,
     diagnosis: Diagnosis,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""

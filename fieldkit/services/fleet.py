@@ -26,7 +26,7 @@ MESSAGE_PREFIX = "fleet: "
 DIGITS = 7
 """Significant digits of a kept figure: far more than a forecast shows. [1]"""
 
-Flown = Sequence[tuple[Flight, Found]]
+FlownFlights = Sequence[tuple[Flight, Found]]
 
 
 def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str) -> "SharedPrior | None":
@@ -47,7 +47,7 @@ def _by_rocket(ledger: Ledger, motors: Catalogue, rocket: str) -> dict[str, list
     return found
 
 
-def _rocket_fit(ledger: Ledger, rocket: str, flown: Flown, hyperprior: Hyperprior) -> "RocketFit":
+def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> "RocketFit":
     """A rocket's fit by itself, from the ledger where that is up to date."""
     from fieldkit.inference.laplace.fleet import rocket_fit
 
@@ -63,7 +63,7 @@ def _rocket_fit(ledger: Ledger, rocket: str, flown: Flown, hyperprior: Hyperprio
     return made
 
 
-def _digest(flown: Flown, hyperprior: Hyperprior) -> str:
+def _digest(flown: FlownFlights, hyperprior: Hyperprior) -> str:
     motors = {id(found.motor): motor_digest(found.motor) for _, found in flown}
     parts = [hyperprior.json(), [(flight_digest(flight), motors[id(found.motor)]) for flight, found in flown]]
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]

@@ -3,7 +3,7 @@
 from fieldkit.analysis import Recorded
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.services.replay import recording_of
 
@@ -12,7 +12,7 @@ MAX_LOGS = 6
 OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs, which alone are read"
 
 
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Tell = untold) -> dict[str, Recorded | str]:
+def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: ReportProgress = no_op) -> dict[str, Recorded | str]:
     """What the logs of the flights behind a diagnosis show, by flight id; in place of one there may be why not.
 
     The latest are read, the others are `OLDER_LOGS_NOTE`.

@@ -14,13 +14,13 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports import gather
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
-Flown = list[tuple[Flight, Found]]
+FlownFlights = list[tuple[Flight, Found]]
 
 FULL_ROUNDS, FULL_STEPS = 4, 25
 """Rounds of linearization and steps in each when all flights are learned from."""
@@ -33,13 +33,13 @@ class Flyer:
     """The flights of one flyer, in the order flown, and the digests of the files that they came in."""
 
     name: str
-    flown: Flown
+    flown: FlownFlights
     digests: Mapping[str, str]
 
     @property
-    def rockets(self) -> dict[str, Flown]:
+    def rockets(self) -> dict[str, FlownFlights]:
         """The clean flights, rocket by rocket."""
-        found: dict[str, Flown] = {}
+        found: dict[str, FlownFlights] = {}
         for flight, motor in self.flown:
             if flight.clean and flight.readouts():
                 found.setdefault(flight.rocket, []).append((flight, motor))
@@ -53,7 +53,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
     """
     paths = sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
     gathered = gather(paths, motors.complaint)
-    known: Flown = []
+    known: FlownFlights = []
     for arrival in gathered.arrivals:
         if arrival.flight.dry_mass is None:
             continue
@@ -75,7 +75,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
 
 
 def learn(
-    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, tell: Tell = untold
+    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, tell: ReportProgress = no_op
 ) -> Hyperprior:
     """The hyperprior that the flights of some flyers ask for, from the one in use, or `afresh` from `START`."""
     from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
@@ -143,7 +143,7 @@ def check(
     *,
     afresh: bool = False,
     pool: Executor | None = None,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> "dict[str, list[Forecast]]":
     """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
     works = list(left_out(flyers, hyperprior, afresh=afresh))

@@ -19,7 +19,7 @@ from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import followed, implausible_flights
 from fieldkit.services.provenance import USED_IN_FIT, Parts
 from fieldkit.services.saved_forecasts import SavedForecast
@@ -31,7 +31,7 @@ def replayed(
     rocket: str | None = None,
     *,
     hyperprior: Hyperprior | None = None,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> list[Forecast]:
     """Every clean flight of a ledger forecast from the flights of all rockets before it, in the order flown.
 

@@ -92,11 +92,11 @@ class TwoFlights:
     lighter_by: float
     expected_gain: Mapping[float, float]
     causes: tuple[Cause, ...]
-    tells: tuple["Tell", ...]
+    tells: tuple["Discrimination", ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Tell:
+class Discrimination:
     """A readout of the lighter rocket, and how many pairs of likely causes it would tell apart, of so many."""
 
     readout: str
@@ -215,16 +215,18 @@ def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> 
     return effect.bend_reading(fly(setup).readouts(), strengths)
 
 
-def _tells(causes: Sequence[Cause]) -> tuple[Tell, ...]:
+def _tells(causes: Sequence[Cause]) -> tuple[Discrimination, ...]:
     """For each readout, how many pairs of causes it would tell apart, and then for all of them."""
     pairs = list(combinations(causes, 2))
     counts = [
-        Tell(name, sum(_apart(one, other, (name,)) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs))
+        Discrimination(name, sum(_apart(one, other, (name,)) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs))
         for name in READOUTS
     ]
     return (
         *counts,
-        Tell("all five", sum(_apart(one, other, READOUTS) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs)),
+        Discrimination(
+            "all five", sum(_apart(one, other, READOUTS) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs)
+        ),
     )
 
 

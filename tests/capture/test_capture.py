@@ -20,6 +20,7 @@ from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Back,
+    CaptureOptions,
     Ended,
     Event,
     Instruction,
@@ -27,7 +28,6 @@ from fieldkit.capture import (
     PortOpened,
     Progress,
     Sample,
-    Wishes,
     capture,
     captures,
     logs_in,
@@ -277,7 +277,7 @@ def test_a_fault_in_a_protocol_loses_nothing(tmp_path: Path, monkeypatch: pytest
 
     monkeypatch.setattr("fieldkit.capture.protocols.micropeak.Stream.feed", faulty)
     with played(devices.talking(b"precious")) as wire, pytest.raises(ZeroDivisionError):
-        followed(capture(Port(wire.name), "micropeak", folder=tmp_path, wishes=Wishes(silence=0.5)), wire)
+        followed(capture(Port(wire.name), "micropeak", folder=tmp_path, wishes=CaptureOptions(silence=0.5)), wire)
     (file,) = captures(tmp_path)
     assert read_capture(file).raw == b"precious"
 
@@ -419,7 +419,7 @@ def test_a_port_in_use_is_said(tmp_path: Path) -> None:
 
     device: Device = quiet
     with played(device) as wire:
-        first = capture(Port(wire.name), "eggtimer", folder=tmp_path, wishes=Wishes(wait=5))
+        first = capture(Port(wire.name), "eggtimer", folder=tmp_path, wishes=CaptureOptions(wait=5))
         assert isinstance(next(first), PortOpened)
         with pytest.raises(PortTrouble, match="another program"):
             next(capture(Port(wire.name), "eggtimer", folder=tmp_path))

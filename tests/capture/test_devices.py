@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Back,
+    CaptureOptions,
     Ended,
     Event,
     FlightsListed,
@@ -20,7 +21,6 @@ from fieldkit.capture import (
     PortOpened,
     Progress,
     Recognised,
-    Wishes,
     capture,
     known_devices,
     logs_in,
@@ -35,7 +35,7 @@ from tests.capture.devices import Wire, played
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason="needs pseudo-terminals")
 
-QUICK = Wishes(wait=30, silence=30, reconnect=30)
+QUICK = CaptureOptions(wait=30, silence=30, reconnect=30)
 BRIEF = replace(QUICK, silence=1.5)
 LASTING = replace(QUICK, silence=8.0)
 """For a megabyte, which a busy machine takes seconds to bring."""
@@ -82,7 +82,11 @@ def told(events: Sequence[Event]) -> str:
 
 
 def heard(
-    wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK, stop: Callable[[], bool] = lambda: False
+    wire: Wire,
+    device: str | None,
+    folder: Path,
+    wishes: CaptureOptions = QUICK,
+    stop: Callable[[], bool] = lambda: False,
 ) -> list[Event]:
     return run(capture(Port(wire.name), device, folder=folder, wishes=wishes, stop=stop), wire)
 

@@ -12,7 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fieldkit.capture import Port, Wishes, known_devices
+from fieldkit.capture import CaptureOptions, Port, known_devices
 from fieldkit.capture.captured import Captured
 from fieldkit.capture.commands import ALLOWED_COMMANDS, ForbiddenCommand, allowed
 from fieldkit.capture.line import SerialLine
@@ -285,7 +285,7 @@ def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str
         ear = Ear(reply)
         patience = count()
         link = Link(SerialLine("port", name, tape, ear), lambda patience=patience: next(patience) > 5000)
-        wishes = Wishes(
+        wishes = CaptureOptions(
             lambda flights: [-3, 2**40, *(f.number for f in flights)], seed % 3 == 0, 434.55e6, wait=5, silence=5
         )
         try:

@@ -11,8 +11,8 @@ from dataclasses import dataclass
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import FlightsListed, Instruction, Sample, Stored
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import NOISE, Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import NOISE, Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
 
@@ -72,13 +72,13 @@ def _frame(content: bytes) -> AnswerFrame:
     return AnswerFrame(content, good, len(data) - good, end >= 0)
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
 
 
-def _greeted(link: Link) -> Talk[None]:
+def _greeted(link: Link) -> Dialogue[None]:
     for _ in range(GREETINGS):
         link.send(b"h;")
         while (one := (yield from _next(link, GREETING))) is not None:
@@ -89,7 +89,7 @@ def _greeted(link: Link) -> Talk[None]:
     )
 
 
-def _next(link: Link, silence: float) -> Talk[Sentence | None]:
+def _next(link: Link, silence: float) -> Dialogue[Sentence | None]:
     """The next sentence that is no telemetry, None after silence, or after a while of nothing but telemetry. [s]"""
     ends = time.monotonic() + NOISE * silence
     while time.monotonic() < ends and (piece := (yield from link.piece(b";", silence))) is not None:
@@ -117,7 +117,7 @@ def _telemetry(link: Link, one: Sentence) -> None:
     link.sample = Sample(altitude, clock / 1000, state=state)
 
 
-def _identified(link: Link) -> Talk[None]:
+def _identified(link: Link) -> Dialogue[None]:
     """Take down the settings, whose eighth field is the name of the board."""
     link.send(b"b;")
     while (one := (yield from _next(link, ANSWER))) is not None and one.name not in ("end", *REFUSALS):
@@ -127,7 +127,7 @@ def _identified(link: Link) -> Talk[None]:
             link.about["settings"] = ",".join(one.fields)
 
 
-def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def _downloaded(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     count = yield from _counted(link)
     _same_unit(link, count, captured)
     flights = [Stored(number, f"flight {number}") for number in range(min(count, MAX_FLIGHTS))]
@@ -150,7 +150,7 @@ def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     return whole
 
 
-def _counted(link: Link) -> Talk[int]:
+def _counted(link: Link) -> Dialogue[int]:
     for _ in range(TRIES):
         link.send(b"n;")
         while (one := (yield from _next(link, ANSWER))) is not None and one.name != "end":
@@ -169,7 +169,7 @@ def _same_unit(link: Link, count: int, captured: Captured) -> None:
         raise PortTrouble(f"{link.line.name}: this is another unit than that of the capture; begin a new capture")
 
 
-def _flight(link: Link, number: int) -> Talk[bool]:
+def _flight(link: Link, number: int) -> Dialogue[bool]:
     """Read one flight, again where it arrived damaged."""
     for attempt in range(1, TRIES + 1):
         good, bad, ended = yield from _answer(link, number)
@@ -182,7 +182,7 @@ def _flight(link: Link, number: int) -> Talk[bool]:
     return False
 
 
-def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
+def _answer(link: Link, number: int) -> Dialogue[tuple[int, int, bool]]:
     good = bad = 0
     link.send(b"r%d;" % number)
     while (one := (yield from _next(link, ANSWER))) is not None:
@@ -199,7 +199,7 @@ def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
     return good, bad, False
 
 
-def _followed(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def _followed(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     """Telemetry until it pauses, or until the flyer stops it."""
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True

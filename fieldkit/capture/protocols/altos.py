@@ -14,8 +14,8 @@ from fieldkit.capture.altus import ANSWER, silence_echo, version
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import FlightsListed, Instruction, Stored
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 
 TRIES = 3
@@ -45,7 +45,7 @@ class Block:
     missing: int
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from silence_echo(link)
     identity = yield from _identity(link)
     _same_unit(link, identity, captured)
@@ -60,7 +60,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     return (yield from _downloaded(link, chosen, have))
 
 
-def _identity(link: Link) -> Talk[dict[str, str]]:
+def _identity(link: Link) -> Dialogue[dict[str, str]]:
     """What a unit says of itself. Raises PortTrouble where it says nothing."""
     for _ in range(TRIES):
         link.send(b"c s\n")
@@ -84,7 +84,7 @@ def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None
         )
 
 
-def _flights(link: Link) -> Talk[list[Extent]]:
+def _flights(link: Link) -> Dialogue[list[Extent]]:
     for _ in range(TRIES):
         link.send(b"l\n")
         lines: list[str] = []
@@ -105,7 +105,7 @@ def extents(lines: Iterable[str]) -> list[Extent]:
     return found
 
 
-def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -> Talk[bool]:
+def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -> Dialogue[bool]:
     total = sum(one.end - one.start for one in flights)
     done, whole = 0, True
     for one in flights:
@@ -121,7 +121,7 @@ def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -
     return whole
 
 
-def _block(link: Link, number: int) -> Talk[Block]:
+def _block(link: Link, number: int) -> Dialogue[Block]:
     """Read a block, again where lines of it are missing."""
     for attempt in range(1, TRIES + 1):
         link.send(b"e %x\n" % number)

@@ -11,8 +11,8 @@ import time
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass
 
@@ -38,7 +38,7 @@ def overhears(heard: bytes) -> bool:
     return any(frame(line) for line in heard.splitlines()[:-1])
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     silence = SILENCE if wishes.silence is None else wishes.silence
     done = _done(captured)
     came = bool(done)
@@ -62,7 +62,7 @@ def _done(captured: Captured) -> set[str]:
     return {str(mark.facts["done"]) for mark in captured.marks if "done" in mark.facts}
 
 
-def _downloaded(link: Link, kind: str, silence: float) -> Talk[int]:
+def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
     """Count frames of one kind until there are none for so long; live status in between is no data. [s]"""
     wanted = f"@ LOG_{kind}".encode()
     last, frames = time.monotonic(), 0

@@ -8,8 +8,8 @@ import re
 
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 
 WAIT = 180.0
 """How long the flyer may take to press the button. [s]"""
@@ -25,7 +25,7 @@ def overhears(heard: bytes) -> bool:
     return _HEADER.search(heard) is not None
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True

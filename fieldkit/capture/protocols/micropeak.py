@@ -11,8 +11,8 @@ from dataclasses import dataclass, field
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.importing.tables.checksums import crc_x25
 
 WAIT = 180.0
@@ -118,7 +118,7 @@ def overhears(heard: bytes) -> bool:
     return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     stream = Stream()
     useful = time.monotonic()
     base = link.samples

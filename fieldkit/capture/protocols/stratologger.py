@@ -10,8 +10,8 @@ import re
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Sample
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.units import FOOT
 
 WAIT = 3600.0
@@ -29,7 +29,7 @@ def overhears(heard: bytes) -> bool:
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True

@@ -11,8 +11,8 @@ from fieldkit.capture.altus import silence_echo, version
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction, Sample
 from fieldkit.capture.line import PortSettings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import sum_256
 
@@ -52,7 +52,7 @@ def overhears(heard: bytes) -> bool:
     return any(packet(line) for line in heard.decode("latin-1").splitlines()[:-1])
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
     yield from silence_echo(link)
     if not (yield from version(link)):

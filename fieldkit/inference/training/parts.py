@@ -23,7 +23,7 @@ FOLDER = "parts"
 """Where parts are kept beside the ensemble that is going to be made of them."""
 WIDTHS = (len(FIGURES), len(DECLARED_FIELDS), len(READOUT_NAMES), 1, 1)
 """Columns of each of a truth's arrays. [1]"""
-Told = Callable[[int, int], None]
+ReportPart = Callable[[int, int], None]
 """Told how many parts there are by now, and of how many."""
 
 
@@ -38,7 +38,7 @@ class SimulationPart:
 
 
 def simulate_parts(
-    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, told: Told | None = None
+    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, told: ReportPart | None = None
 ) -> Truth:
     """About as many flights as asked for, with the parts that an earlier run left beside `out`'s ensemble."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]

@@ -9,7 +9,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell
+from fieldkit.progress import ReportProgress
 from fieldkit.quantities import measure
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import recording_of
@@ -65,7 +65,7 @@ class Card:
         return self.flight.apogee - self.foretold.interval[1]
 
 
-def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: Tell) -> list[Card]:
+def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: ReportProgress) -> list[Card]:
     """A card for each of these flights of the ledger."""
     said = {rocket: by_flight(kept(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []

@@ -5,7 +5,7 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from fieldkit import __version__
-from fieldkit.presentation.report.book import Book, table
+from fieldkit.presentation.report.book import FlightReport, table
 from fieldkit.presentation.report.card import Card, Rows
 from fieldkit.presentation.report.loop.pictures import PICTURES
 from fieldkit.presentation.report.pictures import forecast, foretold_flown, log
@@ -27,7 +27,7 @@ ON_THE_LOOPS_PAGE = ("residuals", "forward", "ladder")
 """Pictures of the loop that fit on a page of paper."""
 
 
-def pages(book: Book) -> Iterator["Figure"]:
+def pages(book: FlightReport) -> Iterator["Figure"]:
     """The pages of a report."""
     if book.summary:
         yield from _summary(book)
@@ -148,7 +148,7 @@ def _remarks(part: "SubFigure", lines: Sequence[str]) -> None:
         part.text(LEFT_EDGE, 0.82 - 0.16 * number, line, fontsize=8.5, va="center")
 
 
-def _summary(book: Book) -> Iterator["Figure"]:
+def _summary(book: FlightReport) -> Iterator["Figure"]:
     headers, rows = table(book)
     for start in range(0, max(len(rows), 1), PER_PAGE):
         some, cards = rows[start : start + PER_PAGE], book.cards[start : start + PER_PAGE]
@@ -183,7 +183,7 @@ def _table(part: "SubFigure", headers: Sequence[str], rows: Sequence[tuple[str, 
         _rule(part, height - step / 2, INK_COLOR if number == 0 else GRID_COLOR)
 
 
-def _loop(book: Book, found: Findings) -> "Figure":
+def _loop(book: FlightReport, found: Findings) -> "Figure":
     """The loop's pictures of one rocket."""
     sizes = [PICTURES[name][1][1] for name in ON_THE_LOOPS_PAGE]
     page, parts = _page(f"What the loop finds: {shortened(found.rocket, 20)}", book.title, [s / 12.5 for s in sizes])

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator
 
-from fieldkit.selection.force.log_evidence import Witness
+from fieldkit.selection.force.log_evidence import LogEvidence
 from fieldkit.selection.force.one_flight import FoundTerm
 from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
 
@@ -15,7 +15,7 @@ COMPARISON_TEXTS = {
 }
 
 
-def climbs_in_words(said: Witness) -> Iterator[str]:
+def climbs_in_words(said: LogEvidence) -> Iterator[str]:
     """Nothing where no flight has a log; else what the climbs lack, and how that stands to the verdict."""
     if said.flights:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
@@ -29,7 +29,7 @@ def climbs_in_words(said: Witness) -> Iterator[str]:
         yield f"{_counted(len(ids))} without a missing force, {ids[0]}{others}: {why}"
 
 
-def _law(said: Witness) -> str:
+def _law(said: LogEvidence) -> str:
     if len(said.flights) < MIN_CLIMBS:
         alone = ", ".join(map(_term, said.flights[0].law.terms)) or "none"
         return f"{alone}; one flight alone decides nothing"

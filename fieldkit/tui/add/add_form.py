@@ -34,7 +34,7 @@ class Answered:
 
 
 @dataclass(frozen=True, slots=True)
-class Begun:
+class FormStart:
     """What the form begins with: what was typed halfway, the units typed last, what the last flight suggests."""
 
     draft: Mapping[str, str]
@@ -120,13 +120,13 @@ class Draft:
         self.shown = False
         """Whether what the ledger held when the form was opened stands in it; until then it is kept as well."""
 
-    def begin(self) -> Begun:
+    def begin(self) -> FormStart:
         """Take up what was typed halfway."""
         from fieldkit.services.manual_entry import DRAFT, UNITS
 
         ledger = self._desk.ledger
         draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
-        return Begun(draft, self._units, self.offers(draft))
+        return FormStart(draft, self._units, self.offers(draft))
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """What the last flight suggests, given what was answered."""

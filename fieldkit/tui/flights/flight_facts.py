@@ -18,7 +18,7 @@ DRAWS = 4000
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class DragFacts:
     """A flight's Cd (or drag area, where the diameter is not known) and thrust factor, and doubts about them."""
 
     drag: Float[Array, "draw"]
@@ -37,7 +37,7 @@ class ForecastFacts:
     by: str
 
 
-def said_by(flight: Flight, motors: "Catalogue") -> Said:
+def said_by(flight: Flight, motors: "Catalogue") -> DragFacts:
     """The posterior of a flight. Raises FieldkitError where it can have none."""
     import numpy as np
 
@@ -53,8 +53,8 @@ def said_by(flight: Flight, motors: "Catalogue") -> Said:
     found = infer_field([flight], [motor])
     area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
     if flight.diameter:
-        return Said(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
-    return Said(area * 1e4, "drag area cm²", thrust, found.warnings[0])
+        return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
+    return DragFacts(area * 1e4, "drag area cm²", thrust, found.warnings[0])
 
 
 def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:

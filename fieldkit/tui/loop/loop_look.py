@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
-from fieldkit.progress import Tell
+from fieldkit.progress import ReportProgress
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
@@ -50,7 +50,7 @@ def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
 
 
-def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
+def look(desk: "Desk", rocket: str, tell: ReportProgress) -> "Findings":
     """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
 
     Raises NoFlights for too few flights.

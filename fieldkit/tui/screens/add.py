@@ -20,8 +20,8 @@ from fieldkit.tui.add.add_form import (
     MORE_FIELDS,
     READ,
     Answered,
-    Begun,
     Draft,
+    FormStart,
     Saved,
     answered,
     beside,
@@ -109,7 +109,7 @@ class AddScreen(PageScreen):
         if not self._sheet.touched:
             self.ask(self._draft.begin, self._begun, "start")
 
-    def _begun(self, begun: Begun) -> None:
+    def _begun(self, begun: FormStart) -> None:
         """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
         self._units = dict(begun.units) | self._units
         ahead = self.field(READ[0]).typed

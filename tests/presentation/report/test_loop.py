@@ -20,7 +20,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.presentation.loop_text import report
-from fieldkit.presentation.report.book import Book
+from fieldkit.presentation.report.book import FlightReport
 from fieldkit.presentation.report.loop.page import check_page, page, write_page
 from fieldkit.presentation.report.paper import pages
 from fieldkit.presentation.report.style import styled
@@ -285,7 +285,7 @@ def test_the_report_fits_a_terminal(found: Findings) -> None:
 
 
 def test_the_loop_goes_into_a_rocket_s_report(found: Findings, tmp_path: Path) -> None:
-    made = Book("Astra", "", (), (found,), summary=True)
+    made = FlightReport("Astra", "", (), (found,), summary=True)
     with styled():
         assert len(list(pages(made))) == 2
     assert any("weathercock" in line or "wind" in line for line in made.findings)

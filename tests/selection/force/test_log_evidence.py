@@ -13,7 +13,7 @@ from fieldkit.cli.main import main
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
 from fieldkit.selection.force.flights import FREE_TERMS, TOO_SHORT, FlightForce, flight_force
-from fieldkit.selection.force.log_evidence import Witness, _says, document
+from fieldkit.selection.force.log_evidence import LogEvidence, _says, document
 from fieldkit.selection.force.one_flight import missing_force
 from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.several_flights import Common, common_law
@@ -140,13 +140,13 @@ def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
 
 
 def test_without_a_log_nothing_is_said() -> None:
-    silent = Witness((), (), (), "")
+    silent = LogEvidence((), (), (), "")
     assert list(climbs_in_words(silent)) == []
     assert document(silent)["flights"] == document(silent)["law"] == []
 
 
 def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
-    silent = Witness((), (("F1", OLDER_LOGS_NOTE), ("F2", OLDER_LOGS_NOTE), ("F3", "no heights")), (), "")
+    silent = LogEvidence((), (("F1", OLDER_LOGS_NOTE), ("F2", OLDER_LOGS_NOTE), ("F3", "no heights")), (), "")
     assert list(climbs_in_words(silent)) == [
         f"2 logs without a missing force, F1 and 1 more: {OLDER_LOGS_NOTE}",
         "1 log without a missing force, F3: no heights",
@@ -154,7 +154,7 @@ def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
 
 
 def test_a_single_log_says_that_it_decides_nothing() -> None:
-    (line,) = climbs_in_words(Witness((one(),), (), (), ""))
+    (line,) = climbs_in_words(LogEvidence((one(),), (), (), ""))
     assert "base drag" in line
     assert line.endswith("one flight alone decides nothing")
 
