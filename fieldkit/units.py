@@ -125,9 +125,11 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 }
 """Units by quantity and lower-case suffix."""
 
-_TYPED_NUMBER = re.compile(r"\s*([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
+_TYPED_NUMBER = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
 
 
+MAX_TYPED_LENGTH = 200
+"""Size limit of a typed number, its unit and blanks included. [character]"""
 MAX_TYPED_VALUE = 1e30
 """Largest magnitude of a typed number, in any unit."""
 
@@ -161,9 +163,9 @@ def parse_difference(text: str, quantity: str, default: str) -> float:
 
 def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
     """A typed number and its unit. Raises BadValue."""
-    match = _TYPED_NUMBER.match(text)
+    match = _TYPED_NUMBER.match(text) if len(text) <= MAX_TYPED_LENGTH else None
     if not match:
-        raise BadValue(f"found {text.strip()!r}, expected a number")
+        raise BadValue(f"found {text.strip()[:40]!r}, expected a number")
     number, suffix = match.groups()
     return float(number.replace(",", ".")), unit(quantity, suffix or default)
 
