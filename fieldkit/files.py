@@ -12,8 +12,8 @@ from secrets import token_hex
 from fieldkit.errors import FieldkitError
 from fieldkit.paths import own_files
 
-LARGEST = 1 << 30
-"""No log or table is larger. [byte]"""
+MAX_FILE_SIZE = 1 << 30
+"""Size limit of a log or table. [byte]"""
 LARGEST_OWN = 4 << 20
 """No file of what a flyer chose is larger. [byte]"""
 BACKUPS = "-backups"
@@ -22,19 +22,19 @@ BACKUPS = "-backups"
 _DATABASE = b"SQLite format 3\0"
 _JOURNALS = (b"\xd9\xd5\x05\xf9\x20\xa1\x63\xd7", b"\x37\x7f\x06\x82", b"\x37\x7f\x06\x83")
 """First bytes of SQLite's rollback journal, and of its write-ahead log in both orders of bytes."""
-BESIDE = ("-journal", "-wal", "-shm", BACKUPS)
-"""After the name of a ledger: what SQLite and fieldkit keep beside it."""
+COMPANION_SUFFIXES = ("-journal", "-wal", "-shm", BACKUPS)
+"""Suffixes of the files that SQLite and fieldkit keep beside a ledger."""
 _BINARY = getattr(os, "O_BINARY", 0)
 """Windows would write line ends of its own."""
 
 
 def read(file: Path, *, plain: bool = False, most: int | None = None) -> bytes:
-    """The bytes of a file from elsewhere, at most so many, by default `LARGEST`.
+    """The bytes of a file from elsewhere, at most so many, by default `MAX_FILE_SIZE`.
 
     A device or a pipe in a folder may never end or never begin: none is opened. What a shell pours in under a name such
     as /dev/stdin is read to its end, but not with `plain`. Raises OSError, also for a file that is too large.
     """
-    most = LARGEST if most is None else most
+    most = MAX_FILE_SIZE if most is None else most
     about = file.stat()
     if stat.S_ISREG(about.st_mode) or stat.S_ISDIR(about.st_mode):
         content = file.read_bytes() if about.st_size <= most else None
@@ -186,7 +186,10 @@ def _is_ledger(file: Path) -> bool:
 
 def _belongs_to_ledger(place: Path) -> bool:
     """Whether a name is that of a ledger and an ending that SQLite or fieldkit puts to it."""
-    return any(place.name.endswith(end) and _is_ledger(place.with_name(place.name.removesuffix(end))) for end in BESIDE)
+    return any(
+        place.name.endswith(end) and _is_ledger(place.with_name(place.name.removesuffix(end)))
+        for end in COMPANION_SUFFIXES
+    )
 
 
 def _holds_copies(folder: Path) -> bool:

@@ -19,7 +19,7 @@ from fieldkit.files import replace
 Item = TypeVar("Item")
 PATIENCE = 20.0
 """How long a scheduler may take to answer. [s]"""
-_HERE = re.compile(r"local(?::(\d{1,3}))?")
+_LOCAL_ADDRESS = re.compile(r"local(?::(\d{1,3}))?")
 
 
 @contextmanager
@@ -32,7 +32,7 @@ def workers(where: str) -> Iterator[Executor]:
         from distributed import Client, LocalCluster
     except ModuleNotFoundError as error:
         raise FieldkitError("a cluster needs distributed: pip install 'fieldkit[cluster]'") from error
-    if not (here := _HERE.fullmatch(where)):
+    if not (here := _LOCAL_ADDRESS.fullmatch(where)):
         try:
             client = Client(where, timeout=PATIENCE)
         except (OSError, ValueError) as error:

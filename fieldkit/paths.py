@@ -8,8 +8,8 @@ REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
 """Twelve flights of one rocket, to try things on."""
 HOME = "FIELDKIT_HOME"
 """The variable of the environment that names another folder for all of these."""
-OWN = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "captures")
-"""Files and folders that fieldkit and its flyer keep in the data folder, beside the ledger."""
+DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "captures")
+"""Files and folders that fieldkit and its user keep in the data folder, beside the ledger."""
 
 
 def data_folder() -> Path:
@@ -57,7 +57,7 @@ def own_files() -> list[Path]:
     """The files and folders that fieldkit keeps a flyer's choices and additions in, where the home can be used."""
     try:
         folder = data_folder().resolve()
-        return [settings_file().resolve(), *(folder / name for name in OWN)]
+        return [settings_file().resolve(), *(folder / name for name in DATA_FILES)]
     except (OSError, RuntimeError):
         return []
 

@@ -2,14 +2,14 @@
 
 from collections.abc import Callable
 
-Tell = Callable[[str, float], None]
+ReportProgress = Callable[[str, float], None]
 """Told what is being done and the share that is done."""
 
 
-def untold(_text: str, _share: float) -> None:
+def no_op(_text: str, _share: float) -> None:
     """Where nobody listens."""
 
 
-def part(tell: Tell, start: float, share: float) -> Tell:
+def part(tell: ReportProgress, start: float, share: float) -> ReportProgress:
     """What a part of some work is to tell, which begins at one share of the whole and is another."""
     return lambda text, done: tell(text, start + share * done)

@@ -126,13 +126,13 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 }
 """Units by quantity and lower-case suffix."""
 
-_TYPED = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
+_TYPED_NUMBER = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
 
 
-LONGEST = 200
-"""A number is typed with fewer characters, its unit and blanks included. [1]"""
-LARGEST = 1e30
-"""What is typed is less than this, in any unit."""
+MAX_TYPED_LENGTH = 200
+"""Size limit of a typed number, its unit and blanks included. [character]"""
+MAX_TYPED_VALUE = 1e30
+"""Largest magnitude of a typed number, in any unit."""
 
 
 def unit(quantity: str, suffix: str) -> Unit:
@@ -164,7 +164,7 @@ def parse_difference(text: str, quantity: str, default: str) -> float:
 
 def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
     """A typed number and its unit. Raises BadValue."""
-    match = _TYPED.match(text) if len(text) <= LONGEST else None
+    match = _TYPED_NUMBER.match(text) if len(text) <= MAX_TYPED_LENGTH else None
     if not match:
         raise BadValue(f"found {text.strip()[:40]!r}, expected a number")
     number, suffix = match.groups()
@@ -173,7 +173,7 @@ def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
 
 def _bounded(value: float, text: str) -> float:
     """The value itself. Raises BadValue for one beyond everything."""
-    if not abs(value) < LARGEST:
+    if not abs(value) < MAX_TYPED_VALUE:
         raise BadValue(f"found {text.strip()[:20]!r}, expected a number that something can have")
     return value
 

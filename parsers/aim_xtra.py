@@ -13,7 +13,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.clocks import in_order
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import marks
 from fieldkit.shapes import Array, Float
@@ -83,7 +83,7 @@ def _unit(name: str) -> Unit:
     return CHANNELS[name][1] if name in CHANNELS else Unit(1.0)
 
 
-def _known(table: Table, clock: int) -> Float[Array, "row"]:
+def _known(table: LogTable, clock: int) -> Float[Array, "row"]:
     time = table.values[str(clock)]
     return time[np.isfinite(time)]
 

@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.errors import BadValue
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import upright
 from fieldkit.importing.tables.text import decode, lines_of
@@ -62,7 +62,7 @@ def read(log: bytes) -> list[Found]:
     return [*readings, *found]
 
 
-def _series(table: Table) -> Series:
+def _series(table: LogTable) -> Series:
     series = table.series()
     axes = [table.values[name] for name in AXES if name in table.values]
     if len(axes) == 3:

@@ -15,15 +15,15 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.altos import NONE, TICK, entered
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.altos import NO_VALUE, TICK, entered
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS
 from fieldkit.importing.tables.text import first_lines
 from fieldkit.units import UNITS, Unit
 
 VERSION_5 = frozenset({"accel_speed", "baro_speed"})
 """What only a header of version 5 names."""
-CERTAIN = "main_voltage"
+LAST_RELIABLE_COLUMN = "main_voltage"
 """The last column of a version 5 header that is where its name says."""
 MOST_HEADER, MOST_TITLES = 200, 3
 """The header is looked for among so many lines, of which so few are no comments. [1]"""
@@ -42,8 +42,8 @@ BAROMETER = {
 }
 SATELLITES = {"nsat": "nsat", "latitude": "latitude", "longitude": "longitude"}
 IN_SI: dict[str, Unit] = {"temperature": UNITS["temperature"]["c"], "tilt": UNITS["angle"]["deg"]}
-BLIND = 2.0
-"""A state that was entered in a longer silence of the radio was entered at an unknown moment of it. [s]"""
+MAX_RADIO_GAP = 2.0
+"""A state entered in a longer radio silence was entered at an unknown moment of it. [s]"""
 WRAP = 65536 * TICK
 """After which the clock of the radio form starts anew. [s]"""
 
@@ -65,7 +65,7 @@ def read(log: bytes) -> list[Found]:
         _refuse_commas(log, row, separator)
         names = _certain(names, row)
         allowed = range(len(names), MOST_CELLS)
-        remarks.append(Note(f"header does not fit its rows of {common} cells, read up to {CERTAIN}", row))
+        remarks.append(Note(f"header does not fit its rows of {common} cells, read up to {LAST_RELIABLE_COLUMN}", row))
     channels = _channels(names, row)
     table = _present(read_columns(log, channels, after=row, separator=separator, comment="#", widths=allowed))
     about = _about(log, row)
@@ -114,9 +114,9 @@ def _refuse_commas(log: bytes, header_row: int, separator: str) -> None:
 def _certain(names: Sequence[str], row: int) -> list[str]:
     """The names up to the last that is surely where it stands; a comma may be lost right behind it."""
     for place, name in enumerate(names):
-        if name.startswith(CERTAIN):
-            return [*names[:place], CERTAIN]
-    raise DamagedLog(f"found a header that does not fit its rows, expected {CERTAIN} in it", row=row)
+        if name.startswith(LAST_RELIABLE_COLUMN):
+            return [*names[:place], LAST_RELIABLE_COLUMN]
+    raise DamagedLog(f"found a header that does not fit its rows, expected {LAST_RELIABLE_COLUMN} in it", row=row)
 
 
 def _channels(names: Sequence[str], row: int) -> list[Channel]:
@@ -137,11 +137,11 @@ def _channels(names: Sequence[str], row: int) -> list[Channel]:
     return channels
 
 
-def _present(table: Table) -> Table:
+def _present(table: LogTable) -> LogTable:
     """The table with nan for what was not measured, and no fix repeated while there are no satellites."""
     for name, values in table.values.items():
         if name != "time":
-            values[np.abs(values) >= NONE] = np.nan
+            values[np.abs(values) >= NO_VALUE] = np.nan
     if "nsat" in table.values:
         lost = table.values["nsat"] == 0
         for name in ("latitude", "longitude", "gps_altitude_msl"):
@@ -150,7 +150,7 @@ def _present(table: Table) -> Table:
     return table
 
 
-def _by_flight(table: Table) -> list[Table]:
+def _by_flight(table: LogTable) -> list[LogTable]:
     """A table for each serial number and flight, in the order in which they come."""
     keys = [table.values[name] for name in ("serial", "flight") if name in table.values]
     marks = np.nan_to_num(np.column_stack(keys), nan=-1.0) if keys else np.zeros((len(table), 1))
@@ -159,7 +159,7 @@ def _by_flight(table: Table) -> list[Table]:
     return [replace(table.pick(which == which[start]), found=()) for start in sorted(first.tolist())]
 
 
-def _unwrapped(table: Table) -> Table:
+def _unwrapped(table: LogTable) -> LogTable:
     """The table with a clock that goes on where its 16 bits start anew."""
     time = table.values["time"]
     fallen = np.diff(time, prepend=time[:1]) < -WRAP / 2
@@ -174,7 +174,7 @@ def _about(log: bytes, header_row: int) -> dict[str, str]:
     return {pair[1].strip().lower(): pair[2].strip() for pair in pairs if pair}
 
 
-def _reading(part: Table, about: dict[str, str]) -> Reading:
+def _reading(part: LogTable, about: dict[str, str]) -> Reading:
     serial, flight = (_number(part, name) for name in ("serial", "flight"))
     return Reading(
         extra={"flight": flight} if flight else {},
@@ -186,19 +186,19 @@ def _reading(part: Table, about: dict[str, str]) -> Reading:
     )
 
 
-def _number(part: Table, name: str) -> str:
+def _number(part: LogTable, name: str) -> str:
     """A whole number that every row of a flight repeats, as text."""
     values = part.get(name)
-    return "" if values is None or not abs(values[0]) < NONE else f"{values[0]:.0f}"
+    return "" if values is None or not abs(values[0]) < NO_VALUE else f"{values[0]:.0f}"
 
 
-def _events(part: Table) -> dict[str, float]:
+def _events(part: LogTable) -> dict[str, float]:
     """When each state was first entered; one that the log begins in tells nothing but that time 0 is boost. [s]"""
     states = part.get("state")
     if states is None:
         return {}
     time = part.values["time"]
-    events = {name: when for name, when in entered(states, time, blind=BLIND).items() if when > time[0]}
+    events = {name: when for name, when in entered(states, time, blind=MAX_RADIO_GAP).items() if when > time[0]}
     return {"liftoff": 0.0, **events} if "liftoff" not in events and time[0] < 0 < time[-1] else events
 
 

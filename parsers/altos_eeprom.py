@@ -16,7 +16,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Parser, Reading
 from fieldkit.importing.tables.altos import (
-    NONE,
+    NO_VALUE,
     STATES,
     Coefficients,
     entered,
@@ -28,8 +28,8 @@ from fieldkit.importing.tables.altos import (
 from fieldkit.importing.tables.altos_flash import (
     LAYOUTS,
     OLD_RECORD,
-    Layout,
     Octets,
+    RecordLayout,
     hex_bytes,
     new_form,
     number_at,
@@ -39,17 +39,17 @@ from fieldkit.importing.tables.damage import Damaged, damage
 from fieldkit.importing.tables.text import blocks, first_lines, shown
 from fieldkit.shapes import Array, Float, Int
 
-LARGEST = 32 << 20
-"""No flash of these devices fills a longer file. [bytes]"""
+MAX_LOG_SIZE = 32 << 20
+"""No flash of these devices fills a longer file. [byte]"""
 LARGEST_SETTINGS = 1 << 18
 """The first record is looked for in so much of a file. [bytes]"""
 HEX = re.compile(r"\s*(?:[0-9a-fA-F]{2}\s*){4,}$")
 OLD_MARK = re.compile(r"^(?:~|> ?E 0|Config version:)", re.MULTILINE)
-OLDEST = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
+FORMAT_1_RECORD = re.compile(r"[A-Z](?: +[0-9a-fA-F]{1,4}){3}")
 """A record of a letter and three numbers: log format 1, whose first devices do not name it."""
 SAMPLE, FLIGHT, STATE, POSITION = (ord(letter) for letter in "AFSP")
 TELEMINI_1 = 2
-OTHERS = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
+OTHER_DEVICES = {9: "TeleGPS", 18: "MicroPeak 2", 20: "EasyMotor", 23: "EasyTimer 2"}
 
 
 def recognises(head: bytes) -> bool:
@@ -60,8 +60,8 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    if len(log) > LARGEST:
-        raise DamagedLog(f"found {len(log)} bytes, expected at most {LARGEST}, the largest flash there is")
+    if len(log) > MAX_LOG_SIZE:
+        raise DamagedLog(f"found {len(log)} bytes, expected at most {MAX_LOG_SIZE}, the largest flash there is")
     log = _plain(log)
     settings, row = _settings(log)
     number = _setting(settings, "log.format")
@@ -69,10 +69,10 @@ def read(log: bytes) -> list[Found]:
         return _telemini_1(settings, log, row)
     old = not settings.lstrip().startswith("{")
     if number is None and old:
-        number = 1 if OLDEST.fullmatch(_line(log, row)) else None
+        number = 1 if FORMAT_1_RECORD.fullmatch(_line(log, row)) else None
     layout = LAYOUTS.get(number or 0)
     if layout is None:
-        known = f"{number}, {OTHERS[number]}," if number in OTHERS else str(number) if number else "none"
+        known = f"{number}, {OTHER_DEVICES[number]}," if number in OTHER_DEVICES else str(number) if number else "none"
         raise DamagedLog(f"found log format {known}, expected one with pressures: {', '.join(map(str, LAYOUTS))}")
     flash = old_form(log, row, settings, layout) if old else new_form(log, row, settings, layout)
     readings = [_reading(records, flash.settings, layout) for records in _flights(flash.records)]
@@ -105,7 +105,7 @@ def _line(log: bytes, row: int) -> str:
 def _setting(settings: str, name: str) -> int | None:
     """A number among the settings, however its name is joined; None if it is not there or says "none"."""
     found = re.search(rf"(?i)\b(?:ms5607.)?{name}\b\"?\s*[:=]?\s*\"?(-?\d{{1,10}})\b", settings.replace("_", "-"))
-    return None if found is None or int(found[1]) == NONE else int(found[1])
+    return None if found is None or int(found[1]) == NO_VALUE else int(found[1])
 
 
 def _flights(records: Int[Octets, "record byte"]) -> list[Int[Octets, "record byte"]]:
@@ -114,7 +114,7 @@ def _flights(records: Int[Octets, "record byte"]) -> list[Int[Octets, "record by
     return [part for part in np.split(records, starts[starts > 0]) if len(part)]
 
 
-def _reading(records: Int[Octets, "record byte"], settings: str, layout: Layout) -> Reading | None:
+def _reading(records: Int[Octets, "record byte"], settings: str, layout: RecordLayout) -> Reading | None:
     """The flight of records, None if there are no samples in it."""
     time = seconds(number_at(records, -2, 2))
     samples = records[:, 0] == SAMPLE
@@ -158,7 +158,7 @@ def _samples(
     time: Float[Array, "record"],
     head: Int[Octets, "flight byte"],
     settings: str,
-    layout: Layout,
+    layout: RecordLayout,
 ) -> Series:
     acceleration = None
     if layout.acceleration is not None and layout.ground is not None and len(head):

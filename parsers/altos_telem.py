@@ -23,19 +23,19 @@ from fieldkit.shapes import Array, Float, Int, Integers
 from fieldkit.units import ZERO_CELSIUS
 
 Octets = np.ndarray[Any, np.dtype[np.uint8]]
-LARGEST = 32 << 20
-"""Half a day of packets. [bytes]"""
+MAX_LOG_SIZE = 32 << 20
+"""Half a day of packets. [byte]"""
 PACKET, FRAME = 32, 36
 """A packet, and a line of one: its length before it, signal strength, status and checksum behind it. [bytes]"""
 OLD_FRAMES = (94, 95)
-GOOD = 0x80
-"""The bit of the status that says that the radio's own checksum was good."""
+CHECKSUM_BIT = 0x80
+"""The status bit that says that the radio's own checksum was right."""
 SUBSTANCE = ("pressure", "altitude", "gps_altitude_msl")
 """Without one of these a clock tells nothing."""
 
 
 @dataclass(frozen=True, slots=True)
-class Field:
+class PacketField:
     """A number in a packet: its place, how it is written, and what one of it is in SI."""
 
     place: int
@@ -45,38 +45,38 @@ class Field:
     convert: Callable[[Integers], Array] | None = None
 
 
-FLIGHT_STATE = {"state": Field(5, "u1")}
+FLIGHT_STATE = {"state": PacketField(5, "u1")}
 
 
-def _kalman(place: int) -> Mapping[str, Field]:
+def _kalman(place: int) -> Mapping[str, PacketField]:
     """Acceleration, speed and height, as every device sends them. [m/s^2, m/s, m]"""
     return {
-        "acceleration": Field(place, "<i2", 1 / 16),
-        "speed": Field(place + 2, "<i2", 1 / 16),
-        "altitude": Field(place + 4, "<i2"),
+        "acceleration": PacketField(place, "<i2", 1 / 16),
+        "speed": PacketField(place + 2, "<i2", 1 / 16),
+        "altitude": PacketField(place + 4, "<i2"),
     }
 
 
-def _air(pressure: int, temperature: int) -> Mapping[str, Field]:
+def _air(pressure: int, temperature: int) -> Mapping[str, PacketField]:
     """Pressure and temperature, as devices with a digital sensor send them. [Pa, K]"""
     return {
-        "pressure": Field(pressure, "<i4"),
-        "temperature": Field(temperature, "<i2", 0.01, ZERO_CELSIUS),
+        "pressure": PacketField(pressure, "<i4"),
+        "temperature": PacketField(temperature, "<i2", 0.01, ZERO_CELSIUS),
     }
 
 
-ANALOGUE = {**FLIGHT_STATE, "pressure": Field(8, "<i2", convert=mp3h6115), **_kalman(18)}
+ANALOGUE = {**FLIGHT_STATE, "pressure": PacketField(8, "<i2", convert=mp3h6115), **_kalman(18)}
 MINI = {**FLIGHT_STATE, **_air(12, 16), **_kalman(18)}
 SATELLITES = {
-    "fixed": Field(5, "u1"),
-    "gps_altitude_msl": Field(6, "<i2"),
-    "height_low": Field(6, "<u2"),
-    "height_high": Field(31, "i1"),
-    "mode": Field(25, "u1"),
-    "latitude": Field(8, "<i4", 1e-7),
-    "longitude": Field(12, "<i4", 1e-7),
+    "fixed": PacketField(5, "u1"),
+    "gps_altitude_msl": PacketField(6, "<i2"),
+    "height_low": PacketField(6, "<u2"),
+    "height_high": PacketField(31, "i1"),
+    "mode": PacketField(25, "u1"),
+    "latitude": PacketField(8, "<i4", 1e-7),
+    "longitude": PacketField(12, "<i4", 1e-7),
 }
-PACKETS: Mapping[int, tuple[str, Mapping[str, Field]]] = {
+PACKETS: Mapping[int, tuple[str, Mapping[str, PacketField]]] = {
     1: ("TeleMetrum 1", ANALOGUE),
     2: ("TeleMini 1", ANALOGUE),
     3: ("TeleNano", ANALOGUE),
@@ -88,10 +88,10 @@ PACKETS: Mapping[int, tuple[str, Mapping[str, Field]]] = {
     17: ("TeleMini 3", MINI),
 }
 """The packets that are read, by their type: whose they are, and what they hold."""
-BLIND = 2.0
-"""A state that was entered in a longer silence was entered at an unknown moment of it. [s]"""
+MAX_RADIO_GAP = 2.0
+"""A state entered in a longer radio silence was entered at an unknown moment of it. [s]"""
 POSITION = 5
-FIX, HIGH = 0x10, 0x01
+FIX_BIT, HIGH_BYTE_BIT = 0x10, 0x01
 """The bits of a position that say that it is one, and that its height has a third byte."""
 
 
@@ -100,8 +100,8 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    if len(log) > LARGEST:
-        raise DamagedLog(f"found {len(log)} bytes, expected at most {LARGEST}")
+    if len(log) > MAX_LOG_SIZE:
+        raise DamagedLog(f"found {len(log)} bytes, expected at most {MAX_LOG_SIZE}")
     packets, found = _packets(log)
     if not len(packets):
         raise found[0] if found and isinstance(found[0], DamagedLog) else DamagedLog("found no packet to read", row=1)
@@ -128,7 +128,7 @@ def _packets(log: bytes) -> tuple[Int[Octets, "packet byte"], list[Found]]:
                 elif len(frame) != FRAME:
                     form = "of a version before 1.0" if len(frame) - 4 in OLD_FRAMES else f"of {len(frame) - 4} bytes"
                     left_out[f"packets {form} are not read"] += 1
-                elif not frame[-2] & GOOD:
+                elif not frame[-2] & CHECKSUM_BIT:
                     left_out["packets came with a bad radio checksum"] += 1
                 else:
                     good += frame[1 : 1 + PACKET]
@@ -165,7 +165,7 @@ def _reading(serial: int, packets: Int[Octets, "packet byte"]) -> Reading:
     states = np.isin(kinds, [kind for kind, (_, places) in PACKETS.items() if "state" in places]) & (
         packets[:, 5] <= 10
     )
-    events = entered(packets[states, 5], time[states], blind=BLIND)
+    events = entered(packets[states, 5], time[states], blind=MAX_RADIO_GAP)
     events = {name: when for name, when in events.items() if when > time[states][0]}
     start = events.get("liftoff", float(time[0]))
     order = sorted({*kinds.tolist()} & {*PACKETS}, key=lambda kind: (kind == POSITION, kind))
@@ -197,14 +197,14 @@ def _series(kind: int, packets: Int[Octets, "packet byte"], time: Float[Array, "
 
 def _position(values: dict[str, Any]) -> dict[str, Any]:
     """Positions with nan where there was no fix, and heights with all the bytes they have. [deg, m]"""
-    fixed = values.pop("fixed").astype(int) & FIX == FIX
-    high = values.pop("mode").astype(int) & HIGH == HIGH
+    fixed = values.pop("fixed").astype(int) & FIX_BIT == FIX_BIT
+    high = values.pop("mode").astype(int) & HIGH_BYTE_BIT == HIGH_BYTE_BIT
     whole = values.pop("height_low") + values.pop("height_high") * 65536.0
     values["gps_altitude_msl"] = np.where(high, whole, values["gps_altitude_msl"])
     return {name: np.where(fixed, each, np.nan) for name, each in values.items()}
 
 
-def _values(packets: Int[Octets, "packet byte"], field: Field) -> Float[Array, "packet"]:
+def _values(packets: Int[Octets, "packet byte"], field: PacketField) -> Float[Array, "packet"]:
     counts = _numbers(packets, field.place, field.kind)
     return counts.astype(float) * field.scale + field.offset if field.convert is None else field.convert(counts)
 

@@ -15,13 +15,13 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import SEPARATORS, find_header
 from fieldkit.importing.tables.text import decode, lines_of
 from fieldkit.units import FOOT, STANDARD_GRAVITY, Unit
 
 NAMES = ("met", "acc", "vel", "ialt", "palt")
-RAW = ("met", "acc(hi)")
+RAW_COLUMNS = ("met", "acc(hi)")
 _INTERPRETED = re.compile(r"^\s*#?\s*MET([\s,;]+)Acc\1Vel\1iAlt\1pAlt\s*$", re.IGNORECASE)
 RESTING = 25
 """So many samples at the start, half a second, are taken to be on the pad. [1]"""
@@ -39,7 +39,7 @@ def _interpreted(head: bytes) -> tuple[int, str | None] | None:
 
 
 def _raw(names: Sequence[str]) -> bool:
-    return tuple(name.lstrip("# ") for name in names[:2]) == RAW
+    return tuple(name.lstrip("# ") for name in names[:2]) == RAW_COLUMNS
 
 
 def recognises(head: bytes) -> bool:
@@ -65,7 +65,7 @@ def read(log: bytes) -> list[Found]:
     return [*(Reading(series=_series(part, found), device="ARTS2") for part in parts), *found]
 
 
-def _series(table: Table, notes: list[Found]) -> Series:
+def _series(table: LogTable, notes: list[Found]) -> Series:
     series = table.series()
     level = float(np.median(table.values["acc"][:RESTING])) / STANDARD_GRAVITY
     if abs(level - 1) < 0.2:

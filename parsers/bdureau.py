@@ -27,12 +27,12 @@ WRAP = 65_536.0
 """What a 16-bit print format leaves out. [1]"""
 GROUND = (60_000.0, 110_000.0)
 """Pressure where rockets are launched. [Pa]"""
-MOST, MOST_FLIGHTS = 100_000, 100
+MAX_SAMPLES, MOST_FLIGHTS = 100_000, 100
 """More samples, and more flights, than any of these altimeters can hold. [1]"""
 WIDTH = 12
 """So many numbers of a sample are looked at. [1]"""
 _SENTENCE = re.compile(rb"\$([A-Za-z]{1,20}(?:,[^$;\r\n]{0,400})?);")
-_KNOWN = re.compile(rb"\$(?:data|telemetry|alticonfig),[^;\r\n]{1,400};|\$start;\s{0,4}\$")
+_KNOWN_SENTENCE = re.compile(rb"\$(?:data|telemetry|alticonfig),[^;\r\n]{1,400};|\$start;\s{0,4}\$")
 
 
 def checksum(body: bytes) -> int:
@@ -41,7 +41,7 @@ def checksum(body: bytes) -> int:
 
 
 def recognises(head: bytes) -> bool:
-    return _KNOWN.search(narrow(head)) is not None
+    return _KNOWN_SENTENCE.search(narrow(head)) is not None
 
 
 def _sentences(log: bytes) -> Iterator[tuple[int, list[bytes] | DamagedLog]]:
@@ -80,8 +80,8 @@ def read(log: bytes) -> list[Found]:
                 samples += 1
         except DamagedLog as error:
             damaged.add(error)
-        if samples > MOST or len(live) > MOST * 8 or len(flights) > MOST_FLIGHTS:
-            more = f"{MOST_FLIGHTS} flights" if len(flights) > MOST_FLIGHTS else f"{MOST} samples"
+        if samples > MAX_SAMPLES or len(live) > MAX_SAMPLES * 8 or len(flights) > MOST_FLIGHTS:
+            more = f"{MOST_FLIGHTS} flights" if len(flights) > MOST_FLIGHTS else f"{MAX_SAMPLES} samples"
             raise DamagedLog(f"found more than {more}, expected at most what an altimeter holds", row=row)
     found = damaged.told("sentences")
     if log.rfind(b"$") > log.rfind(b";"):

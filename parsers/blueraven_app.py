@@ -15,7 +15,7 @@ import numpy as np
 
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import marks, scale_at_rest, upright
 from fieldkit.importing.tables.text import decode, lines_of
@@ -79,13 +79,13 @@ def read(log: bytes) -> list[Found]:
     return [*(_low(part, head, log) if low else _high(part, head, log, found) for part in parts), *found]
 
 
-def _low(table: Table, head: Header, log: bytes) -> Reading:
+def _low(table: LogTable, head: Header, log: bytes) -> Reading:
     time = table.values["time"]
     events = marks(time, {name: table.values.get(f"flag {name}") for name in FLAGS.values()})
     return replace(_reading(table.series(), table, head, log), events=events, part="low")
 
 
-def _high(table: Table, head: Header, log: bytes, notes: list[Found]) -> Reading:
+def _high(table: LogTable, head: Header, log: bytes, notes: list[Found]) -> Reading:
     time = table.values["time"]
     axes: Float[Array, "axis row"] = np.array([table.values[name] for name in AXES])
     total: Float[Array, "row"] = np.sqrt((axes**2).sum(axis=0))
@@ -98,12 +98,12 @@ def _high(table: Table, head: Header, log: bytes, notes: list[Found]) -> Reading
     return replace(_reading(series, table, head, log), part="high")
 
 
-def _reading(series: Series, table: Table, head: Header, log: bytes) -> Reading:
+def _reading(series: Series, table: LogTable, head: Header, log: bytes) -> Reading:
     lift_off = _lift_off(table, head, log)
     return Reading({"date_time": lift_off} if lift_off else {}, series=series, device="Blue Raven")
 
 
-def _lift_off(table: Table, head: Header, log: bytes) -> datetime | None:
+def _lift_off(table: LogTable, head: Header, log: bytes) -> datetime | None:
     """When the clock of a flight was zero; the day alone where a spreadsheet has spoilt the time of day."""
     lines = lines_of(decode(log[:HEAD]))
     row = int(table.rows[0])

@@ -14,7 +14,7 @@ from fieldkit.importing.tables.text import decode, lines_of, shown
 from fieldkit.safe_text import printable
 from fieldkit.units import parse
 
-STATED: Mapping[str, tuple[str, str, str]] = {
+STATED_READOUTS: Mapping[str, tuple[str, str, str]] = {
     "max altitude": ("apogee", "length", "ft"),
     "max velocity": ("top_speed", "speed", "ft/s"),
     "time to first burnout": ("burn_time", "time", "s"),
@@ -55,8 +55,8 @@ def read(log: bytes) -> list[Found]:
             continue
         said[key] = value
         try:
-            if key in STATED:
-                name, quantity, unit = STATED[key]
+            if key in STATED_READOUTS:
+                name, quantity, unit = STATED_READOUTS[key]
                 number = _number(value, quantity, unit)
                 stated[name] = abs(number) if name == "descent_speed" else number
             if key in EVENTS:
@@ -86,7 +86,7 @@ def _reading(stated: dict[str, object], events: dict[str, float], said: Mapping[
     serial = said.get("searial number") or said.get("serial number") or ""
     return Reading(
         stated,
-        {printable(k): printable(v) for k, v in said.items() if k not in STATED},
+        {printable(k): printable(v) for k, v in said.items() if k not in STATED_READOUTS},
         events=events,
         device="Blue Raven",
         firmware=said.get("firmware", ""),

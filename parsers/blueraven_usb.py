@@ -28,15 +28,15 @@ from fieldkit.units import DEGREE, FOOT, STANDARD_GRAVITY, UNITS
 KINDS = (b"@ LOG_LOW", b"@ LOG_HIR")
 LINE = 4096
 """The longest line that is looked at; frames have about 200 characters. [bytes]"""
-TOGETHER = 2048
-"""So many lines have their checksums worked out together. [1]"""
-MOST = 1_500_000
+CHECKSUM_BATCH = 2048
+"""Number of lines whose checksums are computed together. [1]"""
+MAX_NUMBERS = 1_500_000
 """More numbers than the flights of a Blue Raven have at one rate. [1]"""
-APART = 60.0
-"""Frames that lie further apart belong to two flights. [s]"""
+MAX_FRAME_GAP = 60.0
+"""Frames further apart than this belong to two flights. [s]"""
 EPOCH = datetime(2000, 1, 1)
-LOW = (("bo", 0), ("bo", 1), ("v", 0), ("vel", 0), ("ang", 0))
-"""The numbers used of a low-rate frame: label and place under it."""
+LOW_RATE_FIELDS = (("bo", 0), ("bo", 1), ("v", 0), ("vel", 0), ("ang", 0))
+"""The numbers used of a low-rate frame: label and index."""
 SCALES = (STANDARD_GRAVITY / 100, STANDARD_GRAVITY / 1000, STANDARD_GRAVITY / 10_000)
 PAD = 0.5
 """So long from the first frame on the rocket is taken to stand on its pad. [s]"""
@@ -44,7 +44,7 @@ _HEAD = re.compile(
     rb"@ LOG_(LOW|HIR)\s+\d+"
     rb"\s+(\d{4})[\s\-/,]+(\d{1,2})[\s\-/,]+(\d{1,2})[\s,]+(\d{1,2}):(\d{1,2}):(\d{1,2})\.(\d{1,6})"
 )
-_CHECKED = re.compile(rb"(@ LOG_.*) CRC:\s*([0-9A-Fa-f]{4})\s*$")
+_CHECKED_LINE = re.compile(rb"(@ LOG_.*) CRC:\s*([0-9A-Fa-f]{4})\s*$")
 _FIELD = re.compile(rb"([A-Za-z]\w*):((?:\s*,?\s*[-+]?\d+(?![\w:.]))+)")
 
 
@@ -69,7 +69,7 @@ _TABLE = np.array(BUYPASS, np.uint16)
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class SampleFrame:
     """One sample: its kind, the logger's clock, and the numbers under each label."""
 
     kind: str
@@ -78,7 +78,7 @@ class Frame:
 
     def numbers(self) -> list[float]:
         """The clock [s from `EPOCH`] and what is used of the sample, nan for what is missing."""
-        wanted: tuple[tuple[str, int], ...] = LOW
+        wanted: tuple[tuple[str, int], ...] = LOW_RATE_FIELDS
         if self.kind == "HIR":
             label = next((name for name, values in self.fields.items() if "acc" in name and len(values) >= 3), "")
             wanted = tuple((label, place) for place in range(3))
@@ -90,10 +90,12 @@ def recognises(head: bytes) -> bool:
     return any(kind in narrow(head) for kind in KINDS)
 
 
-def frames_of(lines: Sequence[bytes]) -> list[Frame | None]:
+def frames_of(lines: Sequence[bytes]) -> list[SampleFrame | None]:
     """The frame of each line, the last one if several were printed over each other; None where none is sound."""
     starts = [line.rfind(b"@ LOG_") for line in lines]
-    checked = [_CHECKED.match(line, start) if start >= 0 else None for line, start in zip(lines, starts, strict=True)]
+    checked = [
+        _CHECKED_LINE.match(line, start) if start >= 0 else None for line, start in zip(lines, starts, strict=True)
+    ]
     good = crcs([match[1] if match else b"" for match in checked])
     return [
         _frame(match[1]) if match and int(match[2], 16) == value else None
@@ -101,7 +103,7 @@ def frames_of(lines: Sequence[bytes]) -> list[Frame | None]:
     ]
 
 
-def _frame(text: bytes) -> Frame | None:
+def _frame(text: bytes) -> SampleFrame | None:
     head = _HEAD.match(text)
     if not head:
         return None
@@ -114,7 +116,7 @@ def _frame(text: bytes) -> Frame | None:
         field[1].decode().lower(): tuple(map(int, re.findall(rb"[-+]?\d{1,9}", field[2])))
         for field in _FIELD.finditer(text, head.end())
     }
-    return Frame(head[1].decode(), moment, fields)
+    return SampleFrame(head[1].decode(), moment, fields)
 
 
 def read(log: bytes) -> list[Found]:
@@ -122,7 +124,7 @@ def read(log: bytes) -> list[Found]:
     lost, first_lost, cut = 0, 0, False
     last = log.count(line_end(log)) + 1
     rows, row = lines(log, LINE), 0
-    while block := list(islice(rows, TOGETHER)):
+    while block := list(islice(rows, CHECKSUM_BATCH)):
         for line, frame in zip(block, frames_of(block), strict=True):
             row += 1
             if frame:
@@ -130,9 +132,9 @@ def read(log: bytes) -> list[Found]:
             elif b"@ LOG_" in line:
                 cut = row == last
                 first_lost, lost = first_lost or row, lost + (not cut)
-        if max(map(len, samples.values())) > MOST:
-            raise DamagedLog(f"found more than {MOST} numbers, expected at most what a Blue Raven holds")
-    low = np.array(samples["LOW"]).reshape(-1, 1 + len(LOW))
+        if max(map(len, samples.values())) > MAX_NUMBERS:
+            raise DamagedLog(f"found more than {MAX_NUMBERS} numbers, expected at most what a Blue Raven holds")
+    low = np.array(samples["LOW"]).reshape(-1, 1 + len(LOW_RATE_FIELDS))
     high = np.array(samples["HIR"]).reshape(-1, 4)
     if not len(low) + len(high):
         raise DamagedLog("found no frame with a good checksum, expected lines of @ LOG_LOW or @ LOG_HIR")
@@ -149,7 +151,7 @@ def _readings(
 ) -> Iterator[Reading]:
     """A reading for each flight: frames of either kind that no gap in the clock parts."""
     clock = np.unique(np.concatenate([low[:, 0], high[:, 0]]))
-    starts = clock[np.concatenate([[True], np.diff(clock) > APART])]
+    starts = clock[np.concatenate([[True], np.diff(clock) > MAX_FRAME_GAP])]
     for zero, end in zip(starts, [*starts[1:], np.inf], strict=True):
         parts = [_ordered(part[(part[:, 0] >= zero) & (part[:, 0] < end)], zero) for part in (low, high)]
         makers: tuple[Callable[[Array, list[Found]], Series], ...] = (_low, _high)

@@ -14,7 +14,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.pad_state import scale_at_rest
 from fieldkit.units import STANDARD_GRAVITY, Unit
@@ -80,7 +80,7 @@ def read(log: bytes) -> list[Found]:
     return [*(Reading(series=series, device="CATS", part=kind_of(head.names)) for series in clocks if series), *found]
 
 
-def _sensors(table: Table) -> list[Table]:
+def _sensors(table: LogTable) -> list[LogTable]:
     """The rows of each sensor by itself: a file of raw samples mixes those of several."""
     if "id" not in table.words:
         return [table]
@@ -89,7 +89,7 @@ def _sensors(table: Table) -> list[Table]:
     return [table.pick(which == number) for _, number in there[:MOST_SENSORS]]
 
 
-def _series(table: Table, notes: list[Found]) -> list[Series]:
+def _series(table: LogTable, notes: list[Found]) -> list[Series]:
     """The samples of one sensor, none if it is not certain what they mean."""
     time, values = table.values["time"], dict(table.values)
     if (pressure := table.get("raw pressure")) is not None:
@@ -107,7 +107,7 @@ def _series(table: Table, notes: list[Found]) -> list[Series]:
     if (satellites := table.get("satellites")) is not None:
         for name in ("latitude", "longitude"):
             values[name] = np.where(satellites > 0, values[name], np.nan)
-    return [Table(values, table.rows).series()]
+    return [LogTable(values, table.rows).series()]
 
 
 PARSER = Parser(

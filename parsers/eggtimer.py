@@ -17,7 +17,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_in
 from fieldkit.importing.tables.pad_state import marks
 from fieldkit.importing.tables.text import lines, narrow
@@ -29,11 +29,11 @@ EVENTS = {"lda": "liftoff", "apogee": "apogee", "n-o": "nose-over", "drogue": "d
 ALTITUDES = {"alt": "", "alt_ft": "ft", "alt (ft)": "ft", "alt(ft)": "ft", "alt_m": "m", "alt (m)": "m", "alt(m)": "m"}
 CLASSIC = ("t", "alt", "vraw", "vfilt")
 SPEEDS = ("fveloc", "veloc", "vfilt")
-EARLY, LATE = (-3.0, -1.0), (-2.0, -0.4)
+EARLY_WINDOW, LATE_WINDOW = (-3.0, -1.0), (-2.0, -0.4)
 """Where before the top the fall is looked at. [s]"""
 FALLS = ((8.2, 17.0), (8.6, 13.0), (8.0, 12.5))
 """What it may be early and late, with some drag, and as what follows of them at no speed: gravity. [m/s^2]"""
-OFF = 0.4
+MAX_TOP_OFFSET = 0.4
 """How far from the top the curve may have its own: a parachute that opens early cuts a flight short. [s]"""
 SLOW_STEP = 2.0
 """A step of the clock above this is in ms: no Eggtimer takes so long in s. [1]"""
@@ -52,7 +52,7 @@ def recognises(head: bytes) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _TextTable:
     """One table of a text: its header, the labels above it, and where its rows begin and end. [bytes]"""
 
     head: Header
@@ -78,9 +78,9 @@ def read(log: bytes) -> list[Found]:
     return [*found, *troubles]
 
 
-def _parts(log: bytes) -> Iterator[_Part]:
+def _parts(log: bytes) -> Iterator[_TextTable]:
     """The tables of a text: each ends where the labels of the next begin, or its header."""
-    part: _Part | None = None
+    part: _TextTable | None = None
     labels: dict[str, str] = {}
     place = 0
     for row, line in enumerate(lines(log), start=1):
@@ -91,7 +91,7 @@ def _parts(log: bytes) -> Iterator[_Part]:
         if head := header_in(text, row, _fits):
             if part:
                 yield replace(part, stop=min(part.stop, begin))
-            part, labels = _Part(head, labels, place, len(log)), {}
+            part, labels = _TextTable(head, labels, place, len(log)), {}
         elif (label := _LABEL.match(text)) and len(labels) < MOST_LABELS:
             labels[printable(label[1])] = printable(label[2].rstrip(",;\t "))
             part = replace(part, stop=min(part.stop, begin)) if part else None
@@ -99,7 +99,7 @@ def _parts(log: bytes) -> Iterator[_Part]:
         yield replace(part, summary=part.summary or labels)
 
 
-def _flights(log: bytes, part: _Part) -> list[Found]:
+def _flights(log: bytes, part: _TextTable) -> list[Found]:
     """The flight of one table, or several where its clock starts anew."""
     head, last = part.head, part.stop == len(log)
     body, above = (log, 0) if last else (log[part.start : part.stop], head.row)
@@ -118,7 +118,7 @@ def _flights(log: bytes, part: _Part) -> list[Found]:
     return [*found, *(_below(remark, above) for remark in remarks)]
 
 
-def _unit(table: Table, head: Header) -> str:
+def _unit(table: LogTable, head: Header) -> str:
     """The unit of the heights of a table. Raises DamagedLog where nothing settles it."""
     settled = "ft" if head.names[:4] == CLASSIC else ALTITUDES[head.names[1]]
     settled = settled or unit_of_fall(_seconds(table), table.values["altitude"])
@@ -128,13 +128,13 @@ def _unit(table: Table, head: Header) -> str:
     return settled
 
 
-def _seconds(table: Table) -> Float[Array, "row"]:
+def _seconds(table: LogTable) -> Float[Array, "row"]:
     time = table.values["time"]
     steps = np.diff(time[:40])
     return time * (1e-3 if len(steps) and np.median(steps) > SLOW_STEP else 1.0)
 
 
-def _reading(table: Table, part: _Part) -> Reading:
+def _reading(table: LogTable, part: _TextTable) -> Reading:
     time, length, velocity = _seconds(table), UNITS["length"][_unit(table, part.head)], table.get("speed")
     series = Series(
         time=time,
@@ -146,7 +146,7 @@ def _reading(table: Table, part: _Part) -> Reading:
     return Reading(stated, part.summary, series=series, events=events, device="Eggtimer")
 
 
-def _why(table: Table, head: Header) -> str:
+def _why(table: LogTable, head: Header) -> str:
     why = "as the Classic prints it" if head.names[:4] == CLASSIC else "as its fall near the top shows"
     return f"bears no units; altitude is taken in {_unit(table, head)}, {why}"
 
@@ -169,9 +169,9 @@ def unit_of_fall(time: Float[Array, "row"], altitude: Float[Array, "row"]) -> st
     top = int(np.argmax(middle))
     if top > len(middle) - 5 or middle[top] - middle[-1] < 0.02 * (middle[top] - middle[0]):
         return ""
-    fall, speed, peak = _fall(clock - clock[top], middle, *LATE)
-    before, faster, _ = _fall(clock - clock[top], middle, *EARLY)
-    if not (abs(peak) < OFF and faster > speed):
+    fall, speed, peak = _fall(clock - clock[top], middle, *LATE_WINDOW)
+    before, faster, _ = _fall(clock - clock[top], middle, *EARLY_WINDOW)
+    if not (abs(peak) < MAX_TOP_OFFSET and faster > speed):
         return ""
     still = fall - (before - fall) / (faster**2 - speed**2) * speed**2
     for unit in ("m", "ft"):

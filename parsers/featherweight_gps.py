@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.flight import Series
 from fieldkit.importing import HEAD, Found, Note, Parser, Reading
 from fieldkit.importing.tables.clocks import in_order
-from fieldkit.importing.tables.columns import Table, read_columns
+from fieldkit.importing.tables.columns import LogTable, read_columns
 from fieldkit.importing.tables.header import Header, find_header, header_or_damage
 from fieldkit.importing.tables.text import decode, lines, lines_of, narrow
 from fieldkit.safe_text import printable
@@ -89,7 +89,7 @@ def _seconds(log: bytes, head: Header) -> Iterator[bytes]:
         yield mark.join(cells)
 
 
-def _trackers(table: Table) -> list[tuple[str, Table]]:
+def _trackers(table: LogTable) -> list[tuple[str, LogTable]]:
     if "tracker" not in table.words:
         return [("", table)]
     names, which = table.words["tracker"]
@@ -105,7 +105,7 @@ def _series(time: np.ndarray, values: dict[str, np.ndarray]) -> Series:
     return Series(time=time, **{name: column for name, column in values.items() if not np.isnan(column).all()})
 
 
-def _utc(log: bytes, head: Header, table: Table, time: np.ndarray) -> dict[str, str]:
+def _utc(log: bytes, head: Header, table: LogTable, time: np.ndarray) -> dict[str, str]:
     """The stated UTC of the earliest row, where it stands near the start of the log."""
     place = head.place("utctime")
     texts = lines_of(decode(log[:HEAD]))

@@ -21,13 +21,13 @@ from importlib.resources import files
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
-from fieldkit.flight.readout import Beside, beside
+from fieldkit.flight.readout import ReadoutColumn, beside
 from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
 from fieldkit.safe_text import from_cell, printable
 
 SEPARATORS = (",", ";", "\t")
-OURS = ("flight_id", "rocket", "config", "motor", "date_time")
+OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
 """Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
 NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
@@ -35,7 +35,7 @@ NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "typ
 
 
 @dataclass(frozen=True, slots=True)
-class Heading:
+class ColumnRole:
     """What one column holds: a field of `Flight`, what stands `beside` a readout, or neither.
 
     `unit` is empty if cells bring theirs.
@@ -44,7 +44,7 @@ class Heading:
     spelled: str
     field: str = ""
     unit: str = ""
-    beside: Beside | None = None
+    beside: ReadoutColumn | None = None
 
     @property
     def key(self) -> str:
@@ -56,11 +56,11 @@ def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
     fields = {_heading(name, strict=False, taken=_synonyms().values()).field for name in spelled}
-    if {"date_time"} == fields & set(OURS) and not fields & {column.name for column in READOUTS}:
+    if {"date_time"} == fields & set(OWN_COLUMNS) and not fields & {column.name for column in READOUTS}:
         return False  # a log of samples has a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
     named = {_heading(name, strict=False, taken=fields).field for name in spelled}
-    if not ours and named & set(OURS) and named & {column.name for column in READOUTS}:
+    if not ours and named & set(OWN_COLUMNS) and named & {column.name for column in READOUTS}:
         ours = [place for place, name in enumerate(spelled) if _heading(name, strict=False).field in named - {""}]
     return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
 
@@ -98,7 +98,7 @@ def _is_known(spelled: str) -> bool:
 
 def _is_ours(spelled: str) -> bool:
     heading = _heading(spelled, strict=False, taken=_synonyms().values())
-    return heading.field in OURS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
+    return heading.field in OWN_COLUMNS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
 
 
 def _plain(spelled: str) -> str:
@@ -121,7 +121,7 @@ def _ours(plain: str, taken: Collection[str]) -> str:
     return plain
 
 
-def _heading(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Heading:
+def _heading(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> ColumnRole:
     """What a header stands for; another name of a field counts where none of those `taken` has its own.
 
     Raises BadValue for a column we know in a unit we do not, unless another column already holds the
@@ -129,22 +129,22 @@ def _heading(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Head
     """
     plain = _ours(_plain(spelled), taken)
     if plain in TEXT_COLUMNS or plain in BY_NAME:
-        return Heading(spelled.strip(), plain)
+        return ColumnRole(spelled.strip(), plain)
     if told := _beside(plain, strict=strict):
-        return Heading(spelled.strip(), unit=told.unit, beside=told)
+        return ColumnRole(spelled.strip(), unit=told.unit, beside=told)
     for name in sorted(BY_NAME, key=len, reverse=True):
         column, ending = BY_NAME[name], plain.removeprefix(f"{name}_")
         if ending == plain:
             continue
         if ending in units.UNITS[column.quantity]:
-            return Heading(spelled.strip(), name, ending)
+            return ColumnRole(spelled.strip(), name, ending)
         if strict and "_" not in ending and ending not in NO_UNITS:
             units.unit(column.quantity, ending)
         break
-    return Heading(spelled.strip())
+    return ColumnRole(spelled.strip())
 
 
-def _beside(plain: str, *, strict: bool) -> Beside | None:
+def _beside(plain: str, *, strict: bool) -> ReadoutColumn | None:
     """What stands beside a readout in a column. Raises BadValue for a unit that it cannot have, where `strict`."""
     try:
         return beside(plain)
@@ -154,13 +154,15 @@ def _beside(plain: str, *, strict: bool) -> Beside | None:
         return None
 
 
-def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
+def _headings(spelled: Sequence[str], row: int) -> list[ColumnRole]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
     own = {_heading(name, strict=False, taken=_synonyms().values()).field for name in spelled}
     certain = {_heading(name, strict=False, taken=own).field for name in spelled}
     if not certain - {""}:
-        raise DamagedLog(f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1)
-    headings: list[Heading] = []
+        raise DamagedLog(
+            f"found no column of the flight table, expected some of {', '.join(OWN_COLUMNS)}", row=row or 1
+        )
+    headings: list[ColumnRole] = []
     seen: dict[str, str] = {"": ""}
     for name in spelled:
         try:
@@ -192,14 +194,14 @@ _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2}([.,])\d{3}(?![\d.,eE])")
 """`1,148` and `1.148`: a number with three decimals or one above a thousand."""
 
 
-def _numbers(headings: Sequence[Heading], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
+def _numbers(headings: Sequence[ColumnRole], table: Iterable[tuple[int, list[str] | DamagedLog]]) -> Iterator[str]:
     """Every cell of the columns that hold numbers."""
     for _, cells in table:
         if not isinstance(cells, DamagedLog):
             yield from (c for h, c in zip(headings, cells, strict=False) if _holds_numbers(h))
 
 
-def _holds_numbers(heading: Heading) -> bool:
+def _holds_numbers(heading: ColumnRole) -> bool:
     return heading.field in BY_NAME or (heading.beside is not None and heading.beside.part == "sd")
 
 
@@ -221,7 +223,7 @@ def _decimal_mark(numbers: Iterable[str], separator: str) -> str:
 
 
 def _reading(
-    row: int, cells: list[str] | DamagedLog, headings: Sequence[Heading], mark: str, separator: str
+    row: int, cells: list[str] | DamagedLog, headings: Sequence[ColumnRole], mark: str, separator: str
 ) -> Reading | DamagedLog:
     """The flight of one row, or what is wrong with the row."""
     if isinstance(cells, DamagedLog):
@@ -232,7 +234,7 @@ def _reading(
         return DamagedLog(found + hint, row=row)
     stated: dict[str, object] = {}
     extra: dict[str, str] = {}
-    known: dict[Beside, object] = {}
+    known: dict[ReadoutColumn, object] = {}
     for heading, cell in zip(headings, cells, strict=False):
         try:
             if heading.field:
@@ -254,7 +256,7 @@ def _reading(
     return Reading(stated, extra, columns, row)
 
 
-def _value_beside(cell: str, heading: Heading, place: Beside, mark: str) -> object:
+def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
     """The value of a cell beside a readout: a standard deviation in SI, or a source. Raises BadValue. [SI]"""
     cell = cell.strip()
     if cell.lower() in NOT_RECORDED:
@@ -264,13 +266,13 @@ def _value_beside(cell: str, heading: Heading, place: Beside, mark: str) -> obje
     return place.read(from_cell(cell))
 
 
-def _known_header(cell: str, heading: Heading) -> str:
+def _known_header(cell: str, heading: ColumnRole) -> str:
     if not heading.spelled:
         raise BadValue(f"found {shown(cell)} under an empty header, expected the header to be named")
     return from_cell(cell)
 
 
-def _value(cell: str, heading: Heading, mark: str) -> object:
+def _value(cell: str, heading: ColumnRole, mark: str) -> object:
     """The value of a cell: SI, a date, tags or text. Raises BadValue. [SI]"""
     if heading.field not in BY_NAME:
         cell = from_cell(cell)
@@ -285,7 +287,7 @@ def _value(cell: str, heading: Heading, mark: str) -> object:
     return cell.strip()
 
 
-def _check_number(cell: str, column: Column, heading: Heading, mark: str) -> None:
+def _check_number(cell: str, column: Column, heading: ColumnRole, mark: str) -> None:
     """Raise BadValue for a cell whose number or unit is in doubt."""
     thousands = _THOUSANDS.match(cell)
     if thousands and thousands[1] != mark:
@@ -297,7 +299,7 @@ def _check_number(cell: str, column: Column, heading: Heading, mark: str) -> Non
         raise BadValue(f"found {shown(cell)} without a unit, expected one as in {cell} {column.unit}")
 
 
-def _number(cell: str, heading: Heading, mark: str) -> float:
+def _number(cell: str, heading: ColumnRole, mark: str) -> float:
     column = BY_NAME[heading.field]
     _check_number(cell, column, heading, mark)
     try:

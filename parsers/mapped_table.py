@@ -15,9 +15,9 @@ from datetime import UTC, datetime
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import HEAD, Choice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
 from fieldkit.importing.tables.column_choice import (
-    ENOUGH,
+    SUFFICIENT_CHANNELS,
     Pick,
     chosen,
     guessed,
@@ -27,7 +27,7 @@ from fieldkit.importing.tables.column_choice import (
     to_si,
 )
 from fieldkit.importing.tables.column_units import AXES, units_of
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.layout import Layout, layout_of
 from fieldkit.importing.tables.mapping import choice_for
@@ -38,21 +38,21 @@ from fieldkit.safe_text import printable
 from fieldkit.shapes import Array, Float
 from fieldkit.units import Unit
 
-SHORT = 10
-"""So many rows between two jumps of a clock are a flight, if there is a longer one. [1]"""
+MIN_FLIGHT_ROWS = 10
+"""Rows between two jumps of a clock that make a flight, if there is a longer one. [1]"""
 
 
 def recognises(head: bytes) -> bool:
     layout = layout_of(head)
     named = {pick.channel for pick in guessed(layout)}
-    return layout.named and "time" in named and bool(named & set(ENOUGH))
+    return layout.named and "time" in named and bool(named & set(SUFFICIENT_CHANNELS))
 
 
 def read(log: bytes) -> list[Found]:
     return read_mapped(log, ())
 
 
-def read_mapped(log: bytes, choices: Sequence[Choice]) -> list[Found]:
+def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
     """The flights of a table by the first choice that is for it; raises DamagedLog that says what to write."""
     layout = layout_of(log[:HEAD])
     choice = choice_for(layout.headers, choices)
@@ -70,12 +70,14 @@ def read_mapped(log: bytes, choices: Sequence[Choice]) -> list[Found]:
         if not missing_channel({pick.channel for pick in beside}):
             more, other = _one_table(log, layout, beside, None)
             line, found = f"{line}; beside it, {more}", _together(found, other)
-    kept = Choice(choice.channels if choice else {}, layout.headers if layout.named else ())
+    kept = ColumnChoice(choice.channels if choice else {}, layout.headers if layout.named else ())
     mapped = Mapped(line, layout.above or None, kept, chosen=choice is not None and not choice.headers)
     return [mapped, *found]
 
 
-def _one_table(log: bytes, layout: Layout, picks: Sequence[Pick], choice: Choice | None) -> tuple[str, list[Found]]:
+def _one_table(
+    log: bytes, layout: Layout, picks: Sequence[Pick], choice: ColumnChoice | None
+) -> tuple[str, list[Found]]:
     """How the picked columns are read, in a line, and the flights in them."""
     table = _table(log, layout, picks)
     picks, values = one_a_channel(picks, table)
@@ -107,7 +109,7 @@ def _channels(reading: Reading) -> set[str]:
     return set(named) - {"time"}
 
 
-def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> Table:
+def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> LogTable:
     """The picked columns as they stand, each under its place; without samples that no sensor gives."""
     alone = len(side_by_side(layout)) == 1  # of tables side by side one ends before the other
     channels = [
@@ -121,7 +123,10 @@ def _table(log: bytes, layout: Layout, picks: Sequence[Pick]) -> Table:
 
 
 def _line(
-    picks: Sequence[Pick], units: Mapping[str, tuple[Unit, str, str]], left_out: Sequence[str], choice: Choice | None
+    picks: Sequence[Pick],
+    units: Mapping[str, tuple[Unit, str, str]],
+    left_out: Sequence[str],
+    choice: ColumnChoice | None,
 ) -> str:
     """The mapping in one line."""
     parts = []
@@ -145,7 +150,7 @@ def _column_of(picks: Sequence[Pick], channel: str) -> str:
     return names.get(channel) or names.get(_ALIASES.get(channel, ""), "")
 
 
-def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[Found]:
+def _readings(table: LogTable, values: Mapping[str, Float[Array, "row"]]) -> list[Found]:
     """A reading for every flight of the table, each with a clock that never runs backwards."""
     time = values["time"]
     extra = {}
@@ -153,22 +158,24 @@ def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[F
         begin = datetime.fromtimestamp(float(time[0]), UTC)
         extra["log_started_utc"] = begin.isoformat(timespec="seconds").replace("+00:00", "Z")
         time = time - time[0]
-    table = Table({**values, "time": time}, table.rows, found=table.found)
+    table = LogTable({**values, "time": time}, table.rows, found=table.found)
     table = table.pick(np.isfinite(time))
     if not len(table):
         raise DamagedLog("found no time in any row, expected numbers")
     parts, found = table.flights()
     longest = max(map(len, parts))
-    whole = [part for part in parts if len(part) >= min(SHORT, longest)]
+    whole = [part for part in parts if len(part) >= min(MIN_FLIGHT_ROWS, longest)]
     if len(whole) < len(parts):
         found.append(
-            Note(f"left out {len(parts) - len(whole)} pieces of less than {SHORT} rows, where the clock jumps")
+            Note(
+                f"left out {len(parts) - len(whole)} pieces of less than {MIN_FLIGHT_ROWS} rows, where the clock jumps"
+            )
         )
     readings = [Reading(extra=extra, row=int(part.rows[0]), series=_with_total(part).series()) for part in whole]
     return [*readings, *found]
 
 
-def _with_total(table: Table) -> Table:
+def _with_total(table: LogTable) -> LogTable:
     """The table with what three axes come to, where it lacks that: their magnitude, and the push along the rocket."""
     if not all(name in table.values for name in AXES):
         return table
@@ -178,7 +185,7 @@ def _with_total(table: Table) -> Table:
     along = None if {"felt", "acceleration"} & values.keys() else along_thrust(values["time"], axes)
     if along is not None:
         values["felt"] = along
-    return Table(values, table.rows)
+    return LogTable(values, table.rows)
 
 
 PARSER = Parser("Any table of samples (CSV), by its columns", recognises, read, fallback=True, mapped=read_mapped)

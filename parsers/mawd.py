@@ -21,8 +21,8 @@ from fieldkit.units import FOOT
 STATISTICS = re.compile(rb"^G(\d{5})\s+A(\d{5})\s+N(\d{5})\s+D(\d{5})\s+M(\d{5})\s*$", re.MULTILINE)
 SAMPLE = re.compile(r"([^\r\n])(\d{4})")
 INTERVAL = slice(20, 22)
-LARGEST = 4 << 20
-"""No MAWD answers more: a sample is a line of 7 bytes, and their number has five digits. [bytes]"""
+MAX_LOG_SIZE = 4 << 20
+"""No MAWD answers more: a sample is a line of 7 bytes, and their number has five digits. [byte]"""
 
 
 def recognises(head: bytes) -> bool:
@@ -30,8 +30,8 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    if len(log) > LARGEST:
-        expected = f"expected at most {LARGEST} for the 99999 samples that its statistics can count"
+    if len(log) > MAX_LOG_SIZE:
+        expected = f"expected at most {MAX_LOG_SIZE} for the 99999 samples that its statistics can count"
         raise DamagedLog(f"found {len(log)} bytes, {expected}")
     log = _plain(log).rstrip(b"\0\x1a")
     found = list(STATISTICS.finditer(log))

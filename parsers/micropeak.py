@@ -25,26 +25,26 @@ from fieldkit.importing.tables.text import narrow
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
-BETWEEN = b" \t\r\n\v\f\0"
+SEPARATOR_BYTES = b" \t\r\n\v\f\0"
 START = re.compile(rb"MP(?=[\s\0]*[0-9a-fA-F])")
 DIGITS = re.compile(rb"[0-9a-fA-F]{20,}")
-LONGEST = 4 << 20
-"""More digits, and what is between them, than a day of flight has."""
+MAX_LOG_SIZE = 4 << 20
+"""Size limit: more than the digits and separators of a day of flight. [byte]"""
 MOST_FLIGHTS = 100
 """A file of more transmissions is read up to here. [1]"""
-LEAST, MOST = 10_000, 120_000
-"""Between these the pressure of the ground can be. [Pa]"""
+MIN_GROUND_PRESSURE, MAX_GROUND_PRESSURE = 10_000, 120_000
+"""Range of the pressure on the ground. [Pa]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Model:
+class DeviceModel:
     """A device that speaks this way, and how far apart its samples are. [s]"""
 
     name: str
     step: float
 
 
-MODELS = (Model("MicroPeak", 0.192), Model("MicroKite", 19.2), Model("MicroPeak 2", 0.1))
+MODELS = (DeviceModel("MicroPeak", 0.192), DeviceModel("MicroKite", 19.2), DeviceModel("MicroPeak 2", 0.1))
 
 
 def recognises(head: bytes) -> bool:
@@ -68,7 +68,7 @@ def _plain(log: bytes) -> bytes:
 def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
     """Where `MP` and enough hex digits for a header are, and the digits, without what is between them."""
     for match in START.finditer(log):
-        text = log[match.end() : match.end() + LONGEST].translate(None, BETWEEN)
+        text = log[match.end() : match.end() + MAX_LOG_SIZE].translate(None, SEPARATOR_BYTES)
         digits = DIGITS.match(text)
         if digits:
             yield match.start(), digits[0]
@@ -77,7 +77,7 @@ def _transmissions(log: bytes) -> Iterator[tuple[int, bytes]]:
 def _is_header(data: bytes) -> bool:
     """Whether bytes begin a flight or the memory of one that was erased."""
     ground, _, count = struct.unpack("<IIH", data)
-    return (LEAST < ground < MOST and count >> 12 < len(MODELS)) or data == b"\xff" * 10
+    return (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and count >> 12 < len(MODELS)) or data == b"\xff" * 10
 
 
 def _flight(digits: bytes, row: int) -> list[Found]:
@@ -99,7 +99,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
         if got != expected:
             return [DamagedLog(f"found checksum {got:04x}, expected {expected:04x}; capture it once more", row=row)]
     samples = np.frombuffer(data[begin : min(end, begin + (len(data) - begin) // 2 * 2)], "<u2").astype(float)
-    if not (LEAST < ground < MOST and 0 < least <= ground + 1000):
+    if not (MIN_GROUND_PRESSURE < ground < MAX_GROUND_PRESSURE and 0 < least <= ground + 1000):
         return [DamagedLog(f"found {ground} Pa on the ground and {least} Pa above it, expected air", row=row)]
     if not len(samples):
         return [DamagedLog("found no samples, expected at least one", row=row)]
@@ -109,7 +109,7 @@ def _flight(digits: bytes, row: int) -> list[Found]:
     return found
 
 
-def _reading(model: Model, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:
+def _reading(model: DeviceModel, ground: int, least: int, samples: Float[Array, "sample"]) -> Reading:
     pressure = _whole(ground, samples)
     pad, apogee = pressure_height(np.array([ground, least], float))
     try:

@@ -33,11 +33,11 @@ _STATE = re.compile(
     r"(?P<name>.*) \((?P<state>Up to date|Out of date|Data loaded from a file|Imported data|Not simulated yet)\)\s*$"
 )
 _HEADER = re.compile(r'"?(?P<mark>[^\w\s("]{0,4})\s*(?P<first>[^\W\d_]{2,20}) \((?P<unit>[^()]{1,8})\)"?(?P<after>.?)')
-_SIMULATED = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
+_SIMULATED_CHANNELS = ("thrust", "mass", "drag", "drag coefficient", "mach number", "reynolds number", "cp location")
 
 
 @dataclass(frozen=True, slots=True)
-class Header:
+class ExportHeader:
     """The names of the columns, the row they are on, and the marks of this export; `mark` is "" if it is off.
 
     `quoted` where a spreadsheet put quotation marks about every cell, the comments among them.
@@ -57,7 +57,7 @@ def recognises(head: bytes) -> bool:
         return False
     if header.mark or _EVENT.search(text) or _POINTS.search(text):
         return True
-    return any(" ".join(heading(name).words) in _SIMULATED for name in header.names)
+    return any(" ".join(heading(name).words) in _SIMULATED_CHANNELS for name in header.names)
 
 
 def read(log: bytes) -> list[Found]:
@@ -74,7 +74,7 @@ def read(log: bytes) -> list[Found]:
     return [replace(item, events=events, extra=extra) if isinstance(item, Reading) else item for item in found]
 
 
-def _header(text: str) -> Header | None:
+def _header(text: str) -> ExportHeader | None:
     """The line of names, in which time comes with its unit and every cell ends in brackets."""
     for row, line in enumerate(lines_of(text)[:500], start=1):
         match = _HEADER.match(line)
@@ -85,7 +85,7 @@ def _header(text: str) -> Header | None:
             bracketed = all(name.endswith(")") for name in names)
             heights = any(channel_of(heading(name)) == "altitude" for name in names)
             if bracketed and (heights or match["mark"]) and len(names) > 1:
-                return Header(tuple(names), row, separator, match["mark"], line.startswith('"'))
+                return ExportHeader(tuple(names), row, separator, match["mark"], line.startswith('"'))
     return None
 
 

@@ -18,19 +18,19 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME
 from fieldkit.flight.plausibility import check
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.text import first_lines, shown
 
 MOST_ABOVE = 5
 """Among so many lines is the first, behind blank ones or a title. [1]"""
 MOST_HEADER = 100
 """The row of columns is looked for among so many lines. [1]"""
-ERASED = 25.50
-"""What the highest byte is as a battery: no sample was written here. [V]"""
+ERASED_VOLTAGE = 25.50
+"""The battery voltage of an erased byte: no sample was written here. [V]"""
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
 DATA = re.compile(r"\s*\"?Data\s*:.*Time.*Altitude", re.IGNORECASE)
-STATED = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
-KEPT = (
+STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
+KEPT_FIELDS = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
     *("Max Drogue Current", "Max Main Current"),
 )
@@ -54,8 +54,8 @@ def read(log: bytes) -> list[Found]:
     parts, found = written.flights()
     first = Reading(
         stated=_stated(header, remarks),
-        extra={name: header[name] for name in KEPT if header.get(name)},
-        columns=STATED,
+        extra={name: header[name] for name in KEPT_FIELDS if header.get(name)},
+        columns=STATED_READOUTS,
         series=parts[0].series(),
         events=_events(header),
         device=header.get("PerfectFlite", ""),
@@ -83,7 +83,7 @@ def _header(log: bytes) -> tuple[Mapping[str, str], int, str]:
     raise DamagedLog("found no line of columns, expected one such as Data: (Time, Altitude, Velocity", row=1)
 
 
-def _table(log: bytes, data_row: int, data: str) -> Table:
+def _table(log: bytes, data_row: int, data: str) -> LogTable:
     unit = re.search(r"Temp\w*\.?\s*\(\s*°?\s*([FC])\s*\)", data, re.IGNORECASE)
     channels = [
         Channel("time", 0, needed=True, header="Time"),
@@ -97,12 +97,12 @@ def _table(log: bytes, data_row: int, data: str) -> Table:
     return read_columns(log, channels, after=data_row, separator=parted[1] if parted else ",", widths=range(3, 6))
 
 
-def _written(table: Table) -> int:
+def _written(table: LogTable) -> int:
     """How many rows there are before those that were never written, up to the end of the log.
 
     The last row tells nothing: it may be cut off within its voltage.
     """
-    written = np.flatnonzero(table.values["voltage"][:-1] != ERASED)
+    written = np.flatnonzero(table.values["voltage"][:-1] != ERASED_VOLTAGE)
     last = int(written[-1]) + 1 if len(written) else 0
     return last if 0 < last < len(table) - 1 else len(table)
 
@@ -112,7 +112,7 @@ def _stated(header: Mapping[str, str], found: list[Found]) -> dict[str, object]:
     stated: dict[str, object] = {"notes": header["Comments"]} if header.get("Comments") else {}
     if "Apogee" in header and not header["Apogee"]:
         found.append(Note("says PWRLOSS where the apogee should be"))
-    for field, name in STATED.items():
+    for field, name in STATED_READOUTS.items():
         text = header.get(name, "")
         feet = re.match(r"\s*(-?\d{1,6})\s*(?:'|ft)", text)
         if feet:

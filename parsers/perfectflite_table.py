@@ -22,7 +22,7 @@ FIRST_ROWS = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class ExportLayout:
     """How an export is laid out; `header_row` 0 is none, `voltage_suffix` ends every cell of voltage."""
 
     header_row: int
@@ -59,7 +59,7 @@ def read(log: bytes) -> list[Found]:
     return found
 
 
-def _layout(log: bytes) -> Layout | None:
+def _layout(log: bytes) -> ExportLayout | None:
     """How a log is laid out, None if it is no such export."""
     lines = enumerate((line.rstrip(",;\t ") for line in first_lines(log, most=FIRST_ROWS)), start=1)
     rows = [(row, line) for row, line in lines if line and not line.startswith("sep=")]
@@ -84,7 +84,7 @@ def _layout(log: bytes) -> Layout | None:
     if not seen:
         return None
     temperature, voltage = seen.most_common(1)[0][0]
-    return Layout(row, separator, _length(unit, row), temperature, voltage)
+    return ExportLayout(row, separator, _length(unit, row), temperature, voltage)
 
 
 def _kind(line: str, separator: str) -> tuple[str, str] | None:

@@ -15,8 +15,8 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Parser, Reading
-from fieldkit.importing.tables.clocks import LATEST, in_order
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.clocks import MAX_CLOCK, in_order
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.importing.tables.text import lines, narrow
 from fieldkit.shapes import Array, Float
@@ -36,8 +36,8 @@ CHANNELS: Mapping[str, tuple[str, Unit]] = {
     "volts battery (v)": ("voltage", Unit(1.0)),
 }
 """Channels by header, the logger's own before what was computed from them."""
-LARGEST = 1 << 25
-"""More than a Raven holds, exported. [bytes]"""
+MAX_LOG_SIZE = 1 << 25
+"""More than the exported memory of a Raven. [byte]"""
 EVENTS = {"liftoff": 2, "burnout": 3, "apogee": 4}
 """The place of each flag in a cell such as `b1100`."""
 
@@ -51,8 +51,8 @@ def recognises(head: bytes) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
-    if len(log) > LARGEST:
-        raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {LARGEST >> 20} MB of a Raven")
+    if len(log) > MAX_LOG_SIZE:
+        raise DamagedLog(f"found {len(log) >> 20} MB, expected at most {MAX_LOG_SIZE >> 20} MB of a Raven")
     log = narrow(log)
     head = header_or_damage(log, _fits, "Time@<channel>,<channel>,bILBA for every channel")
     places: dict[str, int] = {}
@@ -87,7 +87,7 @@ def _whole_rows(log: bytes, channels: int, mark: bytes) -> Iterator[bytes]:
         yield mark.join(row) if place <= len(cells) and not any(map(bytes.strip, cells[place:])) else line
 
 
-def _clocks(table: Table, places: Mapping[str, int]) -> tuple[Series, ...]:
+def _clocks(table: LogTable, places: Mapping[str, int]) -> tuple[Series, ...]:
     """The samples, channels together that were taken at the same times."""
     found: list[Series] = []
     for name, place in places.items():
@@ -108,14 +108,14 @@ def _series(series: Series, name: str, values: Float[Array, "time"]) -> Series:
     return series if np.isnan(values).all() else replace(series, **{name: values})
 
 
-def _events(table: Table) -> dict[str, float]:
+def _events(table: LogTable) -> dict[str, float]:
     """When each flag is first set on any channel, for some end before others. [s]"""
     events: dict[str, float] = {}
     for place, (known, which) in table.words.items():
         time = table.values[f"time {place}"]
         for event, digit in EVENTS.items():
             said = [i for i, word in enumerate(known) if len(word) == 5 and word[digit] == "1"]
-            times = time[np.isin(which, said) & (np.abs(time) < LATEST)]
+            times = time[np.isin(which, said) & (np.abs(time) < MAX_CLOCK)]
             if len(times):
                 events[event] = min(float(times.min()), events.get(event, np.inf))
     return events

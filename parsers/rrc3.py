@@ -15,7 +15,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.header import find_header, header_or_damage
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
@@ -30,8 +30,8 @@ AIR = (100.0, 115_000.0)
 """What an altimeter can measure at all. [Pa]"""
 CLIMB = 20.0
 """Heights below this say nothing about units: noise is as large. [m]"""
-AGREES = 0.08
-"""How far the ratio of two heights may be from that of their units: air is not standard. [1]"""
+HEIGHT_RATIO_TOLERANCE = 0.08
+"""How far the ratio of two heights may be from that of their units: real air is not standard air. [1]"""
 TAIL, JUMP = 3, 5_000.0
 """A pressure that jumps so far from the row before, among so many last rows, is garbage. [1], [Pa]"""
 
@@ -60,7 +60,7 @@ def read(log: bytes) -> list[Found]:
     return [*(reading for reading in readings if reading), *found]
 
 
-def _reading(table: Table, found: list[Found]) -> Reading | None:
+def _reading(table: LogTable, found: list[Found]) -> Reading | None:
     """The flight of a table, or None if its pressures are of no air."""
     events = _events(table)
     table, garbage = _without_garbage(table)
@@ -72,7 +72,7 @@ def _reading(table: Table, found: list[Found]) -> Reading | None:
     return Reading(series=series, events=events, device="RRC3")
 
 
-def _events(table: Table) -> dict[str, float]:
+def _events(table: LogTable) -> dict[str, float]:
     """The words among the samples, each with the time of its first row. [s]"""
     events: dict[str, float] = {}
     for name in WORDS:
@@ -84,14 +84,14 @@ def _events(table: Table) -> dict[str, float]:
     return events
 
 
-def _temperature(table: Table) -> Float[Array, "row"] | None:
+def _temperature(table: LogTable) -> Float[Array, "row"] | None:
     """The temperature in the log's own degrees, or None."""
     known, which = table.words["temperature"]
     degrees = np.array([float(word) if re.fullmatch(r"\s*-?\d{1,3}([.]\d*)?\s*", word) else np.nan for word in known])
     return None if np.isnan(degrees[which]).all() else degrees[which]
 
 
-def _without_garbage(table: Table) -> tuple[Table, list[Found]]:
+def _without_garbage(table: LogTable) -> tuple[LogTable, list[Found]]:
     """The table up to the first of its last rows whose pressure cannot follow the one before."""
     pressure = table.values["pressure"]
     jumps = np.flatnonzero(np.abs(np.diff(pressure)) > JUMP) + 1
@@ -109,7 +109,7 @@ def _without_garbage(table: Table) -> tuple[Table, list[Found]]:
     return table.pick(slice(0, bad[0])), list(damaged)
 
 
-def _settled(table: Table) -> tuple[Series, Note]:
+def _settled(table: LogTable) -> tuple[Series, Note]:
     """The samples in SI, and by what the units were settled."""
     time, pressure, printed = (table.values[name] for name in ("time", "pressure", "altitude"))
     series = Series(time=time, pressure=pressure, voltage=table.get("voltages"))
@@ -123,14 +123,14 @@ def _settled(table: Table) -> tuple[Series, Note]:
     ratio = float(np.nanmedian((printed - printed[ground])[far] / climbed[far])) if far.sum() >= 10 else np.nan
     for length, degrees in (("m", "c"), ("ft", "f")):
         unit = UNITS["length"][length]
-        if abs(ratio * unit.factor - 1) < AGREES:
+        if abs(ratio * unit.factor - 1) < HEIGHT_RATIO_TOLERANCE:
             return _in_units(series, table, unit, UNITS["temperature"][degrees]), Note(
                 f"bears no units; its pressures prove that altitude is in {length}, and °{degrees.upper()} goes with it"
             )
     return series, Note("bears no units and its pressures prove neither feet nor metres: altitude left out")
 
 
-def _in_units(series: Series, table: Table, length: Unit, degrees: Unit) -> Series:
+def _in_units(series: Series, table: LogTable, length: Unit, degrees: Unit) -> Series:
     altitude, velocity, temperature = table.get("altitude"), table.get("velocity"), _temperature(table)
     return replace(
         series,

@@ -12,9 +12,9 @@ from functools import cache
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.flight.tags import CHECKED
+from fieldkit.flight.tags import CHECKED_TAG
 from fieldkit.model.hyperprior import READOUTS, Hyperprior, Scale
-from fieldkit.model.readout_data import LOGARITHMIC, reading_sd
+from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, bent, groups, shared_names, shown
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.setups import field_setup
@@ -120,7 +120,7 @@ def _planned(rng: np.random.Generator, name: str, recipe: Recipe) -> list[tuple[
     caliber = 0.060 * (mass / 0.4) ** 0.2 * float(np.exp(rng.normal(0, 0.15)))
     known = rng.random() < DIAMETER_KNOWN if recipe.diameter is None else recipe.diameter
     base = Flight(rocket=name, config="A", site="field", dry_mass=mass, diameter=caliber if known else None)
-    base = base.with_changes(tags=(CHECKED,), temperature=float(rng.normal(291, 7)))
+    base = base.with_changes(tags=(CHECKED_TAG,), temperature=float(rng.normal(291, 7)))
     flown = [motors[i % recipe.motors] for i in range(recipe.flights)]
     last = motors[-1] if recipe.new_motor else motors[int(rng.integers(recipe.motors))]
     day, rows = datetime(2024, 4, 6, 10), []
@@ -211,7 +211,7 @@ def _read(
     width = reading * sd
     width[:, 0] = np.hypot(sd[:, 0], scatter * apogee_scatter(model))
     error = rng.standard_t(model.hyperprior.tail, raw.shape) * width
-    return np.asarray(np.where(LOGARITHMIC, raw * np.exp(error), raw + error))
+    return np.asarray(np.where(IS_LOGARITHMIC, raw * np.exp(error), raw + error))
 
 
 def _number(value: float) -> float | None:

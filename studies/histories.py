@@ -17,7 +17,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.widen import widened_leftover
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
 from fieldkit.scoring.bootstrap import LEVELS, resampled
 from fieldkit.selection.diagnose import Diagnosis, diagnose
@@ -25,8 +25,8 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import leftover
 from fieldkit.shapes import Array, Float
 
-FEWEST = 4
-"""Clean flights with an apogee from which on the loop is closed."""
+MIN_CLEAN_FLIGHTS = 4
+"""Clean flights with an apogee from which on the loop is closed. [1]"""
 DRAWS = 600
 
 
@@ -48,9 +48,9 @@ class History:
     said: tuple[str, ...]
 
 
-def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: Tell = untold) -> list[History]:
+def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: ReportProgress = no_op) -> list[History]:
     """Every rocket with flights enough, most flights first."""
-    known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= FEWEST}
+    known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= MIN_CLEAN_FLIGHTS}
     found = []
     for number, (name, flown) in enumerate(known.items()):
 
@@ -65,10 +65,10 @@ def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
     return [row for row, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
 
 
-def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: Tell) -> History:
+def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: ReportProgress) -> History:
     clean = _clean(flown)
     rows = []
-    for place, row in enumerate(clean[FEWEST:], start=FEWEST):
+    for place, row in enumerate(clean[MIN_CLEAN_FLIGHTS:], start=MIN_CLEAN_FLIGHTS):
         tell(flown[row][0].flight_id, place / len(clean))
         rows.append(_forecast(flown[:row], flown[row]))
     whole = _close(flown)
@@ -144,9 +144,10 @@ def _lines(found: Sequence[History], unnamed: bool) -> Iterator[str]:
     yield "# What real histories call for"
     yield ""
     yield fill(
-        f"Every rocket with at least {FEWEST} clean flights that have an apogee. The verdict is the loop's on all of "
-        "them. Each flight that came after the first "
-        f"{FEWEST} was forecast from those before it alone, by the plain model (*before*) and by what the loop, closed "
+        f"Every rocket with at least {MIN_CLEAN_FLIGHTS} clean flights that have an apogee. The verdict is the "
+        "loop's on all of them. Each flight that came after the first "
+        f"{MIN_CLEAN_FLIGHTS} was forecast from those before it alone, by the plain model (*before*) and by what the "
+        "loop, closed "
         "anew on those before it, made of that (*after*). Errors are shares of the apogee flown.",
         118,
     )

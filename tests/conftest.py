@@ -19,7 +19,7 @@ from jaxtyping import install_import_hook
 
 from tests import checker
 
-CHECKED = (
+CHECKED_TAG = (
     "fieldkit.physics",
     "fieldkit.motors",
     "fieldkit.model",
@@ -34,7 +34,7 @@ CHECKED = (
 )
 
 if os.environ["FIELDKIT_CHECK_SHAPES"]:
-    install_import_hook(CHECKED, f"{checker.__name__}.{checker.check.__name__}")
+    install_import_hook(CHECKED_TAG, f"{checker.__name__}.{checker.check.__name__}")
 
 settings.register_profile("fieldkit", deadline=None)  # a busy machine is no fault of the code
 settings.load_profile("fieldkit")

@@ -140,7 +140,7 @@ def test_a_log_that_is_a_pipe_is_not_waited_for(tmp_path: Path, capsys: pytest.C
 
 
 def test_a_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(files, "LARGEST", 1 << 20)
+    monkeypatch.setattr(files, "MAX_FILE_SIZE", 1 << 20)
     (tmp_path / "long.csv").write_bytes(bytes((1 << 20) + 1))
     with pytest.raises(DamagedLog, match=r"cannot be read \(more than 1 MiB\)"):
         read_file(tmp_path / "long.csv")
@@ -165,7 +165,7 @@ def test_an_xml_bomb_is_a_damaged_file(bomb: str) -> None:
 
 
 def test_a_motor_file_without_end_is_not_read(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(own, "LARGEST", 1 << 20)
+    monkeypatch.setattr(own, "MAX_MOTOR_FILE_SIZE", 1 << 20)
     (tmp_path / "big.rse").write_bytes(b"<" * ((1 << 20) + 1))
     motors, errors = own.own_motors(tmp_path)
     assert not motors

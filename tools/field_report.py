@@ -21,7 +21,7 @@ from fieldkit.inference.network.ensemble import read_card
 from fieldkit.inference.network.field_ensemble import load_field
 from fieldkit.inference.network.flights import known_flights
 from fieldkit.ledger import Ledger
-from fieldkit.model.observations import SEEN, observe
+from fieldkit.model.observations import INDEPENDENT_READOUTS, observe
 from fieldkit.motors import catalogue
 from fieldkit.plugins import trained_folder
 
@@ -53,7 +53,7 @@ def _guarded(ledger: str) -> dict:
     ensemble = load_field()
     observed = observe([flight for flight, _ in known], [motor for _, motor in known])
     which = outliers.misfit(ensemble, observed)
-    counts = Counter(SEEN[number] for number in which if number >= 0)
+    counts = Counter(INDEPENDENT_READOUTS[number] for number in which if number >= 0)
     return {"flights": len(known), "warned": int((which >= 0).sum()), "by_readout": dict(counts)}
 
 

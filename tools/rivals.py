@@ -21,7 +21,7 @@ import torch
 from fieldkit.inference.network.ensemble import load_folder
 from fieldkit.inference.network.field_ensemble import intervals, posterior
 from fieldkit.inference.network.mixture import logits, mixture
-from fieldkit.inference.training.density import FARTHEST, Plan, fit
+from fieldkit.inference.training.density import MAX_FEATURE_SDS, TrainingPlan, fit
 from fieldkit.inference.training.field import batch
 from fieldkit.inference.training.fit import one_thread
 from fieldkit.model.field_features import features
@@ -39,7 +39,9 @@ LogDensity = Callable[[np.ndarray, np.ndarray], np.ndarray]
 def scaler(columns: np.ndarray) -> Callable[[np.ndarray], torch.Tensor]:
     """Features as every rival is shown them: standardised and clipped as the ensemble does."""
     mean, sd = columns.mean(axis=0), columns.std(axis=0) + 1e-6
-    return lambda values: torch.from_numpy(((values - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32))
+    return lambda values: torch.from_numpy(
+        ((values - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
+    )
 
 
 def by_sbi(observed: np.ndarray, target: np.ndarray) -> tuple[LogDensity, dict]:
@@ -96,10 +98,10 @@ def by_zuko(observe: Callable, first: np.ndarray, count: int) -> tuple[LogDensit
 def by_mixture(observe: Callable) -> tuple[LogDensity, dict]:
     """The ensemble's own members at this size."""
     began = time.process_time()
-    members, mean, sd = fit(observe, Plan(epochs=FLOW_EPOCHS))
+    members, mean, sd = fit(observe, TrainingPlan(epochs=FLOW_EPOCHS))
 
     def log_density(columns: np.ndarray, values: np.ndarray) -> np.ndarray:
-        scaled = ((columns - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+        scaled = ((columns - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
         with torch.no_grad():
             parts = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
         low, high = np.zeros((len(columns), 2)), np.ones((len(columns), 2))

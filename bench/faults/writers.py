@@ -110,7 +110,7 @@ def clock_backwards(folder: Path, changes: int) -> Outcome:
         kept = backups.backups(file)
         ledger.undo()
         left = len(ledger.flights())
-    if [one.changes for one in kept] != list(range(changes - 1, 0, -1))[: backups.KEPT]:
+    if [one.changes for one in kept] != list(range(changes - 1, 0, -1))[: backups.MAX_BACKUPS]:
         outcome.faults.append(f"backups of {[one.changes for one in kept]} changes were kept")
     if left != changes - 1:
         outcome.faults.append(f"undo left {left} flights of {changes}")

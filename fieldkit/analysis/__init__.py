@@ -3,16 +3,16 @@
 from fieldkit.analysis.columns import columns
 from fieldkit.analysis.measure import NO_FLIGHT, measure, rises
 from fieldkit.analysis.possible import doubted
-from fieldkit.analysis.records import Climb, Event, Figure, Forces, Recorded, Track
+from fieldkit.analysis.records import Event, Figure, Forces, HeightTrack, MeasuredClimb, Recorded
 
 __all__ = [
     "NO_FLIGHT",
-    "Climb",
     "Event",
     "Figure",
     "Forces",
+    "HeightTrack",
+    "MeasuredClimb",
     "Recorded",
-    "Track",
     "columns",
     "doubted",
     "measure",

@@ -20,14 +20,14 @@ from fieldkit.shapes import Array, Float
 SCALES = (0.75, 1.35)
 """The climb by the heights over that by an accelerometer that is believed: a calibration that is off by a tenth, and a
 flight that leans by 30 degrees, stay within. [1]"""
-LATEST, EARLIEST = 0.22, 0.5
+MAX_DELAY, MAX_LEAD = 0.22, 0.5
 """An accelerometer is believed that is later or earlier than the heights by no more: vents and filters delay pressures,
 and nothing delays what a mass feels. [s]"""
 _PAD = 0.1
 """So much of the pad an accelerometer must have felt for its climb to be known from its foot on. [s]"""
 _COAST = 0.6
 """Of the coast the climbs are compared: later the lean counts, and earlier a filtered height lags. [1]"""
-_FEWEST, _LEAST = 8, 15.0
+_MIN_SAMPLES, _MIN_CLIMB = 8, 15.0
 """Samples [1] and a climb [m] without which there is nothing to compare."""
 _SPARSE = 0.2
 """An accelerometer that was read less often has not felt all of a boost. [s]"""
@@ -35,7 +35,7 @@ _REACH, _STEP = 1.5, 0.02
 """Clocks are tried so far apart, in such steps. [s]"""
 _SCALE, _RAM, _ROUGH = 0.3, 0.05, 0.01
 """How far a scale is off, the pressure in an airframe as a part of the dynamic one, heights as a part of them. [1]"""
-_TRANSONIC = (260.0, 430.0)
+_TRANSONIC_SPEEDS = (260.0, 430.0)
 """Speeds at which the pressure is not believed. [m/s]"""
 
 
@@ -55,7 +55,7 @@ class Agreement:
     @property
     def is_off(self) -> bool:
         """Whether the clocks differ by more than sensors make them differ."""
-        return not -EARLIEST - self.step <= self.late <= LATEST + self.step
+        return not -MAX_LEAD - self.step <= self.late <= MAX_DELAY + self.step
 
     @property
     def why(self) -> str:
@@ -77,15 +77,15 @@ def agreement(track: Heights, push: Push, seen: Outline, lift: Event) -> Agreeme
         return None
     felt = (push.time > lift.time - _REACH) & (push.time < end + _REACH)
     time, net = push.time[felt], net[felt]
-    if time.size < _FEWEST or inside.sum() < _FEWEST or np.diff(time).max() > _SPARSE:
+    if time.size < _MIN_SAMPLES or inside.sum() < _MIN_SAMPLES or np.diff(time).max() > _SPARSE:
         return None
     speed = _summed(net, time)
     climb = _summed(speed, time)
     when, height = track.time[inside], track.height[inside] - seen.pad
     fast = np.abs(np.interp(when, time, speed))
-    quiet = (fast < _TRANSONIC[0]) | (fast > _TRANSONIC[1])
+    quiet = (fast < _TRANSONIC_SPEEDS[0]) | (fast > _TRANSONIC_SPEEDS[1])
     when, height = when[quiet], height[quiet]
-    if when.size < _FEWEST or np.ptp(height) < max(_LEAST, 10 * track.noise):
+    if when.size < _MIN_SAMPLES or np.ptp(height) < max(_MIN_CLIMB, 10 * track.noise):
         return None
     shifts = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
     found = [_fit(when + shift, height, time, climb, speed, track.noise) for shift in shifts]

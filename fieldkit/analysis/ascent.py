@@ -12,24 +12,24 @@ from fieldkit.analysis.ballistic import Coast, fitted_coast
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
-from fieldkit.analysis.process_noise import SOUND, Marks, Samples, Settled, samples_on, settled
+from fieldkit.analysis.process_noise import SPEED_OF_SOUND, FittedCurve, Marks, Samples, samples_on, settled
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.smooth import Grid, apply, basis
 from fieldkit.shapes import Array, Flags, Float
 
 DRAWS = 200
 _KNOTS = 1200
-_AFTER, _LONG_AFTER = 2.0, 20.0
+_TIME_AFTER_APOGEE, _LONG_AFTER = 2.0, 20.0
 """How far past apogee the curve goes, and that of a log with few samples. [s]"""
-_MOST = 4000
+_MAX_SPACING_SAMPLES = 4000
 """Of the samples of a climb, so many tell how far apart they are. [1]"""
-_FEWEST = 10
+_MIN_SAMPLES = 10
 """Samples below which there is no curve. [1]"""
 _NEAR_SOUND = 0.13
 """How near to the speed of sound, as a part of it, no sample is believed once some seemed to fall. [1]"""
 _MARGIN = 0.4
 """How long before and after a seeming fall its samples are not believed. [s]"""
-_SLOW, _BLOWN = 8.0, 2.0
+_SHOCK_FREE_TIME, _GAS_DURATION = 8.0, 2.0
 """Nearer to the top than this a coast is far too slow for shocks of the air [s]: what seems to fall there is gas of a
 charge in the airframe, which comes and goes for so long [s]"""
 
@@ -60,27 +60,27 @@ def ascend(
 
     `blow` is when the charge was felt, `marked` where the logger saw apogee, after which it may have fired one. [s]
     """
-    climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MOST]
+    climb = track.time[(track.time > seen.fastest - 2) & (track.time < seen.top + 1)][:_MAX_SPACING_SAMPLES]
     if climb.size < 2:
         return None
     begin = max(float(track.time[0]), lift - 1.5 if lift is not None else seen.top - LONGEST_CLIMB)
-    end = min(float(track.time[-1]), seen.top + float(np.clip(4 * median_step(climb), _AFTER, _LONG_AFTER)))
+    end = min(float(track.time[-1]), seen.top + float(np.clip(4 * median_step(climb), _TIME_AFTER_APOGEE, _LONG_AFTER)))
     fallen = _dip(track, seen, lift)
     near = (track.time >= begin) & (track.time <= end) & ~fallen
-    if near.sum() < _FEWEST:
+    if near.sum() < _MIN_SAMPLES:
         return None
     grid = _grid(begin, end, median_step(climb))
     marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
     begun = _begun(track, seen, grid, near, push, marks)
     slow = near & ~_near_sound(track, grid, begun.guess)
     disturbed = fallen.any() or track.disturbed or (seen.transonic and not begun.fused)
-    if disturbed and (near & ~slow).any() and slow.sum() >= _FEWEST:
+    if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         begun = _begun(track, seen, grid, slow, push, marks)
     return _fitted(begun, marks)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class _Begun:
+class _FitStart:
     """What a fit begins with: the samples that count, the coast that they suggest, and a first guess.
 
     `fused` where an accelerometer gave the guess.
@@ -104,20 +104,20 @@ def _released(seen: Outline, blow: float | None, marked: float | None) -> float:
     return min(seen.top, free if free is not None and free > seen.fastest + 0.5 else np.inf) - 0.05
 
 
-def _begun(track: Heights, seen: Outline, grid: Grid, counts: Flags, push: Push | None, marks: Marks) -> _Begun:
+def _begun(track: Heights, seen: Outline, grid: Grid, counts: Flags, push: Push | None, marks: Marks) -> _FitStart:
     """The samples that count on a grid, and a first guess by them and by an accelerometer."""
     time, height = track.time[counts], track.height[counts] - seen.pad
     coast = fitted_coast(time, height, grid.start, marks.burnout, marks.released)
     guess, fused = first_guess(grid, coast, push, marks.lift, marks.burnout, marks.released)
-    return _Begun(samples_on(grid, time, height, track.noise), coast, guess, fused)
+    return _FitStart(samples_on(grid, time, height, track.noise), coast, guess, fused)
 
 
 def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
     """Samples at which a guess is about as fast as sound."""
-    return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SOUND - 1) < _NEAR_SOUND)
+    return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SPEED_OF_SOUND - 1) < _NEAR_SOUND)
 
 
-def _fitted(begun: _Begun, marks: Marks) -> Ascent:
+def _fitted(begun: _FitStart, marks: Marks) -> Ascent:
     """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted anew."""
     samples, grid = begun.samples, begun.samples.grid
     if begun.fused:
@@ -131,7 +131,7 @@ def _fitted(begun: _Begun, marks: Marks) -> Ascent:
     return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
 
 
-def _likeliest(begun: _Begun, found: Settled, marks: Marks, lift: float) -> tuple[float, float]:
+def _likeliest(begun: _FitStart, found: FittedCurve, marks: Marks, lift: float) -> tuple[float, float]:
     """The burnout that makes heights alone most probable, and its standard deviation: there acceleration jumps. [s]"""
     about, reach = marks.burnout, max(0.4, 0.25 * (marks.burnout - lift))
     every = np.linspace(max(lift + 0.1, about - reach), min(about + reach, marks.released - 0.1), 25)
@@ -153,8 +153,8 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
         height = track.height[climb]
         fallen = np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0)
         first = np.searchsorted(track.time, track.time[climb[fallen]] - _MARGIN)
-        slow = max(seen.top - _SLOW, (seen.fastest + seen.top) / 2)
-        lasts = np.where(track.time[climb[fallen]] > slow, _BLOWN, _MARGIN)
+        slow = max(seen.top - _SHOCK_FREE_TIME, (seen.fastest + seen.top) / 2)
+        lasts = np.where(track.time[climb[fallen]] > slow, _GAS_DURATION, _MARGIN)
         last = np.searchsorted(track.time, track.time[climb[fallen]] + lasts)
         edges = np.zeros(track.time.size + 1)
         np.add.at(edges, first, 1)
@@ -163,7 +163,7 @@ def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:
     return low
 
 
-def _drawn(grid: Grid, guess: Guess, found: Settled, fused: bool, spread: float) -> Ascent:
+def _drawn(grid: Grid, guess: Guess, found: FittedCurve, fused: bool, spread: float) -> Ascent:
     """The curve, guess and rest together, and draws of it."""
     knots = grid.time
     coefficients = found.curve.draws(DRAWS, np.random.default_rng(0))

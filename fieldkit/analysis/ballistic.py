@@ -16,8 +16,8 @@ from fieldkit.shapes import Array, Float
 _STEP = 0.1
 SCALE_HEIGHT = 9500.0
 """Height in which the air of the lower troposphere thins by e. [m]"""
-_SOUND, _TRANSITION = 335.0, 12.0
-_FASTEST = 1200.0
+_SPEED_OF_SOUND, _TRANSITION = 335.0, 12.0
+_MAX_SPEED = 1200.0
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -46,7 +46,7 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
     """Height, speed and acceleration from apogee on, by the midpoint rule."""
 
     def push(height: float, speed: float) -> float:
-        rise = 1 + 0.5 / (1 + exp((_SOUND - abs(speed)) / _TRANSITION))
+        rise = 1 + 0.5 / (1 + exp((_SPEED_OF_SOUND - abs(speed)) / _TRANSITION))
         return -GRAVITY - drag * rise * exp(min(-height / SCALE_HEIGHT, 1.0)) * speed * abs(speed)
 
     height, speed = top, 0.0
@@ -56,9 +56,9 @@ def _integrated(top: float, drag: float, step: float, count: int) -> list[tuple[
         middle = speed + now * step / 2
         height += step * middle
         speed += step * push(height - step * middle / 2, middle)
-        if abs(speed) > _FASTEST:
-            speed = _FASTEST if speed > 0 else -_FASTEST
-        rows.append((height, speed, push(height, speed) if abs(speed) < _FASTEST else 0.0))
+        if abs(speed) > _MAX_SPEED:
+            speed = _MAX_SPEED if speed > 0 else -_MAX_SPEED
+        rows.append((height, speed, push(height, speed) if abs(speed) < _MAX_SPEED else 0.0))
     return rows
 
 

@@ -16,7 +16,7 @@ from fieldkit.shapes import Array, Float
 
 HEIGHTS = ("altitude", "pressure", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
 """Channels that tell heights, the best first."""
-SPOKEN = {
+CHANNEL_TITLES = {
     "altitude": "barometric altitude",
     "pressure": "pressure",
     "altitude_msl": "barometric altitude",
@@ -27,15 +27,16 @@ SPOKEN = {
     "inertial_speed": "inertial speed",
 }
 _SENSORS = {"inertial": "accel", "acceleration": "accel", "GPS": "gps", "barometric": "baro", "pressure": "baro"}
-"""Words of `SPOKEN` and the sensor that each means; of two sensors the first of these shaped what was measured."""
-FEWEST = 12
-"""Samples below which nothing is measured."""
-_MANY, _FINE, _COARSE = 20_000, 200.0, 20.0
-_CLIMBING = 8.0
+"""Words of `CHANNEL_TITLES` and the sensor that each means; of two sensors the first of these shaped what was
+measured."""
+MIN_SAMPLES = 12
+"""Samples below which nothing is measured. [1]"""
+_MANY_SAMPLES, _FINE_RATE, _COARSE_RATE = 20_000, 200.0, 20.0
+_CLIMB_SPEED = 8.0
 """Speed at which something in a log moves as a rocket does. [m/s]"""
-_STRONGEST = 10_000.0
+_MAX_ACCELERATION = 10_000.0
 """Accelerations beyond this are faults of the log. [m/s^2]"""
-_FLAT, _FLATTER = 4, 3
+_CLIPPED_RUN, _CLIPPED_RATIO = 4, 3
 """Samples in a row of one value that make an end of range, and how many times more than of any other value. [1]"""
 _WINDOW = 0.5
 """Length of the running median that shows up spikes. [s]"""
@@ -75,7 +76,7 @@ def heights(clocks: Sequence[Series]) -> Heights | None:
     for name in HEIGHTS:
         for series in clocks:
             values = getattr(series, name)
-            if values is None or np.isfinite(values).sum() < FEWEST:
+            if values is None or np.isfinite(values).sum() < MIN_SAMPLES:
                 continue
             time, values = _thinned(*_usable(series.time, values), name == "pressure")
             height = pressure_height(values) if name == "pressure" else values
@@ -94,15 +95,17 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
                 continue
             near = slice(*np.searchsorted(series.time, (begin, end)))
             time, values = _usable(series.time[near], values[near])
-            if time.size < FEWEST or np.ptp(values) == 0:
+            if time.size < MIN_SAMPLES or np.ptp(values) == 0:
                 continue
             if name == "inertial_speed":
                 values = np.gradient(values, time)
-            believed = np.abs(values) < _STRONGEST
+            believed = np.abs(values) < _MAX_ACCELERATION
             time, values = time[believed], values[believed]
-            if time.size < FEWEST:
+            if time.size < MIN_SAMPLES:
                 continue
-            return Push(time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", SPOKEN[name])
+            return Push(
+                time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", CHANNEL_TITLES[name]
+            )
     return None
 
 
@@ -117,13 +120,13 @@ def is_clipped(push: Push, begin: float, end: float) -> bool:
     A converter that is full gives one number; a thrust that only happens to be even has the sensor's noise.
     """
     felt = push.felt[(push.time >= begin) & (push.time <= end)]
-    if felt.size < _FLAT:
+    if felt.size < _CLIPPED_RUN:
         return False
     edges = np.flatnonzero(np.concatenate(([True], np.diff(felt) != 0, [True])))
     lengths, values = np.diff(edges), felt[edges[:-1]]
     full = values >= felt.max()
     others = int(lengths[~full].max(initial=1))
-    return bool(not push.vertical and lengths[full].max() >= max(_FLAT, _FLATTER * others))
+    return bool(not push.vertical and lengths[full].max() >= max(_CLIPPED_RUN, _CLIPPED_RATIO * others))
 
 
 def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, Array]:
@@ -140,24 +143,24 @@ def _usable(time: Float[Array, "_"], values: Float[Array, "_"]) -> tuple[Array, 
 
 
 def _thinned(time: Float[Array, "_"], values: Float[Array, "_"], pressure: bool) -> tuple[Array, Array]:
-    """A channel with too many samples to need them all, by medians of blocks: `_FINE` a second about the climb.
+    """A channel with too many samples to need them all, by medians of blocks: `_FINE_RATE` a second about the climb.
 
-    Where the climb is shows in `_MANY` blocks of the whole; away from it `_COARSE` a second are enough.
+    Where the climb is shows in `_MANY_SAMPLES` blocks of the whole; away from it `_COARSE_RATE` a second are enough.
     """
-    if time.size <= 2 * _MANY:
+    if time.size <= 2 * _MANY_SAMPLES:
         return time, values
-    rough_time, rough = _blocks(time, values, time.size // _MANY + 1)
+    rough_time, rough = _blocks(time, values, time.size // _MANY_SAMPLES + 1)
     height = pressure_height(rough) if pressure else rough
     usual = running_median(height, 5)
     calm = np.abs(height - usual) <= 5 * max(mad_sd(height - usual), 0.5) + 50
-    moving = np.abs(np.gradient(usual[calm], rough_time[calm])) > _CLIMBING
+    moving = np.abs(np.gradient(usual[calm], rough_time[calm])) > _CLIMB_SPEED
     if moving.any():
         lift, top = rough_time[calm][moving][0], rough_time[calm][int(np.argmax(usual[calm]))]
     else:
         lift, top = rough_time[0], rough_time[-1]
     first, last = np.searchsorted(time, (min(lift, top) - 30, top + 30))
     step = median_step(time[first:last]) if last - first > 2 else median_step(time)
-    fine, coarse = max(1, int(1 / (_FINE * step))), max(1, int(1 / (_COARSE * step)))
+    fine, coarse = max(1, int(1 / (_FINE_RATE * step))), max(1, int(1 / (_COARSE_RATE * step)))
     parts = [(slice(0, first), coarse), (slice(first, last), fine), (slice(last, None), coarse)]
     thin = [_blocks(time[part], values[part], size) for part, size in parts]
     return np.concatenate([one[0] for one in thin]), np.concatenate([one[1] for one in thin])
@@ -180,7 +183,7 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
     """
     kept = np.isfinite(height) & (np.abs(height) < 200_000)
     time, height = time[kept], height[kept]
-    if time.size < FEWEST:
+    if time.size < MIN_SAMPLES:
         return None
     step = median_step(time)
     size = int(np.clip(_WINDOW / step, 5, 61)) | 1
@@ -190,9 +193,9 @@ def _despiked(time: Float[Array, "_"], height: Float[Array, "_"], name: str) -> 
     noise = max(mad_sd(np.diff(height, 3)) / np.sqrt(20), _resolution(height) / np.sqrt(12), 0.02)
     sagitta = GRAVITY * (size / 2 * step) ** 2
     line = away <= 5 * np.maximum(usual, noise) + sagitta
-    if line.sum() < FEWEST:
+    if line.sum() < MIN_SAMPLES:
         return None
-    return Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, SPOKEN[name])
+    return Heights(time[line], height[line], name in ("altitude", "inertial_altitude"), noise, CHANNEL_TITLES[name])
 
 
 def _resolution(height: Float[Array, "_"]) -> float:

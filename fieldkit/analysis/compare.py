@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.analysis.records import Climb, Figure, Recorded
+from fieldkit.analysis.records import Figure, MeasuredClimb, Recorded
 from fieldkit.shapes import Array, Float
 
 _REACH = 3.0
@@ -13,7 +13,7 @@ _REACH = 3.0
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class FigureDifference:
     """How much more the second says than the first; `sd` is of both together, `apart` the difference in it.
 
     `apart` is None where neither has an uncertainty. [SI], [1]
@@ -32,7 +32,7 @@ class Comparison:
     heights are apart from then on, over the `seconds` of ascent that both have [m]; None where either has no samples.
     """
 
-    differences: Mapping[str, Difference]
+    differences: Mapping[str, FigureDifference]
     shift: float | None = None
     rms: float | None = None
     seconds: float | None = None
@@ -51,13 +51,13 @@ def compare(first: Recorded, second: Recorded) -> Comparison:
     return Comparison(differences, *_aligned(first, first.climb, second, second.climb))
 
 
-def _difference(first: Figure, second: Figure) -> Difference:
+def _difference(first: Figure, second: Figure) -> FigureDifference:
     value, sd = second.value - first.value, float(np.hypot(first.sd, second.sd))
-    return Difference(value, sd, value / sd if sd > 0 else None)
+    return FigureDifference(value, sd, value / sd if sd > 0 else None)
 
 
 def _aligned(
-    first: Recorded, one: Climb, second: Recorded, other: Climb
+    first: Recorded, one: MeasuredClimb, second: Recorded, other: MeasuredClimb
 ) -> tuple[float, float, float] | tuple[None, None, None]:
     """Shift [s], rms difference of heights [m] and the length of what was compared [s]."""
     from scipy.optimize import minimize_scalar
@@ -78,7 +78,7 @@ def _aligned(
     return float(found.x), float(np.sqrt(np.mean(gaps**2))), gaps.size * step
 
 
-def _gaps(one: Climb, other: Climb, shift: float) -> Float[Array, "time"]:
+def _gaps(one: MeasuredClimb, other: MeasuredClimb, shift: float) -> Float[Array, "time"]:
     """Differences of height where both climb, at the first's times, most of the shorter one at least."""
     inside = (one.time >= other.time[0] + shift) & (one.time <= other.time[-1] + shift)
     shorter = min(np.ptp(one.time), np.ptp(other.time))

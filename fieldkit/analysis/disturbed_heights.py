@@ -10,22 +10,22 @@ from dataclasses import replace
 
 import numpy as np
 
-from fieldkit.analysis.channels import FEWEST, Heights
+from fieldkit.analysis.channels import MIN_SAMPLES, Heights
 from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.shapes import Flags
 
-_HARDEST = 2000.0
+_MAX_ACCELERATION = 2000.0
 """No airframe of a hobby rocket bears such an acceleration; its launch from a gun would. [m/s^2]"""
 _LASTS = 15.0
 """A level that lasts longer than this is no fault that comes and goes. [s]"""
 _BACK = 0.5
 """A fault's way back is its way there, to within this part of it. [1]"""
-_APART = 3
+_MAX_STEP_GAP = 3
 """Steps of one sign within so many samples are one. [1]"""
-_LEAST = 10.0
+_MIN_STEP = 10.0
 """A step that is smaller is left to the fit. [m]"""
-_SOUND = 335.0
-_FAST = 0.4 * _SOUND
+_SPEED_OF_SOUND = 335.0
+_FAST = 0.4 * _SPEED_OF_SOUND
 """A rocket that rose faster than this from before a seeming fall to after it was near the speed of sound in it: on the
 mean of a climb through it, from its foot on, it is slower. [m/s]"""
 _MARGIN = 0.15
@@ -42,10 +42,10 @@ def undisturbed(track: Heights) -> Heights:
     Where hardly anything would be left, they are as they came.
     """
     kept = ~_steps(track)
-    if not kept.all() and kept.sum() >= FEWEST:
+    if not kept.all() and kept.sum() >= MIN_SAMPLES:
         track = replace(track, time=track.time[kept], height=track.height[kept])
     fallen = _shocks(track)
-    if fallen.any() and (~fallen).sum() >= FEWEST:
+    if fallen.any() and (~fallen).sum() >= MIN_SAMPLES:
         return replace(track, time=track.time[~fallen], height=track.height[~fallen], disturbed=True)
     return track
 
@@ -82,11 +82,11 @@ def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
     step, change = np.diff(track.time), np.diff(track.height)
     usual = running_median(change / step, 9) * step
     excess = change - usual
-    beyond = np.abs(excess) > np.maximum(_HARDEST * step**2 + 8 * track.noise, _LEAST)
+    beyond = np.abs(excess) > np.maximum(_MAX_ACCELERATION * step**2 + 8 * track.noise, _MIN_STEP)
     last, total = -1, 0.0
     for place in np.flatnonzero(beyond).tolist():
         size = float(excess[place])
-        if last >= 0 and place - last <= _APART and size * total > 0:
+        if last >= 0 and place - last <= _MAX_STEP_GAP and size * total > 0:
             last, total = place, total + size
             continue
         if last >= 0:

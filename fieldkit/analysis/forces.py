@@ -3,52 +3,52 @@
 import numpy as np
 
 from fieldkit.analysis.ascent import Ascent
-from fieldkit.analysis.channels import SPOKEN, Heights, Push
+from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.initial_guess import levelled
-from fieldkit.analysis.records import Climb, Event, Figure, Forces
+from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
 from fieldkit.shapes import Array, Float
 
-_SLOWEST = 15.0
+_MIN_DRAG_SPEED = 15.0
 """Below this speed drag drowns in the errors of the acceleration. [m/s]"""
-_THINNEST = 1e-4
+_MIN_DENSITY = 1e-4
 """In thinner air, from some 60 km up, there is no drag to tell. [kg/m^3]"""
-_FUSED, _DERIVED = 0.02, 0.015
+_FUSED_SPEED_ERROR, _DERIVED_SPEED_ERROR = 0.02, 0.015
 """Least error of a top speed, to it: with an accelerometer, from heights. [1]"""
-_STATIC, _DISTURBED = 0.03, 0.06
+_STATIC_PRESSURE_ERROR, _TRANSONIC_PRESSURE_ERROR = 0.03, 0.06
 """How far the pressure in an airframe is off, as a part of the dynamic pressure, and so heights as a part of v²/2g: in
 slow flight and from about Mach 0.8 on, where shocks disturb it. In real logs with an accelerometer beside the barometer
 it was -0.06 to 0.04. [1]"""
-_WORST = 0.25
+_MAX_SPEED_ERROR = 0.25
 """A top speed by heights alone is off by no more, to it, for all that; it was at most by 0.29 there. [1]"""
-_TRANSONIC = 270.0
+_TRANSONIC_SPEED = 270.0
 """Where that begins. [m/s]"""
-_BRAKED = 1.5
+_BRAKING_TIME = 1.5
 """How long after top speed it shows how hard the rocket brakes. [s]"""
-_LATEST, _LATEST_DISTURBED = 0.02, 0.1
+_BURN_TIME_ERROR, _LATEST_DISTURBED = 0.02, 0.1
 """Error of a burn time by heights alone, to it. [1]"""
-_PEAK, _PEAK_SPREAD, _SMOOTHED = 1.7, 0.4, 0.3
+_PEAK, _PEAK_SPREAD, _SMOOTHED_PEAK_SPREAD = 1.7, 0.4, 0.3
 """Peak to mean acceleration of a boost, the spread of its logarithm, and that of a peak of smoothed heights: over the
 thrust curves of the catalogue the ratio is 2.2 in the middle of motors below 40 N·s and 1.35 of the others. [1]"""
-_MOST = 0.9
+_MIN_FELT_FRACTION = 0.9
 """Of a climb, that an accelerometer must have felt to be believed rather than the heights. [1]"""
 _WINDOW = 0.05
 """Of the peak acceleration; a log that is too thin for it has a peak between its mean of three samples and one. [s]"""
-_LATE = 0.05
+_MAX_LATE_START = 0.05
 """How long after lift-off an accelerometer may begin and still have felt all. [s]"""
 _SCALE = 0.02
 """Of an accelerometer's error, to the acceleration. [1]"""
 
 
-def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> Climb:
+def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: str) -> MeasuredClimb:
     """The ascent between two times, with its standard deviations."""
     inside = (ascent.time >= begin) & (ascent.time <= end)
 
     def cut(values: Array) -> Array:
         return np.asarray(values[..., inside])
 
-    return Climb(
+    return MeasuredClimb(
         cut(ascent.time),
         cut(ascent.height),
         cut(ascent.heights).std(axis=0),
@@ -61,7 +61,7 @@ def climb_of(ascent: Ascent, begin: float, burnout: float, end: float, source: s
     )
 
 
-def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
+def forces(climb: MeasuredClimb, push: Push | None, track: Heights, pad_elevation: float, free: float) -> Forces | None:
     """Push per mass and, in the coast, Cd·A per mass, from lift-off to what was ejected or to apogee.
 
     An axial accelerometer gives the push as it is; else it is the smoothed vertical acceleration plus gravity, which
@@ -73,7 +73,7 @@ def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float
     window = None
     if push is not None and not push.vertical:
         felt_there = flown & (climb.time >= push.time[0]) & (climb.time <= push.time[-1])
-        if felt_there.sum() >= _MOST * flown.sum():
+        if felt_there.sum() >= _MIN_FELT_FRACTION * flown.sum():
             flown, window = felt_there, 2 * max(0.05, 1.5 * float(np.median(np.diff(push.time))))
     time = climb.time[flown]
     if push is not None and window:
@@ -85,7 +85,7 @@ def forces(climb: Climb, push: Push | None, track: Heights, pad_elevation: float
         felt, felt_sd, source = climb.acceleration[flown] + GRAVITY, climb.acceleration_sd[flown], climb.source
     speed, speed_sd, burning = climb.speed[flown], climb.speed_sd[flown], climb.burning[flown]
     density = standard_density(climb.height[flown] + pad_elevation)
-    shows = ~burning & (speed > _SLOWEST) & (density > _THINNEST)
+    shows = ~burning & (speed > _MIN_DRAG_SPEED) & (density > _MIN_DENSITY)
     dynamic = np.where(shows, 0.5 * density * speed**2, np.nan)
     area = -felt / dynamic
     area_sd = np.hypot(felt_sd / dynamic, 2 * area * speed_sd / speed)
@@ -123,7 +123,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
     width = max(3, round(_WINDOW / median_step(time)))
     smooth = running_median(net, width | 1)
     value = float(smooth.max())
-    if time[0] > begin + _LATE and smooth[:2].max() == smooth.max():
+    if time[0] > begin + _MAX_LATE_START and smooth[:2].max() == smooth.max():
         return None
     coarse = (float(net.max()) - value) / 2 if width * median_step(time) > _WINDOW else 0.0
     sd = np.sqrt((_SCALE * value) ** 2 + 0.5**2 + coarse**2)
@@ -141,7 +141,7 @@ def _smoothed_peak(acceleration: Float[Array, "knot"], draws: Float[Array, "draw
     spread = float(np.hypot(mean.sd / mean.value, _PEAK_SPREAD))
     if value <= 0:
         return Figure(usual, spread * usual, mean.source)
-    sharp = float(np.hypot(draws[:, place].std() / value, _SMOOTHED))
+    sharp = float(np.hypot(draws[:, place].std() / value, _SMOOTHED_PEAK_SPREAD))
     weight = sharp**-2 if abs(np.log(value / usual)) < 2 * np.hypot(sharp, spread) else 0.0
     sd = (weight + spread**-2) ** -0.5
     peak = float(np.exp((weight * np.log(value) + spread**-2 * np.log(usual)) * sd**2))
@@ -166,13 +166,23 @@ def boost_event(
     late = float(1.4826 * np.median(np.abs(moments - time[place])))
     spread = float(ascent.speeds[:, inside][:, place].std())
     if ascent.fused and push:
-        late, spread = float(np.hypot(late, max(0.02, median_step(push.time) / 2))), np.hypot(spread, _FUSED * value)
+        late, spread = (
+            float(np.hypot(late, max(0.02, median_step(push.time) / 2))),
+            np.hypot(spread, _FUSED_SPEED_ERROR * value),
+        )
     else:
-        pressed, disturbed = SPOKEN["gps_altitude_msl"] not in source, value > _TRANSONIC
-        share = _LATEST_DISTURBED if pressed and disturbed else _LATEST
+        pressed, disturbed = CHANNEL_TITLES["gps_altitude_msl"] not in source, value > _TRANSONIC_SPEED
+        share = _LATEST_DISTURBED if pressed and disturbed else _BURN_TIME_ERROR
         late = float(np.linalg.norm([late, 0.03 + share * (time[place] - begin), ascent.burnout_sd]))
-        later = float(np.interp(time[place] + _BRAKED, ascent.time, ascent.speed))
-        brakes = max(GRAVITY, (value - later) / _BRAKED)
-        static = pressed * min((_DISTURBED if disturbed else _STATIC) * brakes / GRAVITY, _WORST) * value
-        spread = float(np.linalg.norm([spread, _DERIVED * value, static, brakes * late]))
+        later = float(np.interp(time[place] + _BRAKING_TIME, ascent.time, ascent.speed))
+        brakes = max(GRAVITY, (value - later) / _BRAKING_TIME)
+        static = (
+            pressed
+            * min(
+                (_TRANSONIC_PRESSURE_ERROR if disturbed else _STATIC_PRESSURE_ERROR) * brakes / GRAVITY,
+                _MAX_SPEED_ERROR,
+            )
+            * value
+        )
+        spread = float(np.linalg.norm([spread, _DERIVED_SPEED_ERROR * value, static, brakes * late]))
     return Event(float(time[place]), late, source), Figure(value, float(spread), source)

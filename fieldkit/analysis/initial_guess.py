@@ -10,7 +10,7 @@ from fieldkit.analysis.smooth import Grid
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
-_BLIND = 0.3
+_MAX_SENSOR_GAP = 0.3
 """An accelerometer that was silent for longer in the boost has not felt all of it. [s]"""
 
 
@@ -49,7 +49,7 @@ def first_guess(
         boost = push.time[(push.time > start) & (push.time < burnout)]
         if (
             level is not None
-            and np.diff(boost).max(initial=0.0) < _BLIND
+            and np.diff(boost).max(initial=0.0) < _MAX_SENSOR_GAP
             and (inside & (knots > start) & (knots < burnout)).sum() > 2
         ):
             total = np.concatenate(([0.0], np.cumsum(np.diff(push.time) * (level[1:] + level[:-1]) / 2)))

@@ -7,7 +7,7 @@ import numpy as np
 
 from fieldkit.analysis.accelerometer_check import agreement
 from fieldkit.analysis.ascent import Ascent, ascend
-from fieldkit.analysis.channels import SPOKEN, Heights, Push, heights, is_clipped, pushes
+from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push, heights, is_clipped, pushes
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
@@ -15,20 +15,20 @@ from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.possible import is_flight, possible
-from fieldkit.analysis.records import Event, Figure, Recorded, Track
+from fieldkit.analysis.records import Event, Figure, HeightTrack, Recorded
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.analysis.unseen_top import silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
 from fieldkit.shapes import Array, Float
 
-_LATE, _FALL = 0.8, 1.0
+_MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
 _LEAST_GPS = 1.0
 """Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
-_LEAST = 0.15
+_MIN_APOGEE_ERROR = 0.15
 """Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
-_BLIND = 1.3
+_MAX_HEIGHT_GAP = 1.3
 """Heights further apart than this do not show a boost: a receiver lost its satellites, or a radio its rocket.
 Once a second is often enough, for the coast that follows shows how fast it began. [s]"""
 _BLIND_PART = 0.75
@@ -36,13 +36,13 @@ _BLIND_PART = 0.75
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "nothing in this log rises as a rocket does: no figure is taken from it"
 NO_APOGEE = "no apogee in this log: it ends before the top"
-UNSEEN = (
+UNSEEN_TOP_NOTE = (
     "the top is in a silence of {:.0f} s: it lies between {:.0f} m, which was seen, and {:.0f} m, a coast without drag"
 )
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn time, no acceleration"
 NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
-CLIPPED = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
+CLIPPED_NOTE = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
 DISBELIEVED = (
     "the acceleration {}: it is not taken for an accelerometer's along the axis, heights alone tell of the boost"
 )
@@ -99,8 +99,8 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     told = _told(_Log(track, every, seen, ascent, shape, push, stated), lift, clocks)
     if NO_FLIGHT in told.notes:
         return told
-    above = Track(track.time, seen.calm - seen.pad, track.source)
-    return replace(told, notes=(*told.notes, *((CLIPPED,) if clipped else ()), *doubt), track=above)
+    above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
+    return replace(told, notes=(*told.notes, *((CLIPPED_NOTE,) if clipped else ()), *doubt), track=above)
 
 
 def _believed(push: Push | None, track: Heights, seen: Outline) -> tuple[Push | None, tuple[str, ...]]:
@@ -132,7 +132,7 @@ class _Log:
 
 
 @dataclass(frozen=True, slots=True)
-class _Part:
+class _FlightPart:
     """What one part of a flight tells."""
 
     events: Mapping[str, Event] = field(default_factory=dict)
@@ -148,7 +148,7 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     notes: tuple[str, ...] = ()
     if unseen and hole:
         apogee: tuple[Event, Figure] | None = unseen[:2]
-        notes = (UNSEEN.format(hole[1] - hole[0], *unseen[2]),)
+        notes = (UNSEEN_TOP_NOTE.format(hole[1] - hole[0], *unseen[2]),)
     else:
         apogee = _apogee(log.ascent, log.seen, log.track) if log.seen.down or _falls(log.ascent) else None
     end = apogee[0].time if apogee else float(log.ascent.time[-1])
@@ -156,7 +156,7 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     burnt = boost.events.get("burnout")
     burnout = burnt.time if burnt else begin
     top = _top(log, lift, burnt, apogee)
-    down = _down(log, apogee[0], lift, burnout, hole[1] if unseen and hole else None) if apogee else _Part()
+    down = _down(log, apogee[0], lift, burnout, hole[1] if unseen and hole else None) if apogee else _FlightPart()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
     coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
@@ -174,7 +174,7 @@ def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     )
 
 
-def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _Part]:
+def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _FlightPart]:
     """Lift-off, if it is believed, and what the boost tells."""
     found = boost_event(log.ascent, log.push, begin, end, log.source)
     lost = _lost(log.track, begin, found[0].time) if found else None
@@ -187,10 +187,10 @@ def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Eve
     if lift is None:
         notes += (NO_LIFTOFF,)
     if found is None or lift is None or found[0].time >= end - 0.2:
-        return lift, _Part(notes=notes)
+        return lift, _FlightPart(notes=notes)
     burnout, speed = found
     figures = {"top_speed": speed, **_burn(log, lift, burnout, speed)}
-    return lift, _Part({"burnout": burnout}, figures, notes)
+    return lift, _FlightPart({"burnout": burnout}, figures, notes)
 
 
 def _burn(log: _Log, lift: Event, burnout: Event, speed: Figure) -> dict[str, Figure]:
@@ -205,19 +205,19 @@ def _burn(log: _Log, lift: Event, burnout: Event, speed: Figure) -> dict[str, Fi
     return figures | ({"peak_accel": peak} if peak else {})
 
 
-def _top(log: _Log, lift: Event | None, burnout: Event | None, apogee: tuple[Event, Figure] | None) -> _Part:
+def _top(log: _Log, lift: Event | None, burnout: Event | None, apogee: tuple[Event, Figure] | None) -> _FlightPart:
     """Apogee, and the times to it."""
     if apogee is None:
-        return _Part(notes=(NO_APOGEE,))
+        return _FlightPart(notes=(NO_APOGEE,))
     figures = {"apogee": apogee[1]}
     if lift:
         figures["time_to_apogee"] = _between(lift, apogee[0], log.track.source)
     if lift and burnout:
         figures["coast_to_apogee"] = _between(burnout, apogee[0], log.source)
-    return _Part({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
+    return _FlightPart({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
 
 
-def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float, heard: float | None = None) -> _Part:
+def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float, heard: float | None = None) -> _FlightPart:
     """What the way down tells; `heard` is when samples come again where the top was in a silence. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
@@ -238,7 +238,7 @@ def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float, heard: f
     speed = descent_speed(track, seen, begin, landed, level)
     if speed:
         figures["descent_speed"] = speed
-    return _Part(events, figures, () if landed else (NO_LANDING,))
+    return _FlightPart(events, figures, () if landed else (NO_LANDING,))
 
 
 def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool:
@@ -247,14 +247,14 @@ def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool
     between = float(np.diff(time[first:last]).max(initial=0.0))
     longest = max(hole_at(time, begin), hole_at(time, burnout), between)
     usual = median_step(time[max(0, first - 5) : last + 5])
-    return longest > _BLIND or usual > _BLIND_PART * (burnout - begin)
+    return longest > _MAX_HEIGHT_GAP or usual > _BLIND_PART * (burnout - begin)
 
 
 def _lost(track: Heights, begin: float, burnout: float) -> float | None:
     """When a receiver seems to fall about the boost, or None: it lost its satellites and went on along a course. [s]"""
     inside = slice(*np.searchsorted(track.time, (begin - 5, burnout + 1)))
     height = track.height[inside]
-    if track.source != SPOKEN["gps_altitude_msl"] or not height.size:
+    if track.source != CHANNEL_TITLES["gps_altitude_msl"] or not height.size:
         return None
     fallen = np.flatnonzero(np.maximum.accumulate(height) - height > max(12 * track.noise, 5.0))
     return float(track.time[inside][fallen[0]]) if fallen.size else None
@@ -263,7 +263,9 @@ def _lost(track: Heights, begin: float, burnout: float) -> float | None:
 def _falls(ascent: Ascent) -> bool:
     """Whether the curve surely comes down at its end, though the samples that show it are few."""
     late = ascent.time[-1] - ascent.time[int(np.argmax(ascent.height))]
-    return bool(late > _LATE and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL)
+    return bool(
+        late > _MIN_TIME_AFTER_TOP and np.quantile(ascent.heights.max(axis=1) - ascent.heights[:, -1], 0.05) > _FALL
+    )
 
 
 def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
@@ -276,7 +278,7 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
     near = np.abs(track.time - ascent.time[place]) < 1.0
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
-    least = _LEAST_GPS if track.source == SPOKEN["gps_altitude_msl"] else _LEAST
+    least = _LEAST_GPS if track.source == CHANNEL_TITLES["gps_altitude_msl"] else _MIN_APOGEE_ERROR
     sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)

@@ -12,14 +12,14 @@ LEAST_GAIN = 5.0
 """A rise that is less is no flight. [m]"""
 LEAST_SPEED = 5.0
 """A rise that is slower throughout is no flight. [m/s]"""
-_RESTS, _UNSURE = 0.15, 0.5
+_MIN_PAD_TIME, _PAD_UNCERTAINTY = 0.15, 0.5
 """A log that begins later than this before lift-off [s] may begin in it, and its pad be off by so much [m]."""
 _ZERO, _GROUND = 1.0, 20.0
 """What a logger's own zero drifts by while it waits, and how far from it a landing may be before that is the ground's
 doing and not the zero's. [m]"""
 _PARTS = 5
 """In so many parts what stands on a pad is looked at, to see gusts and a drift. [1]"""
-_TRANSONIC, _LONGER = 270.0, 1.0
+_TRANSONIC_SPEED, _TRANSONIC_WINDOW = 270.0, 1.0
 """A climb that seems faster than this [m/s] is looked at over so long a time to both sides [s]"""
 LONGEST_CLIMB = 120.0
 """From lift-off to apogee, at most. [s]"""
@@ -60,9 +60,9 @@ def outline(track: Heights) -> Outline | None:
     reach = max(1, round(0.25 / step))
     climb = np.maximum.accumulate(running_median(height, max(3, reach | 1))[from_ : top + 1])
     speed = _slope(time[from_ : top + 1], climb, reach)
-    transonic = bool(speed.max() > _TRANSONIC)
+    transonic = bool(speed.max() > _TRANSONIC_SPEED)
     if transonic:  # shocks that come and go make a rocket seem to jump: looked at over a longer time
-        speed = _slope(time[from_ : top + 1], climb, max(reach, round(_LONGER / step)))
+        speed = _slope(time[from_ : top + 1], climb, max(reach, round(_TRANSONIC_WINDOW / step)))
     fastest = int(np.argmax(speed))
     lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
     start = from_ + lift if lift is not None else from_
@@ -123,7 +123,7 @@ def _pad(track: Heights, lift: float | None, top: float) -> tuple[float, float]:
     moves = float(np.median(height[-third:]) - np.median(height[:third])) > 4 * track.noise + 1.0
     if height.size < 3 or moves:
         return (min(level, 0.0), _own_zero(track)) if track.zeroed else (level, 3.0)
-    least = _UNSURE if float(np.ptp(track.time[before])) < _RESTS else 0.0
+    least = _PAD_UNCERTAINTY if float(np.ptp(track.time[before])) < _MIN_PAD_TIME else 0.0
     gusts = [float(np.median(part)) for part in np.array_split(height, _PARTS)] if height.size >= 4 * _PARTS else []
     scatter = max(track.noise / np.sqrt(min(height.size, 10)), float(np.std(gusts or [0.0])) / np.sqrt(_PARTS - 1))
     return level, float(np.linalg.norm([scatter, least, _drift(track, lift) * (top - lift + 5)]))

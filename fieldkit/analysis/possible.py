@@ -12,9 +12,9 @@ from fieldkit.analysis.labels import at_the_edge, spoken
 from fieldkit.analysis.records import Figure, Recorded
 from fieldkit.physics.standard_atmosphere import GRAVITY
 
-STRONGEST = 200 * GRAVITY
-"""No hobby rocket makes a stronger boost: the hardest motors lift their own casings with some 150 g. [m/s^2]"""
-_SURE = 3.0
+MAX_BOOST = 200 * GRAVITY
+"""Upper limit of a boost: the hardest motors lift their own casings with some 150 g. [m/s^2]"""
+_CONTRADICTION_SDS = 3.0
 """A contradiction is one beyond so many standard deviations. [1]"""
 _SWINGS = 4.0
 """A curve that is so many times as fast as its samples follows no flight. [1]"""
@@ -22,7 +22,10 @@ _MARGIN = 1.5
 """Heights alone may smooth a short boost so much that a speed is this part of the true one. [1]"""
 LEAST_TOP_SPEED = 5.0
 """What was never faster is no rocket. [m/s]"""
-_STATED, _SAID = {"apogee": 0.03, "top_speed": 0.1}, {"apogee": "an apogee", "top_speed": "a top speed"}
+_STATED_TOLERANCE, _READOUT_TEXTS = (
+    {"apogee": 0.03, "top_speed": 0.1},
+    {"apogee": "an apogee", "top_speed": "a top speed"},
+)
 """What devices state, and by which part of it their filters make it another. [1]"""
 BOOST = ("burn_time", "avg_accel", "peak_accel")
 _NAMES = {"burn_time": "burn time", "avg_accel": "average acceleration", "peak_accel": "peak acceleration"}
@@ -32,10 +35,10 @@ def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[st
     """The figures that a rocket can have, and a phrase for those that are out."""
     mean, peak = figures.get("avg_accel"), figures.get("peak_accel")
     why = ""
-    if mean and peak and mean.value - peak.value > _SURE * (mean.sd**2 + peak.sd**2) ** 0.5:
+    if mean and peak and mean.value - peak.value > _CONTRADICTION_SDS * (mean.sd**2 + peak.sd**2) ** 0.5:
         why = f"the average of {mean.value / GRAVITY:.3g} g would be above the peak of {peak.value / GRAVITY:.3g} g"
     strongest = max((one.value for one in (mean, peak) if one), default=0.0)
-    if strongest > STRONGEST:
+    if strongest > MAX_BOOST:
         why = f"{strongest / GRAVITY:.0f} g is more than any airframe bears"
     if not why:
         return dict(figures), ()
@@ -72,13 +75,15 @@ def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
     more than devices filter, either may be off by half of what they differ.
     """
     figures, notes = dict(recorded.figures), []
-    for name, usual in _STATED.items():
+    for name, usual in _STATED_TOLERANCE.items():
         said, figure = stated.get(name), figures.get(name)
         if not isinstance(said, float) or figure is None:
             continue
         apart = abs(said - figure.value)
-        if apart > max(_SURE * figure.sd, usual * figure.value):
+        if apart > max(_CONTRADICTION_SDS * figure.sd, usual * figure.value):
             figures[name] = replace(figure, sd=hypot(figure.sd, apart / 2))
             by_device = f"{at_the_edge(name, said):.4g}"
-            notes.append(f"the device states {_SAID[name]} of {by_device}, the samples {spoken(name, figure.value, 0)}")
+            notes.append(
+                f"the device states {_READOUT_TEXTS[name]} of {by_device}, the samples {spoken(name, figure.value, 0)}"
+            )
     return replace(recorded, figures=figures, notes=(*recorded.notes, *notes)) if notes else recorded

@@ -11,11 +11,11 @@ import numpy as np
 
 from fieldkit.analysis.initial_guess import Guess
 from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
-from fieldkit.analysis.smooth import Design, Fit, Grid, apply, design, fit
+from fieldkit.analysis.smooth import CurvePosterior, Grid, SplineDesign, apply, design, fit
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
-SOUND = 335.0
+SPEED_OF_SOUND = 335.0
 """Speed of sound. [m/s]"""
 _STUDENT = 4.0
 """Degrees of freedom of the errors of a sample. [1]"""
@@ -24,15 +24,15 @@ _RAM = 0.006
 
 A judgement: in logs with an accelerometer beside the barometer heights in boost were off by at least so much of v²/2g.
 """
-_LASTING = 0.3
+_CORRELATION_TIME = 0.3
 """How long such an error stays alike. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7
 """What the gas of an ejection charge does to the pressure in an airframe [m], and for how long [s]"""
-_STILL, _FREE = 0.01, 300.0
+_PAD_NOISE, _DESCENT_NOISE = 0.01, 300.0
 """How much acceleration wanders on the pad, and once a parachute may be out. [m^2/s^5]"""
-_SINK, _HARDEST = 8.0, 20 * GRAVITY
+_SINK, _MAX_BRAKING = 8.0, 20 * GRAVITY
 """Speed at which a usual parachute brakes by one g, by four at twice that [m/s]; and no airframe bears more [m/s^2]"""
-_OPENS, _SUDDEN = 1.0, 0.3
+_OPENING_TIME, _HARDEST_BRAKING_FRACTION = 1.0, 0.3
 """How long a parachute may take to open, and in which part of that it brakes hardest. [s]"""
 
 
@@ -53,7 +53,7 @@ class Samples:
 
     time: Float[Array, "time"]
     height: Float[Array, "time"]
-    splines: Design
+    splines: SplineDesign
     noise: float
 
     @property
@@ -76,39 +76,39 @@ def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
     middle = grid.middles
     thrust = middle < marks.burnout + max(0.15, 2 * grid.step)
     pad = middle < (marks.lift - max(0.05, grid.step) if marks.lift is not None else -np.inf)
-    opens = (middle > marks.charge - 2 * grid.step) & (middle < marks.charge + _OPENS)
+    opens = (middle > marks.charge - 2 * grid.step) & (middle < marks.charge + _OPENING_TIME)
     return np.select([pad, thrust, opens, middle < marks.released], [0, 1, 4, 2], 3)
 
 
 def wanders(phase: Int[Integers, "interval"], thrust: float, coast: float, opening: float) -> Float[Array, "interval"]:
     """The variance that acceleration gains in a second, in each interval. [m^2/s^5]"""
-    return np.asarray(np.choose(phase, [_STILL, thrust, coast, _FREE, opening]))
+    return np.asarray(np.choose(phase, [_PAD_NOISE, thrust, coast, _DESCENT_NOISE, opening]))
 
 
 def _opening(grid: Grid, guess: Guess, charge: float) -> float:
     """How much acceleration wanders while a parachute opens that a charge threw out at speed. [m^2/s^5]"""
     speed = float(np.interp(charge, grid.time, guess.speed))
-    return max(_FREE, min(GRAVITY * (speed / _SINK) ** 2, _HARDEST) ** 2 / _SUDDEN)
+    return max(_DESCENT_NOISE, min(GRAVITY * (speed / _SINK) ** 2, _MAX_BRAKING) ** 2 / _HARDEST_BRAKING_FRACTION)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Settled:
+class FittedCurve:
     """What a fit came to: the curve, and the variances and the wander it was made with."""
 
-    curve: Fit
+    curve: CurvePosterior
     noise: float
     variance: Float[Array, "time"]
     thrust: float
     coast: float
     opening: float
 
-    def again(self, samples: Samples, guess: Guess, marks: Marks) -> Fit:
+    def again(self, samples: Samples, guess: Guess, marks: Marks) -> CurvePosterior:
         """The curve about another guess with the same settings."""
         wander = wanders(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
         return fit(samples.splines, samples.above(guess), 1 / self.variance, wander)
 
 
-def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Settled:
+def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> FittedCurve:
     """The most probable curve through what the guess leaves, robustly, and the noise of a sample.
 
     `fused` where an accelerometer gave the guess its shape.
@@ -123,7 +123,7 @@ def settled(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> Settle
     left = model.left(settings, weight)
     alike = lag_one(left[(weight > 0.5) & ~model.early])
     share = (1 - alike) / (1 + alike)
-    return Settled(
+    return FittedCurve(
         model.curve(settings, share * weight),
         max(float(np.exp(settings[2])), mad_sd(left[~model.early])),
         model.variance(settings) / weight / share,
@@ -156,7 +156,7 @@ class _Model:
         noisier = np.where(self.early, max(np.exp(2 * settings[3]), 1.0), 1.0)
         return np.asarray(np.exp(2 * settings[2]) * noisier + self.known)
 
-    def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Fit:
+    def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
         """The curve through the rest."""
         wander = wanders(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
         return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander)
@@ -201,9 +201,9 @@ def _model(samples: Samples, guess: Guess, fused: bool, marks: Marks) -> _Model:
 
 def _ram(samples: Samples, guess: Guess, fused: bool) -> Float[Array, "time"]:
     """Error of each height by the pressure in a fast airframe, which counts where an accelerometer tells better. [m]"""
-    lasting = np.sqrt(max(1.0, _LASTING / median_step(samples.time))) if fused else 0.15
-    speed = np.clip(np.interp(samples.time, samples.grid.time, guess.speed), 0, 4 * SOUND)
-    return np.asarray(lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * SOUND)) ** 6))
+    lasting = np.sqrt(max(1.0, _CORRELATION_TIME / median_step(samples.time))) if fused else 0.15
+    speed = np.clip(np.interp(samples.time, samples.grid.time, guess.speed), 0, 4 * SPEED_OF_SOUND)
+    return np.asarray(lasting * _RAM * speed**2 / (2 * GRAVITY) * (1 + fused * (speed / (0.75 * SPEED_OF_SOUND)) ** 6))
 
 
 def _gas(time: Float[Array, "time"], charge: float) -> Float[Array, "time"]:

@@ -27,7 +27,7 @@ class Event:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Climb:
+class MeasuredClimb:
     """The ascent as the samples have it, smoothed: from lift-off to apogee, on an even clock.
 
     `time` [s] is the log's own. Heights are above the pad [m], speeds vertical [m/s], accelerations vertical and net
@@ -70,7 +70,7 @@ class Forces:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class HeightTrack:
     """The heights of a whole log as they were measured with, cleaned: above the pad [m], on the log's own clock [s]."""
 
     time: Float[Array, "time"]
@@ -88,10 +88,10 @@ class Recorded:
 
     events: Mapping[str, Event] = field(default_factory=dict)
     figures: Mapping[str, Figure] = field(default_factory=dict)
-    climb: Climb | None = None
+    climb: MeasuredClimb | None = None
     forces: Forces | None = None
     notes: tuple[str, ...] = ()
-    track: Track | None = None
+    track: HeightTrack | None = None
 
     def height_at(self, time: float) -> float | None:
         """The height above the pad at a time on the log's clock, by the smoothed ascent where it has that. [m]"""

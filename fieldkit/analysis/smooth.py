@@ -39,14 +39,14 @@ class Grid:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rows:
+class SplineRows:
     """Four basis splines that are not zero at each of some times, and the first one's number."""
 
     first: Int[Integers, "time"]
     value: Float[Array, "time four"]
 
 
-def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> Rows:
+def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> SplineRows:
     """The basis splines, or a derivative of them, at times within the grid (those outside go to its ends)."""
     place = np.clip((time - grid.start) / grid.step, 0, grid.count * (1 - 1e-12))
     first = np.floor(place).astype(np.int64)
@@ -56,16 +56,16 @@ def basis(grid: Grid, time: Float[Array, "time"], order: int = 0) -> Rows:
         1: [-((1 - u) ** 2) / 2, (3 * u**2 - 4 * u) / 2, (-3 * u**2 + 2 * u + 1) / 2, u**2 / 2],
         2: [1 - u, 3 * u - 2, 1 - 3 * u, u],
     }[order]
-    return Rows(first, np.stack(table, axis=-1) / grid.step**order)
+    return SplineRows(first, np.stack(table, axis=-1) / grid.step**order)
 
 
-def apply(rows: Rows, coefficients: Float[Array, "*draw knot"]) -> Float[Array, "*draw time"]:
+def apply(rows: SplineRows, coefficients: Float[Array, "*draw knot"]) -> Float[Array, "*draw time"]:
     """The curve of coefficients, one or many, at the times of `rows`."""
     return np.asarray(sum(rows.value[:, k] * coefficients[..., rows.first + k] for k in range(_DEGREE + 1)))
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Fit:
+class CurvePosterior:
     """The posterior of a curve: mean coefficients, Cholesky factor of their precision, and the log evidence."""
 
     grid: Grid
@@ -83,7 +83,7 @@ class Fit:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Design:
+class SplineDesign:
     """The samples' splines, and the sparse sums that make normal equations of weights: made once, used for every fit.
 
     `sums` adds up what samples say of each coefficient, `products` what they say of each pair of neighbours in band
@@ -91,13 +91,13 @@ class Design:
     """
 
     grid: Grid
-    rows: Rows
+    rows: SplineRows
     sums: Any
     products: Any
     jumps: Any
 
 
-def design(grid: Grid, time: Float[Array, "time"]) -> Design:
+def design(grid: Grid, time: Float[Array, "time"]) -> SplineDesign:
     """What fits on a grid need to know of the times of their samples."""
     from scipy.sparse import csr_array
 
@@ -110,7 +110,7 @@ def design(grid: Grid, time: Float[Array, "time"]) -> Design:
     bend = np.repeat([float(_THIRD[j] * _THIRD[k]) for j, k in pairs], grid.count)
     single = (rows.first[:, None] + np.arange(_DEGREE + 1)).ravel()
     band = (_DEGREE + 1) * size
-    return Design(
+    return SplineDesign(
         grid,
         rows,
         csr_array((rows.value.ravel(), (single, np.repeat(sample, _DEGREE + 1))), (size, time.size)),
@@ -120,11 +120,11 @@ def design(grid: Grid, time: Float[Array, "time"]) -> Design:
 
 
 def fit(
-    samples: Design,
+    samples: SplineDesign,
     height: Float[Array, "time"],
     precision: Float[Array, "time"],
     wander: Float[Array, "interval"],
-) -> Fit:
+) -> CurvePosterior:
     """The posterior of the curve. Raises LinAlgError where samples are so wild that there is none.
 
     `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `wander` the
@@ -148,4 +148,4 @@ def fit(
         - (precision * height**2).sum()
         + mean @ right
     )
-    return Fit(samples.grid, mean, factor, float(evidence))
+    return CurvePosterior(samples.grid, mean, factor, float(evidence))

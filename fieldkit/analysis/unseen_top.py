@@ -15,13 +15,13 @@ from fieldkit.physics.standard_atmosphere import GRAVITY
 
 _SILENT, _STEPS = 2.0, 5.0
 """No sample for so long [s], and for so many of their usual steps [1], about its top is a silence."""
-_NEAR = 1.0
+_MAX_TIME_FROM_SILENCE = 1.0
 """The highest of smoothed samples is so near to a silence that has the top. [s]"""
 _RISING = 3.0
 """A rocket that was slower when the silence began was at its top. [m/s]"""
 _DRAG = 0.35
 """How far the time of such a coast is off, to itself. [1]"""
-_BEFORE = 1.0
+_DRAG_WINDOW = 1.0
 """So long before it the drag is looked at. [s]"""
 
 
@@ -33,7 +33,11 @@ def silence(track: Heights, seen: Outline) -> tuple[float, float] | None:
         return None
     usual = float(np.median(steps[max(0, after[0] - 20) : after[0] + 20]))
     long = after[steps[after] > max(_SILENT, _STEPS * usual)]
-    near = [place for place in long.tolist() if track.time[place] - _NEAR <= seen.top <= track.time[place + 1] + _NEAR]
+    near = [
+        place
+        for place in long.tolist()
+        if track.time[place] - _MAX_TIME_FROM_SILENCE <= seen.top <= track.time[place + 1] + _MAX_TIME_FROM_SILENCE
+    ]
     if not near:
         return None
     return float(track.time[near[0]]), float(track.time[near[0] + 1])
@@ -48,7 +52,7 @@ def unseen_apogee(
     either bound.
     """
     begin, end = hole
-    before = (ascent.time > begin - _BEFORE) & (ascent.time <= begin)
+    before = (ascent.time > begin - _DRAG_WINDOW) & (ascent.time <= begin)
     if before.sum() < 3:
         return None
     speed = float(np.interp(begin, ascent.time, ascent.speed))

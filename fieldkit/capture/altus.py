@@ -5,21 +5,21 @@ Source: AltosLink.java (Altus Metrum).
 
 import time
 
-from fieldkit.capture.link import NOISE, Link, Talk
+from fieldkit.capture.link import NOISE, Dialogue, Link
 
 ANSWER = 5.0
 """How long a unit may take for a line. [s]"""
 NAMES = {"product": "model", "serial-number": "serial", "software-version": "firmware"}
 
 
-def silence_echo(link: Link) -> Talk[None]:
+def silence_echo(link: Link) -> Dialogue[None]:
     """Clear what was typed before, and ask for answers without echo."""
     link.send(b"~\n")
     link.send(b"E 0\n")
     yield from link.drain(0.3)
 
 
-def version(link: Link) -> Talk[dict[str, str]]:
+def version(link: Link) -> Dialogue[dict[str, str]]:
     """The answer to `v`, key to value; nothing where it does not come to its end."""
     found: dict[str, str] = {}
     link.send(b"v\n")

@@ -12,7 +12,7 @@ from fieldkit.errors import CaptureTrouble
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class TapeMark:
     """A line of the journal: `at` bytes were on tape `time` seconds after the capture began."""
 
     at: int
@@ -21,7 +21,7 @@ class Mark:
 
 
 @dataclass(frozen=True, slots=True)
-class Answer:
+class Response:
     """What arrived between a command and the next one; the command is empty before the first."""
 
     command: bytes
@@ -34,7 +34,7 @@ class Captured:
 
     file: Path
     raw: bytes
-    marks: tuple[Mark, ...] = ()
+    marks: tuple[TapeMark, ...] = ()
 
     def fact(self, name: str) -> object:
         """The newest value that the journal has for a name, None where it has none."""
@@ -58,14 +58,14 @@ class Captured:
         """Whether it ended because everything had come."""
         return self.fact("whole") is True
 
-    def answers(self) -> list[Answer]:
+    def answers(self) -> list[Response]:
         """The bytes, cut where a command was sent."""
         sent = [(min(mark.at, len(self.raw)), str(mark.facts["sent"]).encode("latin-1")) for mark in self._sent()]
         starts = [(0, b""), *sent]
         ends = [at for at, _ in sent] + [len(self.raw)]
-        return [Answer(command, self.raw[at:end]) for (at, command), end in zip(starts, ends, strict=True)]
+        return [Response(command, self.raw[at:end]) for (at, command), end in zip(starts, ends, strict=True)]
 
-    def _sent(self) -> list[Mark]:
+    def _sent(self) -> list[TapeMark]:
         return [mark for mark in self.marks if "sent" in mark.facts]
 
     def arrivals(self, offsets: Iterable[int]) -> list[float]:
@@ -124,10 +124,10 @@ def read_capture(file: Path) -> Captured:
     return Captured(file.with_suffix(BYTES), raw, marks)
 
 
-def _mark(line: bytes) -> Mark | None:
+def _mark(line: bytes) -> TapeMark | None:
     try:
         facts = json.loads(line)
-        return Mark(int(facts.pop("at")), float(facts.pop("t")), facts)
+        return TapeMark(int(facts.pop("at")), float(facts.pop("t")), facts)
     except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         return None
 

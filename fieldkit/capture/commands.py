@@ -13,7 +13,7 @@ import re
 from collections.abc import Mapping
 from types import MappingProxyType
 
-ALLOWED: Mapping[str, re.Pattern[bytes]] = MappingProxyType(
+ALLOWED_COMMANDS: Mapping[str, re.Pattern[bytes]] = MappingProxyType(
     {
         # greeting, settings, number of flights, one of at most 25 flights, fast reading, telemetry
         "altimulti": re.compile(rb"h;|b;|n;|r(?:1?[0-9]|2[0-4]);|[fg];|y[01];"),
@@ -36,5 +36,5 @@ class ForbiddenCommand(Exception):
 
 def allowed(protocol: str, command: bytes) -> bool:
     """Whether a protocol may send exactly these bytes."""
-    pattern = ALLOWED.get(protocol)
+    pattern = ALLOWED_COMMANDS.get(protocol)
     return pattern is not None and pattern.fullmatch(command) is not None

@@ -29,7 +29,7 @@ class Stored:
 
 
 @dataclass(frozen=True, slots=True)
-class Opened:
+class PortOpened:
     """A port is open; every byte from now on goes to `file`. `device` is empty while it is not known."""
 
     port: str
@@ -45,14 +45,14 @@ class Recognised:
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class Instruction:
     """Something the flyer should do or know, in one line."""
 
     text: str
 
 
 @dataclass(frozen=True, slots=True)
-class Listed:
+class FlightsListed:
     """The flights in the logger's memory, and those of them that will be read."""
 
     flights: tuple[Stored, ...]
@@ -103,4 +103,4 @@ class Ended:
     """What the unit said of itself."""
 
 
-Event = Opened | Recognised | Told | Listed | Progress | Lost | Back | Ended
+Event = PortOpened | Recognised | Instruction | FlightsListed | Progress | Lost | Back | Ended

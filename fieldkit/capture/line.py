@@ -12,7 +12,7 @@ WAIT = 0.05
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class PortSettings:
     """How a port is opened: 8 data bits, no parity, 1 stop bit, and these."""
 
     baud: int = 9600
@@ -20,7 +20,7 @@ class Settings:
 
 
 @dataclass(slots=True)
-class Line:
+class SerialLine:
     """An open port. `protocol` decides what may be sent, and is empty as long as it is only listened to."""
 
     name: str
@@ -66,7 +66,7 @@ class Line:
             self.tape.tick()
         return chunk
 
-    def retune(self, settings: Settings) -> None:
+    def retune(self, settings: PortSettings) -> None:
         """Listen with other settings. Raises PortLost."""
         try:
             self._port.baudrate = settings.baud
@@ -82,7 +82,7 @@ class Line:
             return
 
 
-def open_line(name: str, protocol: str, settings: Settings, tape: Tape) -> Line:
+def open_line(name: str, protocol: str, settings: PortSettings, tape: Tape) -> SerialLine:
     """A port, opened for this program alone. Raises PortTrouble that says why it cannot be."""
     import serial
 
@@ -97,7 +97,7 @@ def open_line(name: str, protocol: str, settings: Settings, tape: Tape) -> Line:
         )
     except _faults() as error:
         raise PortTrouble(f"{name}: cannot be opened ({_reason(error)}); {_advice(error)}") from error
-    return Line(name, protocol, tape, port)
+    return SerialLine(name, protocol, tape, port)
 
 
 def _faults() -> tuple[type[Exception], ...]:

@@ -10,18 +10,18 @@ from dataclasses import dataclass, field
 from typing import TypeVar
 
 from fieldkit.capture.events import Event, Progress, Sample
-from fieldkit.capture.line import Line
+from fieldkit.capture.line import SerialLine
 from fieldkit.errors import PortLost, PortTrouble
 
-LONGEST = 4096
-"""No piece between two marks is longer; what is longer is noise, and all but its end is passed over. [bytes]"""
+MAX_PIECE = 4096
+"""Size limit of a piece between two marks; of a longer one, which is noise, only the end is used. [byte]"""
 NOISE = 4
 """Noise is given up after so many times the silence that would be. [1]"""
-EVERY = 0.2
-"""How often progress is told. [s]"""
+PROGRESS_INTERVAL = 0.2
+"""Time between two reports of progress. [s]"""
 
 T = TypeVar("T")
-Talk = Generator[Event, None, T]
+Dialogue = Generator[Event, None, T]
 """A conversation, or a part of one: events on the way, something at its end."""
 
 
@@ -38,7 +38,7 @@ def never() -> bool:
 class Link:
     """A conversation's end of a line, and the counts of a whole capture, which may outlive several lines."""
 
-    line: Line
+    line: SerialLine
     stop: Callable[[], bool] = never
     ends: float = float("inf")
     """When to stop, on the monotonic clock. [s]"""
@@ -69,7 +69,7 @@ class Link:
         """Where the capture is."""
         return Progress(self.heard, self.samples, self.damaged, self.share, self.sample)
 
-    def hear(self) -> Talk[bytes]:
+    def hear(self) -> Dialogue[bytes]:
         """What has arrived, perhaps nothing. Raises Stopped, PortLost."""
         if self.stop():
             raise Stopped("stopped")
@@ -82,7 +82,7 @@ class Link:
             return chunk
         chunk = self.line.hear()
         self.heard += len(chunk)
-        if time.monotonic() - self._told >= EVERY:
+        if time.monotonic() - self._told >= PROGRESS_INTERVAL:
             self._told = time.monotonic()
             yield self.progress()
         return chunk
@@ -97,7 +97,7 @@ class Link:
         self._pending.clear()
         self._searched = 0
 
-    def first_word(self, wait: float, asked: str) -> Talk[None]:
+    def first_word(self, wait: float, asked: str) -> Dialogue[None]:
         """Wait for anything at all. Raises PortTrouble after so long. [s]"""
         began = time.monotonic()
         while time.monotonic() - began < wait:
@@ -107,7 +107,7 @@ class Link:
                 return
         raise PortTrouble(f"{self.line.name}: heard nothing in {wait:.0f} s; {asked}")
 
-    def piece(self, mark: bytes, silence: float) -> Talk[bytes | None]:
+    def piece(self, mark: bytes, silence: float) -> Dialogue[bytes | None]:
         """The bytes up to the next mark, without it; None after silence, or four times that of noise. [s]"""
         began = quiet_since = time.monotonic()
         while True:
@@ -116,10 +116,10 @@ class Link:
                 found = bytes(self._pending[:at])
                 del self._pending[: at + len(mark)]
                 self._searched = 0
-                return found[-LONGEST:]
+                return found[-MAX_PIECE:]
             held = bytes(self._pending)
-            if len(held) > 2 * LONGEST:
-                held = held[-LONGEST:]
+            if len(held) > 2 * MAX_PIECE:
+                held = held[-MAX_PIECE:]
                 self.damaged += 1
             self._pending.clear()
             chunk = yield from self.hear()
@@ -133,12 +133,12 @@ class Link:
             if mark not in self._pending and now - began >= NOISE * silence:
                 return None
 
-    def text_line(self, silence: float) -> Talk[str | None]:
+    def text_line(self, silence: float) -> Dialogue[str | None]:
         """The next line without its end, in which every byte is a character; None after silence. [s]"""
         found = yield from self.piece(b"\n", silence)
         return None if found is None else found.decode("latin-1").rstrip("\r")
 
-    def drain(self, silence: float, patience: float = NOISE) -> Talk[bytes]:
+    def drain(self, silence: float, patience: float = NOISE) -> Dialogue[bytes]:
         """The end of what arrives until there is silence, or `patience` times that of noise. [s]"""
         heard = bytearray()
         began = quiet_since = time.monotonic()
@@ -146,6 +146,6 @@ class Link:
             chunk = yield from self.hear()
             if chunk:
                 heard += chunk
-                del heard[:-LONGEST]
+                del heard[:-MAX_PIECE]
                 quiet_since = time.monotonic()
         return bytes(heard)

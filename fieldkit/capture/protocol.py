@@ -10,8 +10,8 @@ from pathlib import Path
 
 from fieldkit.capture.captured import Captured, Log, read_capture
 from fieldkit.capture.events import Stored
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
 from fieldkit.errors import CaptureTrouble, PortTrouble
 from fieldkit.plugins import plugins
 
@@ -22,7 +22,7 @@ def everything(flights: Sequence[Stored]) -> Sequence[int]:
 
 
 @dataclass(frozen=True, slots=True)
-class Wishes:
+class CaptureOptions:
     """What the flyer asked for; None leaves a figure to the protocol."""
 
     choose: Callable[[Sequence[Stored]], Sequence[int]] = everything
@@ -62,8 +62,8 @@ class Protocol:
     """
 
     title: str
-    settings: Settings
-    talk: Callable[[Link, Wishes, Captured], Talk[bool]]
+    settings: PortSettings
+    talk: Callable[[Link, CaptureOptions, Captured], Dialogue[bool]]
     logs: Callable[[Captured], list[Log]] = as_it_came
     overhears: Callable[[bytes], bool] = unheard
     invites: str = ""

@@ -7,16 +7,16 @@ from dataclasses import replace
 from pathlib import Path
 
 from fieldkit.capture.captured import read_capture
-from fieldkit.capture.events import Back, Ended, Event, Lost, Opened, Recognised, Told
-from fieldkit.capture.line import Line, Settings, open_line
-from fieldkit.capture.link import Link, Stopped, Talk, never
+from fieldkit.capture.events import Back, Ended, Event, Instruction, Lost, PortOpened, Recognised
+from fieldkit.capture.line import PortSettings, SerialLine, open_line
+from fieldkit.capture.link import Dialogue, Link, Stopped, never
 from fieldkit.capture.port import Port, again, ports
-from fieldkit.capture.protocol import Wishes, known_device, known_devices
+from fieldkit.capture.protocol import CaptureOptions, known_device, known_devices
 from fieldkit.capture.tape import Tape, begin, go_on
 from fieldkit.errors import CaptureTrouble, FieldkitError, PortLost, PortTrouble
 
-LISTENED = 16_384
-"""How much of the end of what is heard is looked at to recognise a unit. [bytes]"""
+RECOGNITION_BYTES = 16_384
+"""How much of the end of the received data is searched to recognize a unit. [byte]"""
 RATES = (9600, 19_200, 38_400)
 """Speeds at which units talk unasked, tried in turn where one makes no sense. [baud]"""
 PATIENCE = 300.0
@@ -38,7 +38,7 @@ def capture(
     device: str | None = None,
     *,
     folder: Path,
-    wishes: Wishes = Wishes(),  # noqa: B008  # frozen
+    wishes: CaptureOptions = CaptureOptions(),  # noqa: B008  # frozen
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
@@ -64,7 +64,7 @@ def resume(
     port: Port | None = None,
     device: str | None = None,
     *,
-    wishes: Wishes = Wishes(),  # noqa: B008  # frozen
+    wishes: CaptureOptions = CaptureOptions(),  # noqa: B008  # frozen
     stop: Callable[[], bool] = never,
     look: Look = ports,
 ) -> Iterator[Event]:
@@ -102,20 +102,26 @@ def _name(device: str) -> str:
     return next(name for name, one in known_devices().items() if one is wanted)
 
 
-def _settings(name: str, wishes: Wishes) -> Settings:
-    settings = known_devices()[name].settings if name else Settings(RATES[0])
+def _settings(name: str, wishes: CaptureOptions) -> PortSettings:
+    settings = known_devices()[name].settings if name else PortSettings(RATES[0])
     return replace(settings, baud=wishes.baud) if wishes.baud else settings
 
 
 def _run(
-    tape: Tape, port: Port, name: str, settings: Settings, wishes: Wishes, stop: Callable[[], bool], look: Look
+    tape: Tape,
+    port: Port,
+    name: str,
+    settings: PortSettings,
+    wishes: CaptureOptions,
+    stop: Callable[[], bool],
+    look: Look,
 ) -> Iterator[Event]:
     line = open_line(port.name, name, settings, tape)
     link = Link(line, stop)
     if wishes.seconds is not None:
         link.ends = time.monotonic() + wishes.seconds
     try:
-        yield Opened(port.name, name, tape.file)
+        yield PortOpened(port.name, name, tape.file)
         whole = yield from _to_the_end(link, port, settings, wishes, look)
         why = "all is read" if whole and not link.open_ended else "it went silent"
     except Stopped as stopped:
@@ -125,7 +131,7 @@ def _run(
     except FieldkitError:
         raise
     except Exception:
-        yield Told("a fault of this program; what the unit still sends is kept all the same")
+        yield Instruction("a fault of this program; what the unit still sends is kept all the same")
         yield from _kept(link, wishes.silence)
         raise
     finally:
@@ -136,7 +142,7 @@ def _run(
     yield Ended(tape.file, link.line.protocol, tape.size, link.samples, link.damaged, why, whole, dict(link.about))
 
 
-def _to_the_end(link: Link, port: Port, settings: Settings, wishes: Wishes, look: Look) -> Talk[bool]:
+def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
     """Talk until a unit has told what it has, over cables that are pulled; whether it is whole.
 
     Raises PortLost where it stays away, or is lost again and again and says nothing between.
@@ -160,15 +166,17 @@ def _to_the_end(link: Link, port: Port, settings: Settings, wishes: Wishes, look
             yield Back(link.line.name)
 
 
-def _converse(link: Link, wishes: Wishes) -> Talk[bool]:
+def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
     """Talk to a known unit, with what the tape has of it."""
     one = known_devices()[link.line.protocol]
     if one.invites:
-        yield Told(one.invites)
+        yield Instruction(one.invites)
     return (yield from one.talk(link, wishes, read_capture(link.line.tape.file)))
 
 
-def _reopened(link: Link, unit: Port, settings: Settings, patience: float, look: Look, lost: PortLost) -> Talk[Line]:
+def _reopened(
+    link: Link, unit: Port, settings: PortSettings, patience: float, look: Look, lost: PortLost
+) -> Dialogue[SerialLine]:
     """The line of a unit that is there again. Raises the loss again when it stays away."""
     tape, name = link.line.tape, link.line.protocol
     gives_up = time.monotonic() + patience
@@ -178,7 +186,9 @@ def _reopened(link: Link, unit: Port, settings: Settings, patience: float, look:
         found = again(unit, look())
         if found is not None:
             try:
-                line = open_line(found, name, _settings(name, Wishes(baud=settings.baud)) if name else settings, tape)
+                line = open_line(
+                    found, name, _settings(name, CaptureOptions(baud=settings.baud)) if name else settings, tape
+                )
             except PortTrouble:
                 pass  # it may take a moment until the system lets it be opened
             else:
@@ -189,9 +199,9 @@ def _reopened(link: Link, unit: Port, settings: Settings, patience: float, look:
     raise lost
 
 
-def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
+def _recognise(link: Link, wishes: CaptureOptions) -> Dialogue[None]:
     """Listen until what is heard can only be one protocol's, and go on as that. Raises PortTrouble."""
-    yield Told("listening for a unit that talks by itself; one that has to be asked is named with --device")
+    yield Instruction("listening for a unit that talks by itself; one that has to be asked is named with --device")
     rates = [wishes.baud] if wishes.baud else list(RATES)
     patience = wishes.wait if wishes.wait is not None else PATIENCE
     heard, began, at_rate, nonsense = b"", time.monotonic(), 0, 0
@@ -199,22 +209,22 @@ def _recognise(link: Link, wishes: Wishes) -> Talk[None]:
         chunk = yield from link.hear()
         if not chunk:
             continue
-        heard = (heard + chunk)[-LISTENED:]
+        heard = (heard + chunk)[-RECOGNITION_BYTES:]
         names = _overheard(heard)
         if len(names) == 1:
             _become(link, names[0], rates[at_rate], heard)
             yield Recognised(names[0])
             return
-        nonsense += sum(byte in _NONSENSE for byte in chunk)
+        nonsense += sum(byte in _NON_TEXT_BYTES for byte in chunk)
         if nonsense > 64 and len(rates) > 1:
             at_rate, nonsense, heard = (at_rate + 1) % len(rates), 0, b""
-            link.line.retune(Settings(rates[at_rate]))
+            link.line.retune(PortSettings(rates[at_rate]))
     what = "nothing" if not link.heard else f"{link.heard} bytes that no protocol knows"
     names_of = ", ".join(known_devices())
     raise PortTrouble(f"{link.line.name}: heard {what} in {patience:.0f} s; name the unit with --device: {names_of}")
 
 
-_NONSENSE = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
+_NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(range(0x0E, 0x20)))
 """Bytes that no text holds: what a wrong speed makes of one."""
 
 
@@ -229,7 +239,7 @@ def _become(link: Link, name: str, baud: int, heard: bytes) -> None:
     link.push_back(heard)
 
 
-def _kept(link: Link, silence: float | None) -> Talk[None]:
+def _kept(link: Link, silence: float | None) -> Dialogue[None]:
     """Keep what comes without a look at it, until it stops."""
     with suppress(Stopped, PortLost):
         yield from link.drain(AFTER_A_FAULT if silence is None else silence, patience=float("inf"))

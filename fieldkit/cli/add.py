@@ -10,7 +10,7 @@ from fieldkit.cli.screen import complain, print_card
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
-    from fieldkit.cli.prompts import Talk
+    from fieldkit.cli.prompts import Conversation
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
 
@@ -70,11 +70,11 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     """
     import sys
 
-    from fieldkit.cli.prompts import Talk, converse
+    from fieldkit.cli.prompts import Conversation, converse
     from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
 
     person = sys.stdin.isatty()
-    talk = Talk(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
+    talk = Conversation(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
     _take_up(talk, ledger.draft(DRAFT), resume=resume)
     talk.units |= (ledger.draft(UNITS) or {}) if person else {}
     before = dict(talk.units)
@@ -87,7 +87,7 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     return with_offers(ledger, talk.flight, set(talk.answers)), DRAFT if talk.keeps else None
 
 
-def _take_up(talk: "Talk", draft: dict[str, str] | None, *, resume: bool) -> None:
+def _take_up(talk: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
     """Go on with a draft where the flyer wants to; a script that says nothing leaves it where it is."""
     if not draft:
         return

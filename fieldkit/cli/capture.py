@@ -12,7 +12,7 @@ from fieldkit.cli.screen import complain, print_json, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:
-    from fieldkit.capture import Ended, Event, Port, Stored, Wishes
+    from fieldkit.capture import CaptureOptions, Ended, Event, Port, Stored
     from fieldkit.services.imports import Receipt
 
 app = typer.Typer()
@@ -45,7 +45,7 @@ def capture(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Read a logger on a serial port; Ctrl-C ends it. Every byte is kept; nothing in it is ever changed."""
-    from fieldkit.capture import Wishes
+    from fieldkit.capture import CaptureOptions
     from fieldkit.cli.live import View
 
     if list_:
@@ -57,7 +57,7 @@ def capture(
     with _interrupt() as stop, View() as view:
         hertz = None if frequency is None else frequency * 1e6
         choose = _chooser(flight or (), view.pause, asks=sys.stdin.isatty() and not json)
-        wishes = Wishes(choose, live, hertz, baud, wait, silence, seconds, reconnect)
+        wishes = CaptureOptions(choose, live, hertz, baud, wait, silence, seconds, reconnect)
         end = _followed(_events(where or (), device, resume, wishes, stop), view.show)
     _tell(end)
     empty = not end.bytes or (end.whole and not end.samples and not resume)
@@ -76,7 +76,7 @@ def _followed(events: "Iterator[Event]", show: "Callable[[Event], None]") -> "En
 
 
 def _events(
-    where: Sequence[str], device: str | None, resume: bool, wishes: "Wishes", stop: Callable[[], bool]
+    where: Sequence[str], device: str | None, resume: bool, wishes: "CaptureOptions", stop: Callable[[], bool]
 ) -> "Iterator[Event]":
     """The events of the capture that was asked for. Raises PortTrouble, CaptureTrouble; wrong usage otherwise."""
     from fieldkit import capture

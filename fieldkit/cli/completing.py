@@ -13,8 +13,8 @@ from fieldkit.errors import FieldkitError
 if TYPE_CHECKING:
     from fieldkit.ledger import Ledger
 
-MOST = 60
-"""Motors that are offered at most."""
+MAX_MOTORS = 60
+"""Motors offered at most. [1]"""
 
 
 def rocket_names(context: typer.Context, incomplete: str) -> list[str]:
@@ -46,7 +46,7 @@ def motor_names(context: typer.Context, incomplete: str) -> list[str]:
     motors, _ = known_motors(motor_folder())
     sold = (f"{motor.designation}-{delay:g}" for motor in motors.motors for delay in motor.delays if isfinite(delay))
     fitting = sorted({name for name in sold if name.startswith(incomplete)})
-    return list(dict.fromkeys([*_flown(context, "motor", incomplete), *fitting]))[:MOST]
+    return list(dict.fromkeys([*_flown(context, "motor", incomplete), *fitting]))[:MAX_MOTORS]
 
 
 def _flown(context: typer.Context, field: str, incomplete: str) -> list[str]:

@@ -9,12 +9,12 @@ import typer
 
 from fieldkit.cli.screen import print_table, progress, say, say_report, say_wrapped
 from fieldkit.cli.studies import HOW, studies_are_here
-from fieldkit.progress import Tell, part
+from fieldkit.progress import ReportProgress, part
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
     from fieldkit.services.demo import Demo
-    from studies.paper.report import Report
+    from studies.paper.report import PaperReport
 
 app = typer.Typer()
 
@@ -122,7 +122,7 @@ def _loop(found: "Demo") -> None:
     say()
 
 
-def _paper(tell: Tell) -> "Report | None":
+def _paper(tell: ReportProgress) -> "PaperReport | None":
     """The reference paper put to the test, where the studies are here."""
     if not studies_are_here():
         return None
@@ -132,7 +132,7 @@ def _paper(tell: Tell) -> "Report | None":
     return report()
 
 
-def _profile(paper: "Report | None") -> None:
+def _profile(paper: "PaperReport | None") -> None:
     say("5. What the thrust profile costs that the reference paper published")
     say()
     if paper is None:

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
-    from fieldkit.planning.safety import Line
+    from fieldkit.planning.safety import SafetyCheck
 
 app = typer.Typer()
 
 
-class Which(StrEnum):
+class ModelVersion(StrEnum):
     """The model of a rocket without, or with, what the loop added."""
 
     before = "before"
@@ -34,7 +34,7 @@ def predict(
     flights: Annotated[
         Path | None, typer.Option(help="A table of planned flights.", exists=False, show_default=False)
     ] = None,
-    model: Annotated[Which, typer.Option(help="Without or with what the loop added.")] = Which.after,
+    model: Annotated[ModelVersion, typer.Option(help="Without or with what the loop added.")] = ModelVersion.after,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
@@ -119,15 +119,15 @@ def _print_table(predictions: "list[Prediction]") -> None:
     print_table(headers, rows, numbers=["apogee", "5 %", "95 %", "eject"])
 
 
-def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Line]]") -> None:
+def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[SafetyCheck]]") -> None:
     """The air and every safety line of each planned flight, and who decides."""
     from fieldkit.cli.screen import say_wrapped
     from fieldkit.planning.air import air_of
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor
         say_wrapped(f"{name}: air {air_of(one.plan).words()}", "  ")
         for line in own:
             say_wrapped(f"{name}: {line.words()}", "  ")
-    say_wrapped(DECIDES)
+    say_wrapped(ADVICE_NOTE)

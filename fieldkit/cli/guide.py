@@ -4,16 +4,16 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from fieldkit.cli.planning import Given, Plan, length, planning, print_conditions
+from fieldkit.cli.planning import Given, PlanContext, length, planning, print_conditions
 from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 
 if TYPE_CHECKING:
-    from fieldkit.planning.motor_guide import Choice, Wanted
+    from fieldkit.planning.motor_guide import MotorChoice, Wanted
 
-SHOWN = 12
-"""How many motors have their checks told, where not all are asked for."""
-NEAREST, MOST = 2, 99
-"""How many delays of a motor are told beside it: as many as fit a line of 80 letters, and all of them."""
+MAX_CHECKED_MOTORS = 12
+"""Motors whose checks are printed unless all are asked for. [1]"""
+SHOWN_DELAYS, ALL_DELAYS = 2, 99
+"""Delays of a motor listed beside it: as many as fit a line of 80 characters, or all of them. [1]"""
 
 
 def print_guide(
@@ -29,7 +29,7 @@ def print_guide(
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, fitting, guide, lifts
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     target = length(fit["target"])
     with planning(context, given) as plan:
@@ -44,17 +44,17 @@ def print_guide(
         _print_json(plan, wanted, target, choices, weak)
         return
     _print(plan, wanted, choices, every=every)
-    _print_checks(choices, len(choices) if every else SHOWN, every=every)
+    _print_checks(choices, len(choices) if every else MAX_CHECKED_MOTORS, every=every)
     if weak:
         say_wrapped(
             f"left out, for they push with less than {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  "
         )
     say()
     delays = "each delay on sale" if every else "the delays on sale nearest to it, --all tells each"
-    say_wrapped(f"eject: after apogee, with {delays}; a check that is not told is well. {DECIDES}")
+    say_wrapped(f"eject: after apogee, with {delays}; a check that is not told is well. {ADVICE_NOTE}")
 
 
-def _wanted(plan: Plan, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
+def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shortlisted: bool) -> "Wanted":
     import math
 
     from fieldkit.errors import UnknownMotor
@@ -84,28 +84,30 @@ def _classes(text: str) -> tuple[str, str] | None:
     return first, last or first
 
 
-def _print_json(plan: Plan, wanted: "Wanted", target: float | None, choices: "list[Choice]", weak: list[str]) -> None:
+def _print_json(
+    plan: PlanContext, wanted: "Wanted", target: float | None, choices: "list[MotorChoice]", weak: list[str]
+) -> None:
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     said = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
-    document |= {"flights": said.rests_on, "model": said.model, "decides": DECIDES}
+    document |= {"flights": said.rests_on, "model": said.model, "decides": ADVICE_NOTE}
     document |= {"conditions": conditions(said.plan), "air": air_of(said.plan).json()}
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
 
-def _print(plan: Plan, wanted: "Wanted", choices: "list[Choice]", *, every: bool) -> None:
+def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", *, every: bool) -> None:
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
     say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
     print_conditions(said.plan, plan.rocket.starts)
     say()
-    _table(choices, MOST if every else NEAREST)
+    _table(choices, ALL_DELAYS if every else SHOWN_DELAYS)
 
 
-def _print_checks(choices: "list[Choice]", shown: int, *, every: bool) -> None:
+def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> None:
     """A line for each check that fails, of as many motors as `shown`; what is not known of any motor is told once."""
     unknown = [line.name for line in choices[0].lines if all(_unknown(choice, line.name) for choice in choices)]
     if unknown and not every:
@@ -118,24 +120,24 @@ def _print_checks(choices: "list[Choice]", shown: int, *, every: bool) -> None:
         say_wrapped(f"  and {len(choices) - shown} more whose checks --all tells")
 
 
-def _unknown(choice: "Choice", name: str) -> bool:
+def _unknown(choice: "MotorChoice", name: str) -> bool:
     return any(line.name == name and line.verdict == "unknown" for line in choice.lines)
 
 
-def _name(choice: "Choice", choices: "list[Choice]") -> str:
+def _name(choice: "MotorChoice", choices: "list[MotorChoice]") -> str:
     """The designation, and the maker where another has one of the same name."""
     motor = choice.motor
     alone = sum(one.motor.designation == motor.designation for one in choices) == 1
     return motor.designation if alone else f"{motor.designation} {motor.maker}"
 
 
-def _ejections(choice: "Choice", most: int) -> str:
+def _ejections(choice: "MotorChoice", most: int) -> str:
     """When the delays that fire nearest to apogee would fire, the shortest first: `5:-0.2 6:+0.8`."""
     nearest = sorted(choice.ejections, key=lambda one: abs(one[1]))[:most]
     return " ".join(f"{delay:g}:{after:+.1f}" for delay, after in sorted(nearest)) or "no delay"
 
 
-def _table(choices: "list[Choice]", most: int) -> None:
+def _table(choices: "list[MotorChoice]", most: int) -> None:
     from fieldkit.planning.quantiles import three
 
     headers = ("motor", "shown", "90 %", "true", "rail", "T/W", "avg", "top", "✗", "eject")

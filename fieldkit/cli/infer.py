@@ -12,7 +12,7 @@ from fieldkit.cli.session import known_motors, open_ledger
 app = typer.Typer()
 
 
-class Which(StrEnum):
+class EnsembleName(StrEnum):
     """The ensembles that can be asked: one for any flight and all its readouts, and the reference paper's."""
 
     field = "field"
@@ -26,7 +26,7 @@ def infer(
         list[str] | None,
         typer.Argument(metavar="[FLIGHT]...", help="By default all.", show_default=False, autocompletion=flight_ids),
     ] = None,
-    model: Annotated[Which, typer.Option(help="The ensemble to ask.")] = Which.field,
+    model: Annotated[EnsembleName, typer.Option(help="The ensemble to ask.")] = EnsembleName.field,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Infer what each flight says of the rocket's drag (Cd) and the motor's thrust (alpha, 1 as certified)."""

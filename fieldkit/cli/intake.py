@@ -14,21 +14,21 @@ from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_s
 from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
-    from fieldkit.importing import Choice, Rejected
+    from fieldkit.importing import ColumnChoice, Rejected
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue
     from fieldkit.services.imports import Gathered, Receipt
 
 app = typer.Typer()
 
-FORETOLD = 6
-"""How many flights that come in are laid beside their predictions, a line each."""
+MAX_COMPARED_FLIGHTS = 6
+"""How many imported flights are compared with their forecasts, a line each."""
 
 FILES = 20
 """What so many files were is said, a line each."""
 
 
-class Form(StrEnum):
+class ExportFormat(StrEnum):
     """What `export` writes."""
 
     CSV = "csv"
@@ -77,7 +77,7 @@ def inspect(
 
 def _gathered(
     files: Sequence[Path], format: str | None, given: Sequence[str] | None, columns: Sequence[str] | None
-) -> "tuple[Gathered, list[Choice], Catalogue]":
+) -> "tuple[Gathered, list[ColumnChoice], Catalogue]":
     """What files hold, read as for an import, the choices of columns that they were read with, and the motors."""
     from fieldkit.importing.tables.mapping import read_choice, remembered
     from fieldkit.services.imports import gather
@@ -155,10 +155,10 @@ def _say(receipt: "Receipt", done: str, foretold: Sequence[str]) -> None:
         say_wrapped(in_a_line(one), "  ")
     if len(receipt.files) > FILES:
         say(f"and {len(receipt.files) - FILES} more files; --json lists all")
-    for line in foretold[:FORETOLD]:
+    for line in foretold[:MAX_COMPARED_FLIGHTS]:
         say_wrapped(line, "  ")
-    if len(foretold) > FORETOLD:
-        say(f"and {len(foretold) - FORETOLD} more that were foretold; see `fieldkit predictions`")
+    if len(foretold) > MAX_COMPARED_FLIGHTS:
+        say(f"and {len(foretold) - MAX_COMPARED_FLIGHTS} more that were foretold; see `fieldkit predictions`")
 
 
 def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
@@ -179,7 +179,7 @@ def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
 def export(
     context: typer.Context,
     file: Annotated[Path | None, typer.Argument(help="The file to write; without one, the screen.")] = None,
-    format: Annotated[Form | None, typer.Option(help="By default what the file's name says, or csv.")] = None,
+    format: Annotated[ExportFormat | None, typer.Option(help="By default what the file's name says, or csv.")] = None,
     rocket: Annotated[
         str | None, typer.Option(help="Flights of this rocket only.", autocompletion=rocket_names)
     ] = None,
@@ -195,7 +195,7 @@ def export(
     with open_ledger(context) as ledger:
         force = file is not None and settled(file, force)
         flights = ledger.flights(rocket)
-    as_json = format is Form.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
+    as_json = format is ExportFormat.JSON or (format is None and file is not None and file.suffix.lower() == ".json")
     if as_json:
         text = json.dumps({"flights": [document(one) for one in flights]}, indent=2, allow_nan=False) + "\n"
     else:

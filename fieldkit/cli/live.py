@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from fieldkit.capture import Event, Progress, Sample
 
 BARS = "▁▂▃▄▅▆▇█"
-OLD = 3.0
-"""An altitude that came longer ago is said to be old. [s]"""
+STALE_ALTITUDE_AGE = 3.0
+"""Age from which an altitude is marked as old. [s]"""
 WIDTH = 60
 """How many of the last altitudes are drawn."""
 
@@ -60,15 +60,15 @@ class View:
         from fieldkit import capture
 
         match event:
-            case capture.Opened(port, device, file):
+            case capture.PortOpened(port, device, file):
                 self.device, self.port = device, port
                 self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
             case capture.Recognised(device):
                 self.device = device
                 self._say(f"this is {capture.known_devices()[device].title}")
-            case capture.Told(text):
+            case capture.Instruction(text):
                 self._say(text)
-            case capture.Listed(flights, chosen):
+            case capture.FlightsListed(flights, chosen):
                 self._say(f"{len(flights)} in memory, reading {len(chosen)}")
             case capture.Lost(_, why):
                 self._say(f"{why}; all that came is kept, waiting for it to come back")
@@ -125,7 +125,7 @@ def flight_line(sample: "Sample", age: float) -> str:
     """What else the stream says of the flight, and how old it is where that is long. [s]"""
     parts = [f"{sample.speed:+.1f} m/s"] if sample.speed is not None else []
     parts += [sample.state] if sample.state else []
-    parts += [f"heard {age:.0f} s ago"] if age > OLD else []
+    parts += [f"heard {age:.0f} s ago"] if age > STALE_ALTITUDE_AGE else []
     return "   ".join(parts)
 
 

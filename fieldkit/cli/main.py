@@ -52,8 +52,8 @@ GROUPS = {
     "docs": ("docs",),
 }
 """The commands of every module of `fieldkit.cli`, in the order in which `--help` lists them."""
-SELDOM = 50_000
-"""Objects after which memory is looked through for cycles: modules being read make many, and hardly a cycle. [1]"""
+COLLECTION_THRESHOLD = 50_000
+"""Allocations between garbage collections: importing modules makes many objects and hardly a cycle. [1]"""
 HOMES = {command: module for module, commands in GROUPS.items() for command in commands}
 
 
@@ -168,7 +168,7 @@ def run() -> NoReturn:
     What is registered to be done at exit is done; memory is the system's to free, which takes the interpreter a tenth
     of a second. Where threads are still at work it ends in its own time.
     """
-    gc.set_threshold(SELDOM)
+    gc.set_threshold(COLLECTION_THRESHOLD)
     status = main()
     if threading.active_count() > 1:
         sys.exit(status)

@@ -17,10 +17,10 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 GUIDE = "With --fit"
-MOST = 40
-"""How many motors a table lists."""
-TOLD = 3
-"""Of how many motors at most the corrected figures are told."""
+MAX_LISTED_MOTORS = 40
+"""Motors that a table lists. [1]"""
+MAX_CORRECTED_MOTORS = 3
+"""Motors whose corrected figures are printed. [1]"""
 
 
 def motors(
@@ -104,8 +104,10 @@ def _put_by(context: typer.Context, rocket: str, found: "list[Motor]") -> None:
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.planning import keep_shortlist, shortlist
 
-    if len(found) > MOST:
-        raise typer.BadParameter(f"found {len(found)} motors to put by, expected at most {MOST}; a longer name narrows")
+    if len(found) > MAX_LISTED_MOTORS:
+        raise typer.BadParameter(
+            f"found {len(found)} motors to put by, expected at most {MAX_LISTED_MOTORS}; a longer name narrows"
+        )
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
         labels = shortlist(ledger, name) | {label(motor) for motor in found}
@@ -156,11 +158,11 @@ def _list(found: "list[Motor]") -> None:
             delays_text(motor.delays),
             "" if motor.available else "no longer made",
         )
-        for motor in found[:MOST]
+        for motor in found[:MAX_LISTED_MOTORS]
     ]
     print_table(headers, rows, numbers=headers[1:6])
-    if len(found) > MOST:
-        complain(f"and {len(found) - MOST} more; a longer name or a diameter such as 24mm narrows it")
-    for motor in found if len(found) <= TOLD else ():
+    if len(found) > MAX_LISTED_MOTORS:
+        complain(f"and {len(found) - MAX_LISTED_MOTORS} more; a longer name or a diameter such as 24mm narrows it")
+    for motor in found if len(found) <= MAX_CORRECTED_MOTORS else ():
         for one in motor.corrections:
             complain(f"{motor.maker} {motor.designation}: {one.text()}")

@@ -15,7 +15,7 @@ SETUP, CONDITIONS, READOUTS = (
     tuple(column.header for column in columns) for columns in (flight.SETUP, flight.CONDITIONS, flight.READOUTS)
 )
 """Columns of the flight table that are options of commands."""
-MEANT = {
+OPTION_HELP = {
     "flight_id": "Its number or name; the next free number by itself.",
     "date_time": "Of lift-off, 2026-05-01T10:30; now by itself.",
     "rocket": "Its name.",
@@ -26,15 +26,15 @@ MEANT = {
     "notes": "Anything else.",
 }
 """What the texts of a flight are."""
-COMPLETED = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
-"""What the shell offers for an option."""
+COMPLETIONS = {"rocket": rocket_names, "config": config_names, "motor": motor_names}
+"""Completion function of each option."""
 
 
 def takes_columns(command: Callable[..., None], texts: Iterable[str], numbers: Iterable[str], panel: str) -> None:
     """Give a command an option for each column, which arrives as text (or None) among its `**given`."""
     signature = inspect.signature(command)
     own = [parameter for parameter in signature.parameters.values() if parameter.kind is not parameter.VAR_KEYWORD]
-    own += [_option(name, [f"--{name.replace('_', '-')}"], MEANT[name], panel) for name in texts]
+    own += [_option(name, [f"--{name.replace('_', '-')}"], OPTION_HELP[name], panel) for name in texts]
     for header in numbers:
         name = header.rpartition("_")[0]
         flags = [f"--{header.replace('_', '-')}", f"--{name.replace('_', '-')}"]
@@ -69,7 +69,7 @@ def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) 
 
 def _option(name: str, flags: list[str], text: str, panel: str) -> inspect.Parameter:
     option: Any = typer.Option(
-        *flags, help=text, rich_help_panel=panel, show_default=False, autocompletion=COMPLETED.get(name)
+        *flags, help=text, rich_help_panel=panel, show_default=False, autocompletion=COMPLETIONS.get(name)
     )
     return inspect.Parameter(
         name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Annotated[str | None, option]

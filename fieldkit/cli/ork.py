@@ -27,10 +27,10 @@ def ork(
     """Start a rocket from its OpenRocket design: mass without motor, diameter, length and Cd, until it has flown."""
     from fieldkit.errors import BadValue
     from fieldkit.flight.start import Start
-    from fieldkit.openrocket import MOST, read_design
+    from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 
-    design = read_design(read_file(file, most=MOST, kind="an OpenRocket design"), file.name)
+    design = read_design(read_file(file, most=MAX_UNPACKED_SIZE, kind="an OpenRocket design"), file.name)
     name = rocket or design.name
     if not name:
         raise BadValue(f"{file.name}: found no name in it, expected --rocket with one")

@@ -8,7 +8,7 @@ from fieldkit.cli.screen import print_json, print_table, say, say_wrapped
 from fieldkit.cli.studies import need_studies
 
 if TYPE_CHECKING:
-    from studies.paper.report import Report
+    from studies.paper.report import PaperReport
 
 app = typer.Typer()
 
@@ -31,7 +31,7 @@ def paper(json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = Fa
     _say_findings(findings(found))
 
 
-def _flights(report: "Report") -> None:
+def _flights(report: "PaperReport") -> None:
     headers = ("flight", "motor", "apogee", "Cd", "publ.", "alpha", "publ.", "rebuilt", "publ.", "left out")
     say("Cd and alpha from the apogee [m], and the apogee rebuilt from them")
     say()
@@ -53,7 +53,7 @@ def _flight(one: dict[str, Any]) -> tuple[str, ...]:
     return (name, one["motor"], f"{one['apogee_m']:.1f}", *compared, f"{one['next_flight_m']:.1f}")
 
 
-def _errors(report: "Report") -> None:
+def _errors(report: "PaperReport") -> None:
     stated = report.published["stated"]
     rows = [
         ("rebuilt, here", *_three(report.reconstruction)),
@@ -71,7 +71,7 @@ def _three(errors: dict[str, float]) -> tuple[str, str, str]:
     return f"{errors['mae_m']:.1f}", f"{errors['rmse_m']:.1f}", f"{errors['bias_m']:+.1f}"
 
 
-def _synthetic(report: "Report") -> None:
+def _synthetic(report: "PaperReport") -> None:
     stated, found, limit = report.published["stated"], report.synthetic, report.bayes_limit
     rows = [
         (
@@ -89,7 +89,7 @@ def _synthetic(report: "Report") -> None:
     say()
 
 
-def _rules(report: "Report") -> None:
+def _rules(report: "PaperReport") -> None:
     headers = ("Each valid flight forecast from the others [m]", "MAE", "±", "bias", "n")
     rows = [
         (

@@ -21,14 +21,14 @@ if TYPE_CHECKING:
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import Line
+    from fieldkit.planning.safety import SafetyCheck
 
 Given = Mapping[str, str | None]
 """Options of a plan as typed, None where not given."""
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class PlanContext:
     """A plan as it begins: the flight, what the ledger holds of its rocket, the motors known, site and thresholds."""
 
     ledger: "Ledger"
@@ -47,7 +47,7 @@ class Plan:
             raise UnknownMotor(f"{self.flight.rocket}: found no flights to know a motor from, expected --motor")
         return self.motors.resolve(self.flight.motor or (last.motor if last else ""))
 
-    def safety(self, said: "Prediction") -> "list[Line]":
+    def safety(self, said: "Prediction") -> "list[SafetyCheck]":
         """Every safety line of a forecast."""
         from fieldkit.planning.descent import fall_of
         from fieldkit.planning.safety import safety_lines
@@ -56,7 +56,7 @@ class Plan:
 
 
 @contextmanager
-def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
+def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
     """A plan for a rocket that has flown or has a design, with its ledger open. Raises NoFlights, BadValue."""
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.planning import rocket_of
@@ -67,7 +67,7 @@ def planning(context: typer.Context, given: Given) -> Iterator[Plan]:
         tell(f"flying {name} on what its flights taught", 0.3)
         flight = begun_plan(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
-        yield Plan(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
+        yield PlanContext(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
 
 
 def begun_plan(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
@@ -132,7 +132,9 @@ def own_limits() -> "dict[str, Limit]":
     return limits(data_folder() / "limits.toml")
 
 
-def safety_of(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given) -> "list[list[Line]]":
+def safety_of(
+    ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]", given: Given
+) -> "list[list[SafetyCheck]]":
     """Every safety line of each of some forecasts."""
     from fieldkit.planning.descent import fall_of
     from fieldkit.planning.safety import safety_lines
@@ -143,16 +145,16 @@ def safety_of(ledger: "Ledger", motors: "Catalogue", said: "Sequence[Prediction]
     return [safety_lines(one, field_of(ledger, one.plan, given), falls[one.plan.rocket], limits) for one in said]
 
 
-def about_plan(said: "Prediction", lines: "Sequence[Line]") -> dict[str, Any]:
+def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import DECIDES
+    from fieldkit.planning.safety import ADVICE_NOTE
 
     return {
         "conditions": conditions(said.plan),
         "air": air_of(said.plan).json(),
         "safety": [line.json() for line in lines],
-        "decides": DECIDES,
+        "decides": ADVICE_NOTE,
     }
 
 
@@ -164,7 +166,7 @@ def print_conditions(plan: "Flight", starts: "Sequence[Start]") -> None:
         say_wrapped(text, " " * 10)
 
 
-def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[Line]", starts: "Sequence[Start]") -> None:
+def print_plan(words: Iterable[str], plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print what a plan comes to, and its conditions and safety lines below."""
     for text in words:
         say_wrapped(text, " " * 10) if len(text) > _WIDTH else say(text)
@@ -175,7 +177,7 @@ _WIDTH = 79
 """Of a line that is printed as it is, its columns kept. [letters]"""
 
 
-def print_safety(plan: "Flight", lines: "Sequence[Line]", starts: "Sequence[Start]") -> None:
+def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan and all safety lines, well or not, and who decides."""
     from fieldkit.planning.safety import told
 

@@ -10,7 +10,7 @@ from fieldkit.cli.session import known_motors, open_ledger
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.ledger import Ledger
-    from fieldkit.services.saved_forecasts import Kept
+    from fieldkit.services.saved_forecasts import SavedForecast
 
 app = typer.Typer()
 
@@ -24,13 +24,13 @@ def predictions(
 ) -> None:
     """List the predictions kept: those still open, those that became stale and why, and those flown."""
     from fieldkit.services.forecasts import which_rocket
-    from fieldkit.services.saved_forecasts import STANDING, kept, standing
+    from fieldkit.services.saved_forecasts import LISTED_STATES, kept, standing
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket) if rocket else None
         found = kept(ledger, known_motors(), name)
         where = ledger.name
-    shown = [one for one in found if every or one.state in STANDING]
+    shown = [one for one in found if every or one.state in LISTED_STATES]
     if json:
         print_json({"predictions": [one.json() for one in shown]})
         return
@@ -50,7 +50,7 @@ def predictions(
     say(standing(found))
 
 
-def _cells(one: "Kept") -> list[str]:
+def _cells(one: "SavedForecast") -> list[str]:
     low, middle, high = one.interval
     payload = one.made.payload
     flight = one.flight.flight_id if one.flight else one.made.flight_id
@@ -67,7 +67,7 @@ def _cells(one: "Kept") -> list[str]:
     ]
 
 
-def foretold(ledger: "Ledger", flight: "Flight") -> "Kept | None":
+def foretold(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
     """The prediction that a flight is measured against; a ledger without any wakes nothing to say so."""
     if not ledger.predictions(flight.rocket):
         return None
@@ -76,7 +76,7 @@ def foretold(ledger: "Ledger", flight: "Flight") -> "Kept | None":
     return of_flight(ledger, known_motors(), flight)
 
 
-def say_foretold(said: "Kept | None") -> None:
+def say_foretold(said: "SavedForecast | None") -> None:
     """Print what was foretold for a flight beside what it flew, where something was."""
     if said is None:
         return

@@ -7,7 +7,7 @@ from fieldkit.cli.screen import complain
 from fieldkit.cli.session import MotorCheck
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
@@ -20,7 +20,7 @@ Listen = Callable[[str], str | None]
 
 
 @dataclass(slots=True)
-class Talk:
+class Conversation:
     """A conversation: what was answered, as typed and as a flight; `patient` is one with a person.
 
     `units` are those typed last, by kind of column; only a person, who sees them, is held to them.
@@ -36,7 +36,7 @@ class Talk:
     keeps: bool = True
 
 
-def converse(talk: Talk) -> bool:
+def converse(talk: Conversation) -> bool:
     """Ask all that is not answered yet; False when the answers ended early."""
     place = _caught_up(talk)
     while place < len(QUESTIONS):
@@ -55,7 +55,7 @@ def converse(talk: Talk) -> bool:
     return True
 
 
-def _caught_up(talk: Talk) -> int:
+def _caught_up(talk: Conversation) -> int:
     """Take the answers that a draft holds; the place of the first question that it leaves open."""
     for place, question in enumerate(QUESTIONS):
         text = talk.answers.get(question.name)
@@ -70,20 +70,20 @@ def _caught_up(talk: Talk) -> int:
     return len(QUESTIONS)
 
 
-def offer(talk: Talk, question: Question) -> str:
+def offer(talk: Conversation, question: Question) -> str:
     """What Enter takes: the answer given before, or the one of the last flight like this."""
     if question.name in talk.answers:
         return talk.answers[question.name]
     return manual_entry.offer(talk.ledger, talk.flight, question)
 
 
-def _prompt(talk: Talk, question: Question) -> str:
+def _prompt(talk: Conversation, question: Question) -> str:
     offered = offer(talk, question)
     unit = f" ({spelled(_unit(talk, question))})" if question.column else ""
     return f"{question.title}{unit}{f' [{printable(offered)}]' if offered else ''}: "
 
 
-def _unit(talk: Talk, question: Question) -> str:
+def _unit(talk: Conversation, question: Question) -> str:
     """The unit of a number typed without one."""
     column = question.column
     if column is None:
@@ -91,7 +91,7 @@ def _unit(talk: Talk, question: Question) -> str:
     return talk.units.get(manual_entry.kind(column), column.unit) if talk.patient else column.unit
 
 
-def _answered(talk: Talk, question: Question, text: str) -> bool:
+def _answered(talk: Conversation, question: Question, text: str) -> bool:
     """Take an answer if it can be read and, where it is odd, is kept on being asked."""
     text = text.strip() or offer(talk, question)
     while True:
@@ -115,9 +115,9 @@ def _answered(talk: Talk, question: Question, text: str) -> bool:
     return True
 
 
-def _take(talk: Talk, question: Question, text: str) -> None:
+def _take(talk: Conversation, question: Question, text: str) -> None:
     """Read an answer into the flight. Raises BadValue or UnknownMotor."""
-    if text == NOTHING:
+    if text == NOT_RECORDED:
         text = ""
     if question.name == "rocket" and not text:
         raise BadValue("found nothing, expected the rocket's name")
@@ -127,16 +127,16 @@ def _take(talk: Talk, question: Question, text: str) -> None:
     talk.flight = talk.flight.with_changes(**{question.name: value})
 
 
-def _with_unit(talk: Talk, question: Question, text: str) -> str:
+def _with_unit(talk: Conversation, question: Question, text: str) -> str:
     """A number with the unit it was meant in, which is remembered for the next; another text as it is."""
     column = question.column
-    if column is None or text in ("", NOTHING):
+    if column is None or text in ("", NOT_RECORDED):
         return text
     unit = talk.units[manual_entry.kind(column)] = manual_entry.typed_unit(text) or _unit(talk, question)
     return manual_entry.with_unit(text, unit)
 
 
-def _look_up(talk: Talk, text: str) -> None:
+def _look_up(talk: Conversation, text: str) -> None:
     if _several(text):
         complain("Motor: several at once; the tag `cluster` keeps the flight from teaching the model")
         return
@@ -150,7 +150,7 @@ def _several(motor: str) -> bool:
     return is_cluster(motor)
 
 
-def _explain(talk: Talk, question: Question) -> None:
+def _explain(talk: Conversation, question: Question) -> None:
     """What a question is about, and what was answered to it so far."""
     complain(question.help)
     if question.name in ("rocket", "config", "motor", "site"):
@@ -159,7 +159,7 @@ def _explain(talk: Talk, question: Question) -> None:
             complain(f"  so far {', '.join(known)}")
 
 
-def _search(talk: Talk, text: str) -> None:
+def _search(talk: Conversation, text: str) -> None:
     found = talk.motors.catalogue.search(text)
     for motor in found[:10]:
         size = f"{motor.diameter * 1e3:g} mm, {motor.total_impulse:.4g} N s"

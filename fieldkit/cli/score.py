@@ -11,7 +11,7 @@ from fieldkit.cli.session import known_motors, open_ledger
 from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
-    from fieldkit.forecast.evaluation.comparison import Report
+    from fieldkit.forecast.evaluation.comparison import ScoreReport
 
 app = typer.Typer()
 
@@ -99,7 +99,7 @@ def score(
     say_wrapped(f"The next flight stacked would be {parts}.")
 
 
-def _print(found: "Report", *, placed: bool = True) -> None:
+def _print(found: "ScoreReport", *, placed: bool = True) -> None:
     """Scores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
     from fieldkit.presentation.score_text import (
         DIFFERENCES,

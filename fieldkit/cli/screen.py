@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import printable
 
 if TYPE_CHECKING:
@@ -114,13 +114,13 @@ def in_both_units(name: str, value: float | None) -> str:
 
 
 @contextmanager
-def progress(title: str) -> Iterator[Tell]:
+def progress(title: str) -> Iterator[ReportProgress]:
     """A bar on stderr, where that is a terminal, told of what is being done and the share done.
 
     It is drawn when it is told something and at no other time.
     """
     if not sys.stderr.isatty():
-        yield untold
+        yield no_op
         return
     from rich.console import Console
     from rich.markup import escape

@@ -18,7 +18,7 @@ class Recipe(StrEnum):
     field = "field"
 
 
-class Plan(StrEnum):
+class TrainingLength(StrEnum):
     """How long to train."""
 
     quick = "quick"
@@ -31,8 +31,8 @@ def train(
     recipe: Annotated[Recipe, typer.Option(help="What to train.")] = Recipe.paper,
     seed: Annotated[int, typer.Option(min=0, help="Of the simulated flights and the networks.")] = 1,
     schedule: Annotated[
-        Plan, typer.Option(help="The paper's 100 epochs, or 10 that reach the same errors.")
-    ] = Plan.quick,
+        TrainingLength, typer.Option(help="The paper's 100 epochs, or 10 that reach the same errors.")
+    ] = TrainingLength.quick,
     n_train: Annotated[
         int | None, typer.Option(min=256, help="Simulated flights to train on: 10,000 for paper, a million for field.")
     ] = None,

@@ -10,11 +10,11 @@ from fieldkit.flight.flight import FIELDS, Flight
 from fieldkit.flight.readout import SENSORS, SOURCES, Readout
 from fieldkit.flight.series import Series
 from fieldkit.flight.table import MOTOR_TEMPERATURE, TEXT_COLUMNS, read_date, table_headers, table_row
-from fieldkit.flight.tags import CHECKED, KNOWN_TAGS, TAGS, read_tags
+from fieldkit.flight.tags import CHECKED_TAG, KNOWN_TAGS, TAGS, read_tags
 
 __all__ = [
     "BY_NAME",
-    "CHECKED",
+    "CHECKED_TAG",
     "COLUMNS",
     "CONDITIONS",
     "FIELDS",

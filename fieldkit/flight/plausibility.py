@@ -50,23 +50,23 @@ rounding; over 116 flights of one ledger all but one lay within 0.905 to 1.055.
 """
 
 
-ALIKE = (0.5, 2.0)
+PLAUSIBLE_RATIO = (0.5, 2.0)
 """A readout over the middle of the same rocket's on the same motor: outside of this something is mistyped. [1]
 
 Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for metres, by more.
 """
-SIGNED = ("apogee_to_eject",)
+SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts about zero, which no ratio can judge."""
 
 IMPULSE_SCATTER = 0.067
 """Standard deviation of the total impulse of a certified motor at most, NFPA 1125. [1]"""
-STRONGEST = 1 + 3 * IMPULSE_SCATTER
-"""No motor has more impulse or thrust than its certified curve times this. [1]"""
+MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
+"""Largest impulse or thrust of a motor, relative to its certified curve. [1]"""
 READ_TOO_HIGH = 1.2
 """No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
 STEEPEST_LEAN = math.radians(45)
 """A rail leans less: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes up. [rad]"""
-NARROWEST, WIDEST = 0.9, 25.0
+MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 """The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
 
 
@@ -115,9 +115,9 @@ def best_speed(dry_mass: float, motor: Burning) -> float:
     """
     end = dry_mass + motor.casing_mass
     if motor.propellant_mass <= 0:
-        return STRONGEST * motor.total_impulse / end
+        return MAX_THRUST_RATIO * motor.total_impulse / end
     exhaust = motor.total_impulse / motor.propellant_mass
-    return STRONGEST * exhaust * math.log1p(motor.propellant_mass / end)
+    return MAX_THRUST_RATIO * exhaust * math.log1p(motor.propellant_mass / end)
 
 
 def best_apogee(dry_mass: float, motor: Burning) -> float:
@@ -133,8 +133,10 @@ def _not_a_number(flight: Flight) -> str:
 
 def _misfit(flight: Flight, motor: Burning) -> str:
     """A phrase for a body that is not one around its motor, or a rail that lies more than it stands."""
-    if flight.diameter is not None and not NARROWEST <= flight.diameter / motor.diameter <= WIDEST:
-        low, high = (_figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (NARROWEST, WIDEST))
+    if flight.diameter is not None and not MIN_CALIBER_RATIO <= flight.diameter / motor.diameter <= MAX_CALIBER_RATIO:
+        low, high = (
+            _figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO)
+        )
         return f"{_at_fault('diameter', flight)}, expected {low} to {high} around {motor.designation}"
     if flight.rail_angle is not None and abs(flight.rail_angle) > STEEPEST_LEAN + 1e-9:
         return f"{_at_fault('rail_angle', flight)}, expected at most {_figure(BY_NAME['rail_angle'], STEEPEST_LEAN)}"
@@ -145,7 +147,7 @@ def _too_heavy(flight: Flight, motor: Burning) -> str:
     """A phrase for a rocket that its motor does not lift, even at its peak and when all propellant is gone."""
     if flight.dry_mass is None:
         return ""
-    most = STRONGEST * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
+    most = MAX_THRUST_RATIO * motor.peak_thrust / units.STANDARD_GRAVITY - motor.casing_mass
     if flight.dry_mass < most:
         return ""
     lifted = _figure(BY_NAME["dry_mass"], most)
@@ -187,7 +189,9 @@ def identity(flight: Flight) -> float | None:
 def middles(flights: Iterable[Flight]) -> dict[str, float]:
     """The median of each readout of the clean ones among flights, but of those about zero. [SI]"""
     clean = [flight for flight in flights if flight.clean]
-    known = {c.name: [own for one in clean if (own := one.number(c.name))] for c in READOUTS if c.name not in SIGNED}
+    known = {
+        c.name: [own for one in clean if (own := one.number(c.name))] for c in READOUTS if c.name not in SIGNED_READOUTS
+    }
     return {name: median(values) for name, values in known.items() if values}
 
 
@@ -209,7 +213,7 @@ def _unlike(flight: Flight, usual: Mapping[str, float]) -> Iterator[str]:
     """A phrase for each readout that is far from the usual one."""
     for name, middle in usual.items():
         value = flight.number(name)
-        if value and not ALIKE[0] <= value / middle <= ALIKE[1]:
+        if value and not PLAUSIBLE_RATIO[0] <= value / middle <= PLAUSIBLE_RATIO[1]:
             spoken, as_usual = _spoken(BY_NAME[name], value), _figure(BY_NAME[name], middle)
             yield f"{spoken} is {value / middle:.2g} times the usual {as_usual} of this rocket and motor"
 

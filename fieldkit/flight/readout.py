@@ -38,7 +38,7 @@ class Readout:
 
 
 @dataclass(frozen=True, slots=True)
-class Beside:
+class ReadoutColumn:
     """A column beside a readout: its standard deviation in a unit, empty if cells bring theirs, or its source."""
 
     readout: str
@@ -52,7 +52,7 @@ class Beside:
         return read_sd(self.readout, text, self.unit) if self.part == "sd" else read_source(text)
 
 
-def beside(header: str) -> Beside | None:
+def beside(header: str) -> ReadoutColumn | None:
     """The column beside a readout that a lower-case header names, `apogee_sd_ft` or `apogee_source`; None for others.
 
     Raises BadValue for a standard deviation in a unit that its readout cannot have.
@@ -60,12 +60,12 @@ def beside(header: str) -> Beside | None:
     for column in MEASURED:
         ending = header.removeprefix(f"{column.name}_")
         if header == column.source_header:
-            return Beside(column.name, "source")
+            return ReadoutColumn(column.name, "source")
         if ending != header and ending.partition("_")[0] == "sd":
             unit = ending[3:]
             if unit:
                 units.unit(column.quantity, unit)
-            return Beside(column.name, "sd", unit)
+            return ReadoutColumn(column.name, "sd", unit)
     return None
 
 

@@ -6,8 +6,8 @@ from typing import Any
 
 from fieldkit.flight.flight import Flight
 
-INHERITED = ("dry_mass", "diameter", "rail_length")
-"""What a plan takes over from the last flight of its rocket and configuration where it says nothing."""
+INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
+"""What a plan takes from the last flight of its rocket and configuration if it says nothing itself."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +33,7 @@ def completed(plan: Flight, history: Sequence[Flight], start: Start | None = Non
         plan = plan.with_changes(**known)
     alike = [flight for flight in history if flight.config == plan.config] or list(history)
     missing: dict[str, Any] = {}
-    for name in INHERITED:
+    for name in INHERITED_FIELDS:
         value = next((v for flight in reversed(alike) if (v := flight.number(name)) is not None), None)
         if plan.number(name) is None and value is not None:
             missing[name] = value

@@ -18,9 +18,9 @@ TAGS: Mapping[str, str] = MappingProxyType(
     }
 )
 """Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
-CHECKED = "checked"
+CHECKED_TAG = "checked"
 KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
-    {**TAGS, CHECKED: "No anomaly: every readout was looked at and is right, however little one fits the others."}
+    {**TAGS, CHECKED_TAG: "No anomaly: every readout was looked at and is right, however little one fits the others."}
 )
 """Every tag that means something to fieldkit."""
 

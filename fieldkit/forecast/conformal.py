@@ -9,7 +9,7 @@ a Random World, 2005; with every earlier forecast made from what was known then,
 from collections.abc import Mapping, Sequence
 from math import ceil, log
 
-FEWEST = 20
+MIN_FORECASTS_TO_CORRECT = 20
 """Earlier forecasts from which on intervals are corrected: with fewer, the widest of them would decide. [1]"""
 LEVEL = 0.9
 """Share of flights that an interval is to hold. [1]"""
@@ -30,7 +30,7 @@ def surprise(flown: float, interval: Sequence[float]) -> float:
 def stretch(surprises: Sequence[float]) -> float | None:
     """By what to multiply the width of the next interval, or None while there are too few to tell. [1]"""
     count = len(surprises)
-    if count < FEWEST:
+    if count < MIN_FORECASTS_TO_CORRECT:
         return None
     factor = sorted(surprises)[ceil((count + 1) * LEVEL) - 1]
     return factor if factor < float("inf") else None

@@ -4,7 +4,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TypeVar
 
 from fieldkit.flight import Flight
-from fieldkit.model.rocket_model import PER, groups
+from fieldkit.model.rocket_model import GROUP_LEVELS, groups
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 
@@ -35,10 +35,10 @@ def _news(
     not, a diameter, the conditions that effects need or stand in for. Of a rocket never flown builds are told apart,
     for each may have a design of its own."""
     past = [flight for flight, _ in flown]
-    known = {per: set(groups(past, [one for _, one in flown], per)) for per in PER}
-    ours = {per: groups(plans, found, per) for per in PER}
+    known = {per: set(groups(past, [one for _, one in flown], per)) for per in GROUP_LEVELS}
+    ours = {per: groups(plans, found, per) for per in GROUP_LEVELS}
     columns = {name for effect in effects().values() for name in (effect.needs, effect.lacks) if name}
     for row, plan in enumerate(plans):
-        new = [bool(flown) and ours[per][row] in known[per] for per in PER]
+        new = [bool(flown) and ours[per][row] in known[per] for per in GROUP_LEVELS]
         given = [(plan.number(name) is None, bool(plan.number(name))) for name in ("diameter", *sorted(columns))]
         yield (*new, *given, None if flown else plan.config)

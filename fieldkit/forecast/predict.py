@@ -30,8 +30,8 @@ from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 1000
 """Flights flown for each prediction: their error of a 5 % quantile is about a tenth of the spread."""
-LARGEST = 1.5
-"""Of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
+MAX_LOG_APOGEE_RATIO = 1.5
+"""Limit of the log of an apogee over its expectation in a draw: a Student t's tail knows no physics. [1]"""
 DESIGN_CD_SD = 0.2
 """Of the logarithm of a Cd that a design program computed: between the 0.35 of any rocket and what flights can tell,
 for paint, lugs and gaps are seldom as drawn. A judgement, which flights soon outweigh. [1]"""
@@ -57,7 +57,7 @@ def model_name(accepted: Sequence[Place]) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Learnt:
+class FittedForecast:
     """What a rocket's flights taught of planned ones: draws of every term, ready to be flown.
 
     `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
@@ -127,7 +127,7 @@ def learn(
     hyperprior: Hyperprior | None = None,
     draws: int = DRAWS,
     seed: int = 0,
-) -> Learnt:
+) -> FittedForecast:
     """Fit the flights flown, for planned ones of a kind (see `fieldkit.forecast.kinds`), each with its turn in the
     order flown, by default the next for all of them; the rest as in `predict`."""
     both = [*flown, *planned]
@@ -152,7 +152,7 @@ def learn(
     at = np.array([term.mean for term in model.terms])
     at[taught] = result.tangent.at
     rests_on = int(np.sum(result.data.seen.any(axis=1)))
-    return Learnt(
+    return FittedForecast(
         model.part(slice(len(flown), None)), at, values, scales, rests_on, model_name(accepted), rng, left_out
     )
 
@@ -174,7 +174,7 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
 
 
 def fly_ahead(
-    learnt: Learnt, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
+    learnt: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
 ) -> list[Prediction]:
     """Fly the planned flights on what was learned, each a batch of draws.
 
@@ -201,7 +201,7 @@ def fly_ahead(
         scatter["delay"] = draw() * delay_sd
     readings = shown(part, values, scatter)
     # of a hop of a meter the reading's error in ratio knows no bounds
-    own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -LARGEST, LARGEST)
+    own = np.clip(tailed() * apogee_scatter(part) * scatter_scale, -MAX_LOG_APOGEE_RATIO, MAX_LOG_APOGEE_RATIO)
     higher = np.exp(own)
     apogee = readings["apogee"] * higher
     reading = np.clip(own_reading_sd(apogee, part.hyperprior) * draw(), -1.0, 1.0)

@@ -15,8 +15,8 @@ from fieldkit.selection.candidates import Place
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.unexplained import Leftover, leftover
 
-FURTHEST = 4.0
-"""Standard deviations beyond which a flight left out counts no more: it may be an accident. [1]"""
+MAX_LEFT_OUT_SDS = 4.0
+"""Standard deviations beyond which a left-out flight counts no more: it may be an accident. [1]"""
 
 
 def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, pattern: Sequence[Place] = ()) -> float:
@@ -30,7 +30,7 @@ def widening(flights: Sequence[Flight], found: Sequence[Found], data: Data, patt
     model = forecast_model(flights, found, (*pattern, *declared_places(flights, pattern)))
     result = fit_robustly(model, observe(flights, [bool(row.any()) for row in data.seen], model.hyperprior))
     below = forecasts_of(leave_one_out(result)).below(data.values[:, 0])[data.seen[:, 0]]
-    distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -FURTHEST, FURTHEST)
+    distance = np.clip(ndtri(np.clip(below, 1e-9, 1 - 1e-9)), -MAX_LEFT_OUT_SDS, MAX_LEFT_OUT_SDS)
     return max(1.0, float(np.sqrt((distance**2).mean()))) if len(distance) else 1.0
 
 

@@ -5,6 +5,6 @@ derived. What holds for every logger alike happens once, here: bounds, motor nam
 that come twice, rockets that are described in another file.
 """
 
-from fieldkit.importing.reading import HEAD, Choice, Found, Intake, Mapped, Note, Parser, Reading, Rejected
+from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Intake, Mapped, Note, Parser, Reading, Rejected
 
-__all__ = ["HEAD", "Choice", "Found", "Intake", "Mapped", "Note", "Parser", "Reading", "Rejected"]
+__all__ = ["HEAD", "ColumnChoice", "Found", "Intake", "Mapped", "Note", "Parser", "Reading", "Rejected"]

@@ -13,14 +13,14 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import HEAD, Parser
 from fieldkit.importing.tables.text import decode
 
-_SHORT = 5
+_MAX_WHOLE_WORD = 5
 """Signs of fewer characters are whole words. [characters]"""
 _LOOKED_AT = 16_384
 """So much of a beginning is searched for signs. [characters]"""
-_UNSIGNED = 0.5
+_SCORE_WITHOUT_SIGNS = 0.5
 """The score of a parser that recognizes a log and names no signs. [1]"""
-_NEAREST, _LEAST = 3, 0.25
-"""Formats that are told as near, and the part of its signs that a near one has at least. [1]"""
+_MAX_NEAR_FORMATS, _MIN_SIGN_FRACTION = 3, 0.25
+"""Number of similar formats that are reported, and the fraction of its signs that each must have. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +60,7 @@ def likeness(parser: Parser, log: bytes) -> Likeness:
 
 def _bears(text: str, words: frozenset[str], sign: str) -> bool:
     sign = " ".join(sign.replace('"', "").split())
-    return sign in words or (len(sign) >= _SHORT and _pattern(sign).search(text) is not None)
+    return sign in words or (len(sign) >= _MAX_WHOLE_WORD and _pattern(sign).search(text) is not None)
 
 
 @lru_cache(maxsize=512)
@@ -76,11 +76,11 @@ def score(parser: Parser, log: bytes) -> tuple[float, int]:
     The part counts from 0.5, for a parser that names no signs has recognized the log all the same. [1]
     """
     like = likeness(parser, log)
-    return _UNSIGNED + (1 - _UNSIGNED) * like.part, len(like.found)
+    return _SCORE_WITHOUT_SIGNS + (1 - _SCORE_WITHOUT_SIGNS) * like.part, len(like.found)
 
 
 def nearest(parsers: Mapping[str, Parser], log: bytes) -> list[tuple[str, Likeness]]:
     """The few parsers whose signs a file bears most of, best first; none where it bears hardly any."""
     likes = [(name, likeness(parser, log)) for name, parser in parsers.items() if parser.signs]
-    likes = [(name, like) for name, like in likes if like.part >= _LEAST]
-    return sorted(likes, key=lambda item: (-item[1].part, -len(item[1].found)))[:_NEAREST]
+    likes = [(name, like) for name, like in likes if like.part >= _MIN_SIGN_FRACTION]
+    return sorted(likes, key=lambda item: (-item[1].part, -len(item[1].found)))[:_MAX_NEAR_FORMATS]

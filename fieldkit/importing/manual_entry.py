@@ -27,8 +27,8 @@ from fieldkit.flight import (
 from fieldkit.flight.plausibility import check, doubts
 from fieldkit.flight.readout import beside
 
-NOTHING = "-"
-"""Typed for "not recorded" where an empty answer would take what is offered."""
+NOT_RECORDED = "-"
+"""Typed for "not recorded" where an empty answer would accept the offered value."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -110,7 +110,9 @@ def read_changes(flight: Flight, changes: Mapping[str, str]) -> dict[str, object
             continue
         try:
             if place := beside(name.strip().lower().replace("-", "_")):
-                told.setdefault(place.part, {})[place.readout] = place.read("" if text.strip() == NOTHING else text)
+                told.setdefault(place.part, {})[place.readout] = place.read(
+                    "" if text.strip() == NOT_RECORDED else text
+                )
                 continue
             field, unit = field_of(name)
             values[field] = read_answer(field, text, unit)
@@ -145,7 +147,7 @@ def oddities(flight: Flight, name: str, usual: Mapping[str, float] | None = None
 
 
 def _number(column: Column, text: str, unit: str) -> float | None:
-    if text in ("", NOTHING):
+    if text in ("", NOT_RECORDED):
         return None
     try:
         return check(column, column.parse(text, unit or None))

@@ -8,8 +8,8 @@ from fieldkit.flight import Flight
 from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
-from fieldkit.importing.reading import Choice, Intake, Reading
-from fieldkit.importing.recognize import Opened, open_log, told
+from fieldkit.importing.reading import ColumnChoice, Intake, Reading
+from fieldkit.importing.recognize import ParsedLog, open_log, told
 from fieldkit.importing.to_flights import CheckMotor, intake_of, plan_of
 
 
@@ -18,7 +18,7 @@ def read(
     source: str,
     check_motor: CheckMotor,
     format: str | None = None,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
 ) -> Intake:
     """The flights of one log; `source` is its name in messages. Raises UnknownFormat or DamagedLog."""
     return read_together([(source, log)], check_motor, format, choices)[0]
@@ -28,7 +28,7 @@ def read_together(
     files: Iterable[tuple[str, bytes]],
     check_motor: CheckMotor,
     format: str | None = None,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
 ) -> list[Intake]:
     """The flights of several logs, given as (name, bytes), an Intake each, in order.
 
@@ -42,7 +42,9 @@ def read_together(
     )
 
 
-def read_kept(logs: Sequence[bytes], source: str, format: str | None, choices: Sequence[Choice] = ()) -> list[Flight]:
+def read_kept(
+    logs: Sequence[bytes], source: str, format: str | None, choices: Sequence[ColumnChoice] = ()
+) -> list[Flight]:
     """The flights of files that were taken in before, of one flight or more; `format` reads the first of them.
 
     Raises UnknownFormat or DamagedLog for a file that cannot be used at all any more.
@@ -54,7 +56,7 @@ def read_kept(logs: Sequence[bytes], source: str, format: str | None, choices: S
     return [flight for intake in _intakes(read, lambda motor: None) for flight in intake.flights]
 
 
-def _intakes(read: Sequence[tuple[str, Opened, str]], check_motor: CheckMotor) -> list[Intake]:
+def _intakes(read: Sequence[tuple[str, ParsedLog, str]], check_motor: CheckMotor) -> list[Intake]:
     """What files bring, each given as its name, what it was opened as and the digest of its bytes."""
     digests = [digest for *_, digest in read]
     files = [(source, opened.format, opened.found) for source, opened, _ in read]
@@ -74,7 +76,7 @@ def read_recordings(
     log: bytes,
     source: str,
     format: str | None = None,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
     others: Sequence[bytes] = (),
 ) -> list[Reading]:
     """The readings of a log that hold samples, flights and simulations, as they were recorded.

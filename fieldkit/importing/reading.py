@@ -62,7 +62,7 @@ class Note:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class ColumnChoice:
     """Channel to column, as the flyer wrote them, and the headers it is for; none: for whatever is read now."""
 
     channels: Mapping[str, str]
@@ -73,7 +73,7 @@ class Choice:
 class Mapped(Note):
     """Which columns of a table are read as what: for the flyer to see, and to be remembered if it was chosen."""
 
-    choice: Choice = Choice({})
+    choice: ColumnChoice = ColumnChoice({})
     chosen: bool = False
 
 
@@ -98,7 +98,7 @@ class Parser:
     recognises: Callable[[bytes], bool]
     read: Callable[[bytes], Sequence[Found]]
     fallback: bool = False
-    mapped: Callable[[bytes, Sequence[Choice]], Sequence[Found]] | None = None
+    mapped: Callable[[bytes, Sequence[ColumnChoice]], Sequence[Found]] | None = None
     signs: tuple[str, ...] = ()
     simulates: bool = False
 

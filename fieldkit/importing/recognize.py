@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fieldkit.errors import DamagedLog, UnknownFormat
 from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
-from fieldkit.importing.reading import HEAD, Choice, Found, Mapped, Note, Parser, Reading, Recognition
+from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.mapping import choice_for
 from fieldkit.plugins import plugins
@@ -43,7 +43,7 @@ def claims(log: bytes) -> list[str]:
     return []
 
 
-def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[Choice] = ()) -> list[str]:
+def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[ColumnChoice] = ()) -> list[str]:
     """The parsers to try, by name and the surest first; where the flyer maps the columns, one that takes a mapping."""
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
@@ -86,7 +86,7 @@ def _lacks(like: Likeness) -> str:
     return "lacks " + ", ".join(map(repr, like.missing[:MOST_LACKING]))
 
 
-def _has_choice(log: bytes, choices: Sequence[Choice]) -> bool:
+def _has_choice(log: bytes, choices: Sequence[ColumnChoice]) -> bool:
     """Whether the flyer has said of such a table what its columns are."""
     from fieldkit.importing.tables.layout import layout_of
 
@@ -114,7 +114,7 @@ def _claims(parser: Parser, head: bytes) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Opened:
+class ParsedLog:
     """A log as one parser, by its name, read it: what it found, why it was taken, and the columns it used."""
 
     format: str
@@ -122,14 +122,14 @@ class Opened:
     recognition: Recognition
 
 
-def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Choice] = ()) -> Opened:
+def open_log(log: bytes, source: str, format: str | None, choices: Sequence[ColumnChoice] = ()) -> ParsedLog:
     """A log as the parser reads it that recognizes it most surely and finds a flight in it.
 
     Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
     names = _candidates(log, format, source, choices)
-    tried: list[Opened | DamagedLog] = []
+    tried: list[ParsedLog | DamagedLog] = []
     for name in names:
         try:
             opened = _opened(log, name, format, choices)
@@ -147,12 +147,12 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Choi
     return first
 
 
-def _opened(log: bytes, name: str, format: str | None, choices: Sequence[Choice]) -> Opened:
+def _opened(log: bytes, name: str, format: str | None, choices: Sequence[ColumnChoice]) -> ParsedLog:
     """A log as one parser reads it. Raises DamagedLog."""
     parser = parsers()[name]
     with watched() as tables:
         found = parser.mapped(log, choices) if parser.mapped and choices else parser.read(log)
-    return Opened(
+    return ParsedLog(
         name, found, replace(_recognition(found, tables), title=parser.title, why=_why(parser, log, found, format))
     )
 
@@ -170,7 +170,7 @@ def _is_flight(reading: Reading) -> bool:
     return any(isinstance(reading.stated.get(c.name), float) for c in READOUTS) or rises(reading.clocks)
 
 
-def _instead(opened: Opened, names: Sequence[str], tried: Sequence[Opened | DamagedLog]) -> Opened:
+def _instead(opened: ParsedLog, names: Sequence[str], tried: Sequence[ParsedLog | DamagedLog]) -> ParsedLog:
     """What was opened, with a note of each parser that recognizes it more surely and made nothing of it."""
     notes = [
         Note(f"{parsers()[name].title} recognizes it and {_made(one)}; read as {parsers()[opened.format].title}")
@@ -179,7 +179,7 @@ def _instead(opened: Opened, names: Sequence[str], tried: Sequence[Opened | Dama
     return replace(opened, found=[*opened.found, *notes]) if notes else opened
 
 
-def _made(one: "Opened | DamagedLog") -> str:
+def _made(one: "ParsedLog | DamagedLog") -> str:
     return f"cannot read it ({one.found})" if isinstance(one, DamagedLog) else "finds no flight in it"
 
 

@@ -44,10 +44,10 @@ def intake_of(
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
         notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
     if any(isinstance(item, Reading) and item.describes == "simulation" for item in found):
-        notes.append(Note(_SIMULATED.format(source)))
+        notes.append(Note(_SIMULATION_NOTE.format(source)))
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
-        notes.append(Note(_STRANGERS.format(len(strangers))))
+        notes.append(Note(_FOREIGN_MOTORS.format(len(strangers))))
     lines = (str(told(DamagedLog(note.text, row=note.row), source)) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
@@ -55,8 +55,8 @@ def intake_of(
     return Intake(source, format, flights, tuple(rejected), tuple(lines), places, mapped, measured)
 
 
-_SIMULATED = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"
-_STRANGERS = (
+_SIMULATION_NOTE = "is a simulation and is not taken for a flight; `fieldkit compare FLIGHT {}` puts it beside one"
+_FOREIGN_MOTORS = (
     "{} rockets are known by their number alone and have no mass; "
     "import the file that lists the rockets together with this one"
 )

@@ -22,14 +22,14 @@ from fieldkit.errors import LedgerError
 from fieldkit.files import BACKUPS
 from fieldkit.ledger.soundness import damage_in, fault, opened
 
-KEPT = 10
-"""So many copies are kept. [1]"""
+MAX_BACKUPS = 10
+"""Number of copies kept. [1]"""
 ROOM = 1 << 30
 """Copies beyond the newest two go where all together are larger. [byte]"""
-EVERY = 50
-"""So many changes since the last copy call for another on the same day. [1]"""
-ABANDONED = 3600.0
-"""A half-made copy this old is nobody's any more. [s]"""
+CHANGES_PER_BACKUP = 50
+"""Changes since the last copy that call for another one on the same day. [1]"""
+ABANDONED_COPY_AGE = 3600.0
+"""Age from which a half-written copy counts as abandoned. [s]"""
 AT_WORK = 60.0
 """A half-made copy that grew within this time is somebody's. [s]"""
 
@@ -92,7 +92,7 @@ def is_due(file: Path, changes: int) -> bool:
     newest = next(iter(backups(file)), None)
     if newest is None or not changes:
         return bool(changes)
-    return newest.at.date() != datetime.now(UTC).date() or abs(changes - newest.changes) >= EVERY
+    return newest.at.date() != datetime.now(UTC).date() or abs(changes - newest.changes) >= CHANGES_PER_BACKUP
 
 
 def being_made(file: Path) -> bool:
@@ -146,7 +146,7 @@ def _claimed(file: Path) -> Iterator[tuple[int, Path]]:
     """
     folder = folder_of(file)
     for old in folder.glob(f"*{_MAKING}*"):
-        if time.time() - _touched(old) > ABANDONED:
+        if time.time() - _touched(old) > ABANDONED_COPY_AGE:
             old.unlink(missing_ok=True)
     number, new = _claim(file)
     try:
@@ -185,7 +185,7 @@ def _copy(ledger: sqlite3.Connection, target: Path) -> None:
 
 def _rotate(file: Path) -> None:
     kept = backups(file)
-    while len(kept) > KEPT or (len(kept) > 2 and sum(one.size for one in kept) > ROOM):
+    while len(kept) > MAX_BACKUPS or (len(kept) > 2 and sum(one.size for one in kept) > ROOM):
         kept.pop().file.unlink(missing_ok=True)
 
 

@@ -6,7 +6,7 @@ from typing import Any
 from fieldkit.flight.start import Start
 from fieldkit.ledger import drafts, models, opening, starts
 from fieldkit.ledger.opened import OpenLedger
-from fieldkit.ledger.records import Prediction, Version
+from fieldkit.ledger.records import StoredPrediction, Version
 
 
 class BesideFlights(OpenLedger):
@@ -39,7 +39,7 @@ class BesideFlights(OpenLedger):
 
     def keep_prediction(
         self, payload: Mapping[str, Any], *, digest: str, rocket: str = "", flight_id: str = ""
-    ) -> Prediction:
+    ) -> StoredPrediction:
         """Keep a prediction, once for the same digest, flight and payload.
 
         It is a record of what was said and no change of the flyer's, so `undo` passes it by.
@@ -47,7 +47,7 @@ class BesideFlights(OpenLedger):
         with opening.writing(self._engine) as connection:
             return models.keep_prediction(connection, payload, digest, rocket, flight_id)
 
-    def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[Prediction]:
+    def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[StoredPrediction]:
         """The predictions made, oldest first; of one rocket, or for one flight."""
         with self._reading() as connection:
             return models.predictions(connection, rocket, flight_id)

@@ -8,7 +8,7 @@ from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.ledger.finding import Held, Identity, find
-from fieldkit.ledger.journal import Pen
+from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.logs import keep_log
 from fieldkit.ledger.naming import ids
 from fieldkit.ledger.records import Added, Conflict
@@ -57,7 +57,7 @@ def lacks_files(there: Flight, flight: Flight) -> bool:
     return not named[1] <= named[0]
 
 
-def add(pen: Pen, arrivals: Sequence[Arrival]) -> Added:
+def add(pen: ChangeRecorder, arrivals: Sequence[Arrival]) -> Added:
     """Take flights in; see `Ledger.add`."""
     known, conflicts, duplicates = Known(pen.connection, [one.flight for one in arrivals]), [], 0
     entry = pen.connection.scalar(select(func.max(flights.c.entry))) or 0
@@ -105,7 +105,7 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
     return None
 
 
-def replace(pen: Pen, held: Held, flight: Flight) -> bool:
+def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
     """Put a changed flight in a held one's place; False where nothing changed.
 
     Raises LedgerError when another flight bears its name, BadValue for what cannot be kept.
@@ -129,7 +129,7 @@ def replace(pen: Pen, held: Held, flight: Flight) -> bool:
     return True
 
 
-def renew(pen: Pen, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
+def renew(pen: ChangeRecorder, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
     """Put what a flight's files say now in its place, also in how it came in; False where nothing changed."""
     for original in others:
         keep_log(pen.connection, original)
@@ -147,7 +147,7 @@ def _is_there(connection: Connection, identity: Identity) -> bool:
     return connection.scalar(select(flights.c.entry).where(where)) is not None
 
 
-def remove(pen: Pen, held: Held) -> None:
+def remove(pen: ChangeRecorder, held: Held) -> None:
     """Take a flight out; its log's bytes stay."""
     pen.delete(tags, tags.c.entry == held.entry)
     pen.delete(flights, flights.c.entry == held.entry)

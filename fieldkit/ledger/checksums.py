@@ -12,17 +12,19 @@ from zlib import crc32
 from sqlalchemy import Column, ColumnElement, Connection, Select, Table, bindparam, select, tuple_, update
 
 from fieldkit.ledger.rows import DamagedRow, Row
-from fieldkit.ledger.tables import FEW, flights, tags
+from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights, tags
 
 CHECKSUM = "checksum"
 """Name of the column."""
-APART = "images"
-"""A column that may be long, is often not read, and counts by a checksum of its own, in `images_checksum`."""
+SEPARATE_COLUMN = "images"
+"""A long column that is often not read, with a checksum of its own in `images_checksum`."""
 
 
 def checksum(row: Mapping[str, Any]) -> int:
     """Of what a row says. [1]"""
-    return checksum_of({name: row[name] for name in row if row[name] is not None and name not in (CHECKSUM, APART)})
+    return checksum_of(
+        {name: row[name] for name in row if row[name] is not None and name not in (CHECKSUM, SEPARATE_COLUMN)}
+    )
 
 
 def checksum_of(document: Any) -> int:
@@ -34,8 +36,8 @@ def checked(row: Row) -> Row:
     """The row itself. Raises DamagedRow where it does not say what was written."""
     try:
         sound = row[CHECKSUM] == checksum(row)
-        if sound and row.get(APART) is not None:
-            sound = row[f"{APART}_checksum"] == checksum_of(row[APART])
+        if sound and row.get(SEPARATE_COLUMN) is not None:
+            sound = row[f"{SEPARATE_COLUMN}_checksum"] == checksum_of(row[SEPARATE_COLUMN])
     except TypeError:  # a text whose type has become that of bytes
         sound = False
     if not sound:
@@ -85,8 +87,8 @@ def _rows_at(
 ) -> Iterator[Row]:
     read = _with_tags if table is flights else _rows
     some, query = list(keys), select(*(columns or table.columns))
-    for start in range(0, len(some), FEW):
-        yield from read(connection, query.where(_among(table, some[start : start + FEW])))
+    for start in range(0, len(some), MAX_ROWS_BY_NAME):
+        yield from read(connection, query.where(_among(table, some[start : start + MAX_ROWS_BY_NAME])))
 
 
 def _among(table: Table, keys: Collection[tuple[Any, ...]]) -> ColumnElement[bool]:
@@ -113,4 +115,4 @@ def _with_tags(connection: Connection, query: Select[Any]) -> list[Row]:
 def _labels(entries: Collection[int]) -> Select[Any]:
     """The tags of these flights, and of others where they are many."""
     query = select(tags).order_by(tags.c.entry, tags.c.position)
-    return query.where(tags.c.entry.in_(entries)) if len(entries) <= FEW else query
+    return query.where(tags.c.entry.in_(entries)) if len(entries) <= MAX_ROWS_BY_NAME else query

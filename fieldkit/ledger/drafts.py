@@ -7,7 +7,7 @@ from typing import Any
 from sqlalchemy import Connection, delete, insert, select
 
 from fieldkit.ledger.checksums import seal, sound_rows
-from fieldkit.ledger.journal import Pen
+from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.tables import drafts
 
 
@@ -18,7 +18,7 @@ def keep(connection: Connection, name: str, content: Mapping[str, Any]) -> None:
     seal(connection, drafts, [(name,)])
 
 
-def change(pen: Pen, name: str, content: Mapping[str, Any]) -> bool:
+def change(pen: ChangeRecorder, name: str, content: Mapping[str, Any]) -> bool:
     """Keep a draft under a name as a change that can be taken back; False where it is so already."""
     kept = json.loads(json.dumps(dict(content)))  # as it will be read
     if draft(pen.connection, name) == kept:
@@ -28,7 +28,7 @@ def change(pen: Pen, name: str, content: Mapping[str, Any]) -> bool:
     return True
 
 
-def put_away(pen: Pen, name: str) -> bool:
+def put_away(pen: ChangeRecorder, name: str) -> bool:
     """Forget a draft as a change that can be taken back, which leaves what was typed since as it is; False where there
     is none."""
     if draft(pen.connection, name) is None:

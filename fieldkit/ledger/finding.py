@@ -9,7 +9,7 @@ from sqlalchemy import Connection, Select, func, select, tuple_
 from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights
 from fieldkit.ledger.rows import Row, flight_of
-from fieldkit.ledger.tables import EDITED, FEW, flights, tags
+from fieldkit.ledger.tables import IS_EDITED, MAX_ROWS_BY_NAME, flights, tags
 
 Identity = tuple[str, str]
 """A rocket and a flight_id, which together name a flight."""
@@ -25,8 +25,10 @@ class Held:
     log_digest: str | None
 
 
-_EARLIER = func.max(flights.c.date_time).over(partition_by=flights.c.rocket, order_by=flights.c.entry, rows=(None, 0))
-_FLOWN = func.coalesce(flights.c.date_time, _EARLIER)
+_EARLIER_DATE = func.max(flights.c.date_time).over(
+    partition_by=flights.c.rocket, order_by=flights.c.entry, rows=(None, 0)
+)
+_FLIGHT_DATE = func.coalesce(flights.c.date_time, _EARLIER_DATE)
 """When a flight counts as flown: by its date, and without one after those of its rocket that were entered before it."""
 
 
@@ -38,15 +40,15 @@ def load(
     entries: Sequence[int] | None = None,
 ) -> list[Held]:
     """Flights in the order flown; of a rocket, with a tag, at these entries."""
-    query = select(flights).order_by(_FLOWN.nulls_first(), flights.c.entry)
+    query = select(flights).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
     if rocket is not None:
         query = query.where(flights.c.rocket == rocket)
     if tag is not None:
         query = query.where(flights.c.entry.in_(select(tags.c.entry).where(tags.c.tag == tag)))
-    if entries is not None and len(entries) <= FEW:
+    if entries is not None and len(entries) <= MAX_ROWS_BY_NAME:
         query = query.where(flights.c.entry.in_(entries))
     held = _all_held(connection, query)
-    if entries is not None and len(entries) > FEW:
+    if entries is not None and len(entries) > MAX_ROWS_BY_NAME:
         wanted = set(entries)
         held = [one for one in held if one.entry in wanted]
     return held
@@ -55,11 +57,11 @@ def load(
 def find(connection: Connection, identities: Sequence[Identity]) -> list[Held]:
     """The flights that bear one of these identities now, or bore it as they came in."""
     held: list[Held] = []
-    for start in range(0, len(identities), FEW):
-        some = identities[start : start + FEW]
+    for start in range(0, len(identities), MAX_ROWS_BY_NAME):
+        some = identities[start : start + MAX_ROWS_BY_NAME]
         entered = tuple_(*(flights.c.entered[name].as_string() for name in ("rocket", "flight_id")))
         now = select(flights.c.entry).where(tuple_(flights.c.rocket, flights.c.flight_id).in_(some))
-        once = select(flights.c.entry).where(EDITED, entered.in_(some))
+        once = select(flights.c.entry).where(IS_EDITED, entered.in_(some))
         held += _all_held(connection, select(flights).where(flights.c.entry.in_(now.union(once))))
     return held
 

@@ -13,7 +13,7 @@ from sqlalchemy import ColumnElement, Connection, Table, and_, delete, func, ins
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import checksums
-from fieldkit.ledger.checksums import APART, CHECKSUM
+from fieldkit.ledger.checksums import CHECKSUM, SEPARATE_COLUMN
 from fieldkit.ledger.rows import Row
 from fieldkit.ledger.tables import drafts, flights, journal, metadata, tags
 
@@ -42,7 +42,7 @@ class Image:
         return Image(self.table, self.after, self.before)
 
 
-class Pen:
+class ChangeRecorder:
     """Changes rows and remembers how they were; `sign` enters it all in the journal."""
 
     def __init__(self, connection: Connection) -> None:
@@ -154,8 +154,8 @@ def _named(change: Change) -> str:
 
 def _enter(connection: Connection, **values: Any) -> None:
     row = {"number": length(connection) + 1, "at": now(), **values}
-    if APART in row:
-        row[f"{APART}_checksum"] = checksums.checksum_of(row[APART])
+    if SEPARATE_COLUMN in row:
+        row[f"{SEPARATE_COLUMN}_checksum"] = checksums.checksum_of(row[SEPARATE_COLUMN])
     connection.execute(insert(journal).values(row | {CHECKSUM: checksums.checksum(row)}))
 
 

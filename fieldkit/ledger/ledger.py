@@ -15,7 +15,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing.incoming import Arrival, Original
 from fieldkit.ledger import book, drafts, journal, naming
 from fieldkit.ledger.beside import BesideFlights
-from fieldkit.ledger.journal import Change, Pen
+from fieldkit.ledger.journal import Change, ChangeRecorder
 from fieldkit.ledger.records import Added, Renewal
 from fieldkit.ledger.shown import FlightsOut
 
@@ -140,7 +140,7 @@ class Ledger(FlightsOut, BesideFlights):
             return journal.history(connection)
 
 
-def _renew(pen: Pen, one: Renewal) -> bool:
+def _renew(pen: ChangeRecorder, one: Renewal) -> bool:
     return book.renew(pen, naming.resolve(pen.connection, one.id), one.flight, one.entered, one.others)
 
 

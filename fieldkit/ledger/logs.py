@@ -5,7 +5,7 @@ from collections.abc import Iterable
 
 from sqlalchemy import Connection, insert, select
 
-from fieldkit.files import LARGEST
+from fieldkit.files import MAX_FILE_SIZE
 from fieldkit.importing.incoming import OTHER_LOGS, Original, digest_of
 from fieldkit.ledger.finding import Held
 from fieldkit.ledger.rows import DamagedRow
@@ -46,8 +46,8 @@ def _content(connection: Connection, digest: str | None) -> bytes | None:
 
 def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
     """The bytes of a log, never more than its row says. Raises DamagedRow where they are others; zlib.error."""
-    if not 0 <= size <= LARGEST:
-        raise DamagedRow(f"found a log of {size} bytes, expected at most {LARGEST}")
+    if not 0 <= size <= MAX_FILE_SIZE:
+        raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
         raise DamagedRow(f"found a log of another size than the {size} bytes of its row")

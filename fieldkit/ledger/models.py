@@ -9,16 +9,16 @@ from sqlalchemy import Connection, func, insert, select
 
 from fieldkit.errors import LedgerError
 from fieldkit.ledger.checksums import seal, sound_rows
-from fieldkit.ledger.journal import Pen, now
-from fieldkit.ledger.records import Prediction, Version
+from fieldkit.ledger.journal import ChangeRecorder, now
+from fieldkit.ledger.records import StoredPrediction, Version
 from fieldkit.ledger.tables import active_versions
 from fieldkit.ledger.tables import predictions as made
 from fieldkit.ledger.tables import versions as kept
 
-FIELDS = tuple(field.name for field in fields(Prediction))
+FIELDS = tuple(field.name for field in fields(StoredPrediction))
 
 
-def keep_version(pen: Pen, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
+def keep_version(pen: ChangeRecorder, rocket: str, payload: Mapping[str, Any], *, activate: bool) -> Version:
     """Keep a model of a rocket under its next number."""
     last = pen.connection.scalar(select(func.max(kept.c.number)).where(kept.c.rocket == rocket)) or 0
     at = now()
@@ -38,7 +38,7 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
     ]
 
 
-def activate(pen: Pen, rocket: str, number: int | None) -> bool:
+def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
     """Use a kept model, or none of them; False where that is so already. Raises LedgerError."""
     there = {version.number: version.active for version in versions(pen.connection, rocket)}
     if number is not None and number not in there:
@@ -51,20 +51,20 @@ def activate(pen: Pen, rocket: str, number: int | None) -> bool:
     return bool(pen.images)
 
 
-def _use(pen: Pen, rocket: str, number: int) -> None:
+def _use(pen: ChangeRecorder, rocket: str, number: int) -> None:
     pen.delete(active_versions, active_versions.c.rocket == rocket)
     pen.insert(active_versions, [{"rocket": rocket, "number": number}])
 
 
 def keep_prediction(
     connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
-) -> Prediction:
+) -> StoredPrediction:
     """Keep a prediction, or return the one that said the same from the same inputs."""
     for prediction in predictions(connection, rocket, flight_id, digest):
         if prediction.payload == payload:
             return prediction
     last = connection.scalar(select(func.max(made.c.number))) or 0
-    new = Prediction(last + 1, datetime.fromisoformat(now()), rocket, flight_id, digest, dict(payload))
+    new = StoredPrediction(last + 1, datetime.fromisoformat(now()), rocket, flight_id, digest, dict(payload))
     connection.execute(insert(made).values(asdict(new) | {"at": new.at.isoformat()}))
     seal(connection, made, [(new.number,)])
     return new
@@ -72,7 +72,7 @@ def keep_prediction(
 
 def predictions(
     connection: Connection, rocket: str | None, flight_id: str | None, digest: str | None = None
-) -> list[Prediction]:
+) -> list[StoredPrediction]:
     """The predictions made, oldest first."""
     query = select(made).order_by(made.c.number)
     if rocket is not None:
@@ -82,6 +82,6 @@ def predictions(
     if digest is not None:
         query = query.where(made.c.digest == digest)
     return [
-        Prediction(**{name: row[name] for name in FIELDS} | {"at": datetime.fromisoformat(row["at"])})
+        StoredPrediction(**{name: row[name] for name in FIELDS} | {"at": datetime.fromisoformat(row["at"])})
         for row in sound_rows(connection, query)
     ]

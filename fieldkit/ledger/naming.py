@@ -8,7 +8,7 @@ from sqlalchemy import Connection, or_, select, tuple_
 from fieldkit.errors import LedgerError
 from fieldkit.ledger.finding import Held, Identity, find
 from fieldkit.ledger.rows import DamagedRow
-from fieldkit.ledger.tables import FEW, flights
+from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 
 
 def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
@@ -26,7 +26,7 @@ def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:
     Raises DamagedRow.
     """
     query = select(flights.c.rocket, flights.c.flight_id)
-    if len(texts) <= FEW:
+    if len(texts) <= MAX_ROWS_BY_NAME:
         halves = [(text[:at], text[at + 1 :]) for text in texts for at, letter in enumerate(text) if letter == "/"]
         pair = tuple_(flights.c.rocket, flights.c.flight_id)
         query = query.where(or_(flights.c.flight_id.in_(texts), *([pair.in_(halves)] if halves else [])))

@@ -9,7 +9,7 @@ from typing import TypeVar
 from sqlalchemy import Connection, Engine
 
 from fieldkit.ledger import opening, whereabouts
-from fieldkit.ledger.journal import Pen
+from fieldkit.ledger.journal import ChangeRecorder
 
 Kind = TypeVar("Kind", bound="OpenLedger")
 
@@ -35,7 +35,7 @@ class OpenLedger:
         engine = opening.connect(url)
         try:
             opening.bring_up_to_date(engine)
-            opening.never_anew(engine)
+            opening.never_recreate(engine)
         except BaseException:
             engine.dispose()
             raise
@@ -68,6 +68,6 @@ class OpenLedger:
             yield connection
 
     @contextmanager
-    def _changing(self, *, keep: bool = True) -> Iterator[Pen]:
+    def _changing(self, *, keep: bool = True) -> Iterator[ChangeRecorder]:
         with self._writing(keep=keep) as connection:
-            yield Pen(connection)
+            yield ChangeRecorder(connection)

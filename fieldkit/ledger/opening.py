@@ -22,8 +22,8 @@ from fieldkit.ledger.tables import journal
 from fieldkit.ledger.trouble import explained
 from fieldkit.ledger.whereabouts import file_of, name_of
 
-SMALLEST = 512
-"""No SQLite database that holds anything is smaller, and it takes a smaller file for an empty one. [byte]"""
+MIN_DATABASE_SIZE = 512
+"""No SQLite database with content is smaller; SQLite takes a smaller file for an empty one. [byte]"""
 
 _LOCK = 0x666B  # any number that nobody else on the server is likely to use
 
@@ -115,7 +115,7 @@ def bring_up_to_date(engine: Engine) -> None:
             upgrade(connection)
 
 
-def never_anew(engine: Engine) -> None:
+def never_recreate(engine: Engine) -> None:
     """From now on a file that is gone is named, where SQLite would make an empty one in its place."""
     file = file_of(engine.url)
     if file is None:
@@ -134,7 +134,7 @@ def _refuse_remains(file: Path | None) -> None:
     if file is None or not file.parent.is_dir():
         return
     size = file.stat().st_size if file.exists() else 0
-    if 0 < size < SMALLEST:
+    if 0 < size < MIN_DATABASE_SIZE:
         raise LedgerError(f"{file}: the file is damaged (cut to {size} bytes); {backups.offer(file)}")
     if not size and backups.backups(file):
         raise LedgerError(f"{file}: the file is {'empty' if file.exists() else 'gone'}; {backups.offer(file)}")

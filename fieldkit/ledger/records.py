@@ -48,7 +48,7 @@ class Version:
 
 
 @dataclass(frozen=True, slots=True)
-class Prediction:
+class StoredPrediction:
     """A prediction as it was made; `digest` is of everything it was made from."""
 
     number: int

@@ -18,10 +18,10 @@ class DamagedRow(ValueError):
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")
-BESIDE: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})
-"""What stands beside the readouts of a flight, and in which column of a row; the row's own `source` is a file."""
-PLAIN = tuple(name for name in FIELDS if name not in (*BESIDE, "tags"))
-"""Fields of a flight that a row has under their own name."""
+READOUT_COLUMNS: Mapping[str, str] = MappingProxyType({"sd": "readout_sd", "source": "readout_source"})
+"""The fields that accompany each readout, and their columns; the row's own `source` is a file."""
+DIRECT_FIELDS = tuple(name for name in FIELDS if name not in (*READOUT_COLUMNS, "tags"))
+"""Fields of a flight that a row holds under the same name."""
 
 
 def row_of(flight: Flight) -> Row:
@@ -30,21 +30,21 @@ def row_of(flight: Flight) -> Row:
         _storable(name, getattr(flight, name))
     for text in (*flight.tags, *flight.extra, *flight.extra.values()):
         _storable("tags and extra columns", text)
-    row: Row = {name: getattr(flight, name) for name in PLAIN}
+    row: Row = {name: getattr(flight, name) for name in DIRECT_FIELDS}
     row["date_time"] = flight.date_time.isoformat() if flight.date_time else None
     row["tags"] = list(flight.tags)
     row["extra"] = dict(flight.extra)
     for column in COLUMNS + LOGGED:
         row[column.name] = _finite(column.header, flight.number(column.name))
     _check_beside(flight)
-    return row | {column: dict(getattr(flight, part)) or None for part, column in BESIDE.items()}
+    return row | {column: dict(getattr(flight, part)) or None for part, column in READOUT_COLUMNS.items()}
 
 
 def flight_of(row: Mapping[str, Any], tags: Sequence[str]) -> Flight:
     """The flight that a row of `flights` and its tags hold; a column younger than the row is not recorded."""
-    values = {name: row[name] for name in PLAIN if name in row}
+    values = {name: row[name] for name in DIRECT_FIELDS if name in row}
     moment = values.pop("date_time")
-    for part, column in BESIDE.items():
+    for part, column in READOUT_COLUMNS.items():
         told = row.get(column) or {}
         values[part] = {name: value for name, value in told.items() if values.get(name) is not None}
     return Flight(**values, tags=tuple(tags), date_time=datetime.fromisoformat(moment) if moment else None)

@@ -29,7 +29,7 @@ Keys = Collection[tuple[Any, ...]]
 """Primary keys of rows."""
 
 _DAMAGE = ("SQLITE_CORRUPT", "SQLITE_NOTADB")
-_PAST = "past"
+_PAST_TABLE = "past"
 
 
 def opened(file: Path) -> closing[sqlite3.Connection]:
@@ -98,8 +98,8 @@ def _connected(file: Path) -> Iterator[Connection]:
 def _unlike(connection: Connection, copy: Path) -> dict[Table, Keys]:
     """Rows that a copy has otherwise or not at all, by table; empty for a copy that is damaged or has other tables."""
     try:
-        connection.execute(text(f"ATTACH :copy AS {_PAST}"), {"copy": str(copy)})
-        step = f"SELECT :newest IN (SELECT version_num FROM {_PAST}.alembic_version)"
+        connection.execute(text(f"ATTACH :copy AS {_PAST_TABLE}"), {"copy": str(copy)})
+        step = f"SELECT :newest IN (SELECT version_num FROM {_PAST_TABLE}.alembic_version)"
         newest = connection.scalar(text(step), {"newest": STEPS[-1]})
         return {table: _changed(connection, table) for table in metadata.sorted_tables} if newest else {}
     except DBAPIError:
@@ -138,7 +138,7 @@ def _changed(connection: Connection, table: Table) -> Keys:
 
 def _past(table: Table) -> FromClause:
     """A table as it is in the copy; by a name of its own, for both have the same."""
-    return table.to_metadata(MetaData(), schema=_PAST).alias(f"{_PAST}_{table.name}")
+    return table.to_metadata(MetaData(), schema=_PAST_TABLE).alias(f"{_PAST_TABLE}_{table.name}")
 
 
 def _retagged(connection: Connection) -> set[tuple[Any, ...]]:

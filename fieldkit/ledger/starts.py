@@ -6,13 +6,13 @@ from sqlalchemy import Connection, and_, select
 
 from fieldkit.flight.start import Start
 from fieldkit.ledger.checksums import sound_rows
-from fieldkit.ledger.journal import Pen
+from fieldkit.ledger.journal import ChangeRecorder
 from fieldkit.ledger.tables import configurations
 
 FIELDS = tuple(field.name for field in fields(Start))
 
 
-def keep(pen: Pen, start: Start) -> bool:
+def keep(pen: ChangeRecorder, start: Start) -> bool:
     """Keep a starting configuration in place of what was there; False where it is there already."""
     there = starts(pen.connection, start.rocket)
     if start in there:

@@ -28,8 +28,8 @@ metadata = MetaData()
 document = JSON(none_as_null=True)
 moment = Text().with_variant(Text(collation="C"), "postgresql")
 """ISO 8601 text that sorts as time on every server."""
-FEW = 500
-"""So many rows are asked for by name; of more, everything is read. [1]"""
+MAX_ROWS_BY_NAME = 500
+"""Number of rows up to which they are selected by name; for more, all are read. [1]"""
 
 
 def _checksum() -> Column[int]:
@@ -37,7 +37,7 @@ def _checksum() -> Column[int]:
     return Column("checksum", BigInteger)
 
 
-EDITED = text("entered IS NOT NULL")
+IS_EDITED = text("entered IS NOT NULL")
 
 logs = Table(
     "logs",
@@ -69,7 +69,9 @@ flights = Table(
     _checksum(),  # its tags are in it
     UniqueConstraint("rocket", "flight_id"),
     Index("flights_by_id", "flight_id"),
-    Index("flights_edited", "entry", sqlite_where=EDITED),  # on PostgreSQL, too: naming it here would wake its dialect
+    Index(
+        "flights_edited", "entry", sqlite_where=IS_EDITED
+    ),  # on PostgreSQL, too: naming it here would wake its dialect
 )
 
 tags = Table(

@@ -29,7 +29,7 @@ _SQLITE = {
     "SQLITE_PERM": "no permission to use the file",
 }
 
-_GARBLED = ("Could not decode to UTF-8", "malformed JSON")
+_GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 """How SQLite says, without a code of its own, that a text is not what was written."""
 
 
@@ -60,7 +60,7 @@ def _reason(error: DBAPIError) -> str | None:
         if code.startswith(start):
             return why
     said = " ".join(str(error.orig).split())
-    if said.startswith(_GARBLED):
+    if said.startswith(_GARBLED_TEXT_MESSAGES):
         return f"the file is damaged ({said})"
     state = getattr(error.orig, "sqlstate", None)
     refused = state in ("25006", "42501")  # read-only transaction, insufficient privilege

@@ -6,13 +6,20 @@ so that a sounding rocket and a 13 mm toy look alike; what is missing is a zero 
 
 import numpy as np
 
-from fieldkit.model.observations import DECLARED, FIGURES, READOUT_NAMES, SEEN, Observed, drag_area_range
+from fieldkit.model.observations import (
+    DECLARED_FIELDS,
+    FIGURES,
+    INDEPENDENT_READOUTS,
+    READOUT_NAMES,
+    Observed,
+    drag_area_range,
+)
 from fieldkit.physics.atmosphere import GRAVITY, altimeter_gain, pad_air
 from fieldkit.shapes import Array, Flags, Float
 
 _PROBES = np.array([[1.0, 1.0], [2.0, 1.0], [0.5, 1.0], [1.0, 1.15], [1.0, 0.85]])
 """Multiples of drag area and thrust at which the closed form is taken, the middle of the prior first."""
-_SMALL = 1e-3
+_MIN_SCALE = 1e-3
 
 
 def closed_form(
@@ -55,7 +62,7 @@ def _settled(observed: Observed) -> tuple[Array, Array]:
 
 def _log(ratio: Array) -> Array:
     """A logarithm that a readout of zero does not break."""
-    return np.log(np.clip(ratio, _SMALL, 1 / _SMALL))
+    return np.log(np.clip(ratio, _MIN_SCALE, 1 / _MIN_SCALE))
 
 
 def features(observed: Observed) -> Float[Array, "flight feature"]:
@@ -65,7 +72,7 @@ def features(observed: Observed) -> Float[Array, "flight feature"]:
 
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:
-    """The readouts alone against the closed form, nan where missing: a column for each of `SEEN`.
+    """The readouts alone against the closed form, nan where missing: a column for each of `INDEPENDENT_READOUTS`.
 
     What the ensemble foretells of a readout from the others, to see which does not fit.
     """
@@ -84,7 +91,7 @@ def shown(observed: Observed) -> Float[Array, "flight seen"]:
             "descent_speed": _log(observed.readout("descent_speed") / 5.0),
             "duration": _log(observed.readout("duration") / expected),
         } | {name: _log(height) for name, height in heights.items()}
-        return np.stack([values[name] for name in SEEN], axis=-1)
+        return np.stack([values[name] for name in INDEPENDENT_READOUTS], axis=-1)
 
 
 def _nominal(observed: Observed) -> tuple[dict[str, Array], dict[str, Array]]:
@@ -135,7 +142,7 @@ def _readouts(observed: Observed, motor: dict[str, Array], nominal: dict[str, Ar
         "descent_speed": _log(descent / 5.0),
         "duration": _log(observed.readout("duration") / (up + down)),
     }
-    flags = {f"has_{name}": np.isfinite(columns[name]).astype(float) for name in SEEN}
+    flags = {f"has_{name}": np.isfinite(columns[name]).astype(float) for name in INDEPENDENT_READOUTS}
     return (
         columns
         | flags
@@ -184,7 +191,7 @@ def _circumstances(
 
 
 def _names() -> tuple[str, ...]:
-    one = Observed(np.ones((1, len(FIGURES))), np.ones((1, len(DECLARED))), np.ones((1, len(READOUT_NAMES))))
+    one = Observed(np.ones((1, len(FIGURES))), np.ones((1, len(DECLARED_FIELDS))), np.ones((1, len(READOUT_NAMES))))
     return tuple(_columns(one))
 
 

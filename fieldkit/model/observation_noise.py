@@ -6,7 +6,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from fieldkit.model.observations import DECLARED, READOUT_NAMES, Observed
+from fieldkit.model.observations import DECLARED_FIELDS, READOUT_NAMES, Observed
 from fieldkit.model.prior_predictive import TAIL, Truth
 from fieldkit.physics.atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
@@ -102,10 +102,10 @@ def forget(rng: np.random.Generator, observed: Observed) -> Observed:
     declared = observed.declared.copy()
     count = len(observed)
     for name, share in (("diameter", 0.25), ("delay", 0.3)):
-        declared[rng.uniform(size=count) < share, DECLARED.index(name)] = np.nan
+        declared[rng.uniform(size=count) < share, DECLARED_FIELDS.index(name)] = np.nan
     silence = rng.choice([0.0, 0.4, 1.0], size=count, p=[0.3, 0.35, 0.35])
-    for name in DECLARED[3:]:
-        declared[rng.uniform(size=count) < silence, DECLARED.index(name)] = np.nan
+    for name in DECLARED_FIELDS[3:]:
+        declared[rng.uniform(size=count) < silence, DECLARED_FIELDS.index(name)] = np.nan
     return Observed(observed.motor, declared, readouts)
 
 

@@ -20,13 +20,13 @@ ALPHA_RANGE, ALPHA_SD = (0.6, 1.4), 0.13
 Certified motors keep within 7 % of their impulse (NFPA 1125); alpha also takes up what a scale or a rod
 that is further off than thought does to the thrust.
 """
-SLIMMEST, WIDEST = 0.013, 0.1
+MIN_PRIOR_DIAMETER, MAX_PRIOR_DIAMETER = 0.013, 0.1
 """The prior of the diameter reaches from here, or from a motor's width, to there. [m]"""
 
 READOUT_NAMES = tuple(column.name for column in READOUTS)
-DECLARED = ("dry_mass", "diameter", "delay", *(column.name for column in CONDITIONS))
-"""What a flyer may write down beside the readouts; only the dry mass is needed."""
-SEEN = tuple(name for name in READOUT_NAMES if name != "avg_accel")
+DECLARED_FIELDS = ("dry_mass", "diameter", "delay", *(column.name for column in CONDITIONS))
+"""What a flyer may record beside the readouts; only the dry mass is required."""
+INDEPENDENT_READOUTS = tuple(name for name in READOUT_NAMES if name != "avg_accel")
 """The readouts that are evidence of their own: average acceleration is top speed over burn time."""
 FIGURES = (
     "total_impulse",
@@ -47,7 +47,7 @@ standard deviation of time weighted by thrust."""
 class Observed:
     """Flights as written down, one entry a flight, SI, nan for "not recorded".
 
-    `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED`, `readouts` for each of
+    `motor` has a column for each of `FIGURES`, `declared` for each of `DECLARED_FIELDS`, `readouts` for each of
     `READOUT_NAMES`. So has `sd`, the recorded standard deviation of each; None where none is recorded.
     """
 
@@ -65,7 +65,7 @@ class Observed:
 
     def given(self, name: str) -> Float[Array, "flight"]:
         """Something declared, nan where it was not."""
-        return self.declared[:, DECLARED.index(name)]
+        return self.declared[:, DECLARED_FIELDS.index(name)]
 
     def readout(self, name: str) -> Float[Array, "flight"]:
         """A readout, nan where there is none."""
@@ -112,9 +112,9 @@ def figures(motor: Motor) -> Float[Array, "figure"]:
 
 def observe(flights: Sequence[Flight], found: Sequence[Found]) -> Observed:
     """Flights and their motors as arrays. Raises ImpossibleFlight for a flight without a dry mass."""
-    declared = np.stack([recorded(flights, name) for name in DECLARED], axis=-1)
-    declared[:, DECLARED.index("dry_mass")] = dry_masses(flights)
-    declared[:, DECLARED.index("delay")] = delays(flights, found)
+    declared = np.stack([recorded(flights, name) for name in DECLARED_FIELDS], axis=-1)
+    declared[:, DECLARED_FIELDS.index("dry_mass")] = dry_masses(flights)
+    declared[:, DECLARED_FIELDS.index("delay")] = delays(flights, found)
     readouts = np.stack([recorded(flights, name) for name in READOUT_NAMES], axis=-1)
     sd = np.array([[flight.sd.get(name, np.nan) for name in READOUT_NAMES] for flight in flights], float)
     motor = np.stack([figures(item.motor) for item in found])
@@ -129,8 +129,8 @@ def diameter_range(
     No slimmer than the motor and a wall, no wider than five motors, and no lighter for its width than
     7 g at 20 mm, growing with the square: 105 g at 77 mm, as the lightest kits are.
     """
-    slim = np.maximum(SLIMMEST, motor_diameter + 0.001)
-    wide = np.minimum(np.minimum(WIDEST, 5 * motor_diameter), 0.02 * np.sqrt(dry_mass / 0.007))
+    slim = np.maximum(MIN_PRIOR_DIAMETER, motor_diameter + 0.001)
+    wide = np.minimum(np.minimum(MAX_PRIOR_DIAMETER, 5 * motor_diameter), 0.02 * np.sqrt(dry_mass / 0.007))
     return slim, np.maximum(wide, 1.3 * slim)
 
 

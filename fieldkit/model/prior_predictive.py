@@ -18,7 +18,7 @@ from fieldkit.model.observations import (
     ALPHA_RANGE,
     ALPHA_SD,
     CD_RANGE,
-    DECLARED,
+    DECLARED_FIELDS,
     FIGURES,
     READOUT_NAMES,
     diameter_range,
@@ -37,7 +37,7 @@ CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
 """Impulse classes of the motors flown; each class is as likely as any other that the catalogue has."""
 HELD_OUT = "Quest"
 """The maker whose motors no ensemble ever sees: it is judged on them."""
-SMALLEST = 0.008
+MIN_MOTOR_DIAMETER = 0.008
 """Motors of this diameter and less are left out. [m]"""
 THRUST_TO_WEIGHT = (2.2, 30.0)
 """Mean thrust over weight at lift-off: the dry mass is uniform in its logarithm between these. [1]"""
@@ -98,12 +98,12 @@ class Truth:
     @property
     def cd(self) -> Float[Array, "flight"]:
         """Drag coefficient on the true diameter. [1]"""
-        return self.drag_area / disc(self.declared[:, DECLARED.index("diameter")])
+        return self.drag_area / disc(self.declared[:, DECLARED_FIELDS.index("diameter")])
 
 
 def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
     """Those up to class I that can lift an altimeter: the 6 mm ones cannot."""
-    return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > SMALLEST]
+    return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > MIN_MOTOR_DIAMETER]
 
 
 def motors_apart() -> tuple[list[Motor], list[Motor]]:
@@ -131,7 +131,7 @@ def simulate(rng: np.random.Generator, motors: Sequence[Motor], count: int, name
     shown = shown_by(bends, flown.readouts())
     readouts = np.stack([shown[name] for name in READOUT_NAMES], axis=-1)
     lifted = (flown.lift_off > 0) & (readouts[:, 0] > 5.0) & (readouts[:, 1] > 3.0)
-    known = np.stack([declared[name] for name in DECLARED], axis=-1)
+    known = np.stack([declared[name] for name in DECLARED_FIELDS], axis=-1)
     return Truth(table, known, readouts, drag_area, alpha).rows(lifted)
 
 
@@ -227,7 +227,7 @@ def flown_field(
     weighed = weighed + 0.05 * table[:, 7] * rng.normal(size=count)
     gain = altimeter_gain(elevation, temperature, pressure)
     return Setup(
-        burns=burns([_STILL]),
+        burns=burns([_STILL_CURVE]),
         air=pad_air(elevation, temperature, pressure, declared["humidity"]),
         dry_mass=np.maximum(weighed, 0.5 * declared["dry_mass"]),
         drag_area=area,
@@ -256,4 +256,4 @@ class _Still:
     casing_mass: float = 0.0
 
 
-_STILL = _Still(np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 0.0]))
+_STILL_CURVE = _Still(np.array([0.0, 0.5, 1.0]), np.array([0.0, 1.0, 0.0]))

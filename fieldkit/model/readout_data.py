@@ -6,18 +6,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.hyperprior import CERTIFIED, READOUTS, Hyperprior
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, READOUTS, Hyperprior
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Flags, Float
 
-OBSERVED = READOUTS
-LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED])
+OBSERVED_READOUTS = READOUTS
+IS_LOGARITHMIC = np.array([name != "apogee_to_eject" for name in OBSERVED_READOUTS])
 """Which of them are compared by ratio rather than by difference."""
 
 
 @dataclass(frozen=True, slots=True)
 class Data:
-    """What was observed, as the fit compares it: logarithms of ratios where a readout is `LOGARITHMIC`.
+    """What was observed, as the fit compares it: logarithms of ratios where a readout is `IS_LOGARITHMIC`.
 
     `sd` is the expected error of each readout, or that which is recorded of it; `seen` marks what was recorded on
     flights used in the fit. `trust` is the expected precision of each residual over that of an ordinary one: less than
@@ -30,12 +30,12 @@ class Data:
     trust: Float[Array, "flight readout"]
 
 
-def observe(flights: Sequence[Flight], teach: Sequence[bool], hyperprior: Hyperprior = CERTIFIED) -> Data:
+def observe(flights: Sequence[Flight], teach: Sequence[bool], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Data:
     """The observed readouts of flights, those that `teach` marked as seen."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        raw = np.stack([recorded(flights, name) for name in OBSERVED], axis=-1)
+        raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         raw = _speed_from_average(raw, flights)
-        seen = np.isfinite(raw) & (~LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
+        seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
     own = own_sd(flights)
     sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))
@@ -45,17 +45,17 @@ def observe(flights: Sequence[Flight], teach: Sequence[bool], hyperprior: Hyperp
 def compared(raw: Float[Array, "*batch readout"]) -> Float[Array, "*batch readout"]:
     """Readouts in SI as the fit compares them."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        result: Float[Array, "*batch readout"] = np.where(LOGARITHMIC, np.log(raw), raw)
+        result: Float[Array, "*batch readout"] = np.where(IS_LOGARITHMIC, np.log(raw), raw)
     return result
 
 
 def reading_sd(
-    raw: Float[Array, "*draw flight readout"], hyperprior: Hyperprior = CERTIFIED
+    raw: Float[Array, "*draw flight readout"], hyperprior: Hyperprior = CERTIFIED_PRIOR
 ) -> Float[Array, "*draw flight readout"]:
     """Expected error of each readout as compared: a fixed part, and one that grows with the readout. [1] or [s]"""
     fixed, ratio = np.array(hyperprior.fixed), np.array(hyperprior.ratio)
     safe = np.where(np.isfinite(raw) & (raw > 0), raw, 1.0)
-    return np.where(LOGARITHMIC, np.hypot(fixed / safe, ratio), fixed)
+    return np.where(IS_LOGARITHMIC, np.hypot(fixed / safe, ratio), fixed)
 
 
 def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
@@ -63,16 +63,18 @@ def own_sd(flights: Sequence[Flight]) -> Float[Array, "flight readout"]:
 
     Of a readout that is compared by its logarithm it is the standard deviation over the value.
     """
-    found = np.stack([np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED], axis=-1)
-    raw = np.stack([recorded(flights, name) for name in OBSERVED], axis=-1)
+    found = np.stack(
+        [np.array([f.sd.get(name, np.nan) for f in flights], float) for name in OBSERVED_READOUTS], axis=-1
+    )
+    raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
     with np.errstate(invalid="ignore", divide="ignore"):
         relative = found / np.where(raw > 0, raw, np.nan)
-    return np.where(LOGARITHMIC, relative, found)
+    return np.where(IS_LOGARITHMIC, relative, found)
 
 
 def _speed_from_average(raw: Array, flights: Sequence[Flight]) -> Array:
     """Top speed from average acceleration and burn time, where only those were recorded."""
-    speed, burn = OBSERVED.index("top_speed"), OBSERVED.index("burn_time")
+    speed, burn = OBSERVED_READOUTS.index("top_speed"), OBSERVED_READOUTS.index("burn_time")
     derived = recorded(flights, "avg_accel") * raw[:, burn]
     raw = raw.copy()
     raw[:, speed] = np.where(np.isnan(raw[:, speed]), derived, raw[:, speed])

@@ -12,8 +12,8 @@ from typing import Any, Literal
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.model.hyperprior import CERTIFIED, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_LOGS, QUANTITIES, READOUTS, Hyperprior
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import Effect
@@ -29,7 +29,7 @@ EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
 
-PER = ("motor", "config", "site", "day")
+GROUP_LEVELS = ("motor", "config", "site", "day")
 """What flights are grouped by."""
 
 Bends = Literal["drag", "thrust", "stretch", "delay", "tilt", "mass", "opening"]
@@ -64,7 +64,7 @@ class Scatter:
 
 TILT = np.radians(5.0)
 """The lean that scatter in tilt is measured in. [rad]"""
-COARSE: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
+COARSE_SETTINGS: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
 """Thrust curves and steps of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less
 than 2 % for nineteen motors in twenty, in wind by twice as much, which are a small part of how far flights scatter."""
 
@@ -74,8 +74,8 @@ class Model:
     """A rocket's flights, in the order flown, and the unknowns they share.
 
     `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms
-    they have in common with this one. A `coarse` one flies by `COARSE` curves and steps: to fit flights, or for
-    hundreds of motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer
+    they have in common with this one. A `coarse` one flies by `COARSE_SETTINGS` curves and steps: to fit flights, or
+    for hundreds of motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer
     chooses among share one.
     """
 
@@ -84,7 +84,7 @@ class Model:
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
     turns: tuple[int, ...]
-    hyperprior: Hyperprior = CERTIFIED
+    hyperprior: Hyperprior = CERTIFIED_PRIOR
     shared: SharedPrior | None = None
     coarse: bool = False
 
@@ -152,7 +152,7 @@ def groups(flights: Sequence[Flight], found: Sequence[Found], per: str) -> list[
 def base_model(
     flights: Sequence[Flight],
     found: Sequence[Found],
-    hyperprior: Hyperprior = CERTIFIED,
+    hyperprior: Hyperprior = CERTIFIED_PRIOR,
     flown: int | None = None,
     turns: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
@@ -259,7 +259,7 @@ def shown(
         logged = {"coast_drag": coast_drag(setup, flown), "burn_impulse": burn_impulse(setup)}
     readings = {**readings, **logged}
     out = {name: np.where(grounded, np.nan, value) for name, value in readings.items()}
-    for name in OBSERVED:
+    for name in OBSERVED_READOUTS:
         bias = bent(model, values, name)
         ratio = name != "apogee_to_eject"
         out[name] = out[name] * np.exp(bias) if ratio else out[name] + bias
@@ -289,7 +289,7 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
         return np.asarray(bent(model, values, what) + scatter.get(what, 0.0))
 
     drag, thrust = model.area * np.exp(bend("drag")), np.exp(bend("thrust"))
-    setup = field_setup(model.flights, model.found, drag, thrust, **(COARSE if model.coarse else {}))
+    setup = field_setup(model.flights, model.found, drag, thrust, **(COARSE_SETTINGS if model.coarse else {}))
     setup = setup.with_changes(
         dry_mass=setup.dry_mass * np.exp(bend("mass")),
         burn_stretch=np.exp(bend("stretch")),

@@ -14,8 +14,8 @@ import numpy as np
 from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
-from fieldkit.motors.motor import PLUGGED, Motor, normalised
-from fieldkit.motors.search import Found, Listing, Shelf
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
+from fieldkit.motors.search import Found, Listing, Listings
 
 DATA = Path(__file__).with_name("catalogue.json.gz")
 """What `tools/motors.py` makes of the data of ThrustCurve.org."""
@@ -25,7 +25,7 @@ DATA = Path(__file__).with_name("catalogue.json.gz")
 class Catalogue:
     """Motors by name. `about` says where they are from, and how many were left out and why."""
 
-    shelf: Shelf
+    shelf: Listings
     about: Mapping[str, Any]
 
     def __len__(self) -> int:
@@ -91,7 +91,7 @@ def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:
 
 
 def _delays(entry: Mapping[str, Any]) -> tuple[float, ...]:
-    return tuple([PLUGGED if delay == "P" else float(delay) for delay in entry["delays"]])
+    return tuple([PLUGGED_DELAY if delay == "P" else float(delay) for delay in entry["delays"]])
 
 
 def _own(motor: Motor) -> Listing:

@@ -5,21 +5,21 @@ import re
 from dataclasses import dataclass, field
 
 from fieldkit.errors import BadValue, DamagedLog
-from fieldkit.motors.motor import BURNING, PLUGGED, Motor, impulse, impulse_class, knots, normalised
+from fieldkit.motors.motor import BURN_THRUST_FRACTION, PLUGGED_DELAY, Motor, impulse, impulse_class, knots, normalised
 from fieldkit.motors.names import maker_of, parse
 
 _EXHAUST = (20.0, 200_000.0)
 """Impulse per propellant mass outside of which a mass must be in another unit. [m/s]"""
-_LARGEST = 1e7
+_MAX_VALUE = 1e7
 """No length, mass, time or thrust in a motor file is beyond it, whatever its unit."""
-MOST = 10_000
-"""Motors in one file: all that ever were certified are some thousands. [1]"""
+MAX_MOTORS = 10_000
+"""Motors in one file: all that were ever certified are a few thousand. [1]"""
 _ROCKSIM_PLUGGED = 1000.0
 """The delay by which RockSim marks a motor without an ejection charge. [s]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class FileLine:
     """A line of a file: where a draft's values were found."""
 
     source: str
@@ -35,7 +35,7 @@ class Place:
             value = float(text)
         except ValueError:
             value = math.nan
-        if not abs(value) <= _LARGEST:
+        if not abs(value) <= _MAX_VALUE:
             raise self.damaged(f"found {text!r}, expected a number ({unit})", column)
         return value
 
@@ -48,10 +48,10 @@ class Place:
 
 
 @dataclass(slots=True)
-class Draft:
+class MotorDraft:
     """The header of a motor in SI units, and the samples read so far; each knows its place in the file."""
 
-    place: Place
+    place: FileLine
     maker: str
     designation: str
     kind: str
@@ -60,9 +60,9 @@ class Draft:
     delays: tuple[float, ...]
     propellant_mass: float
     loaded_mass: float
-    samples: list[tuple[Place, float, float]] = field(default_factory=list)
+    samples: list[tuple[FileLine, float, float]] = field(default_factory=list)
 
-    def add(self, place: Place, time: float, thrust: float) -> None:
+    def add(self, place: FileLine, time: float, thrust: float) -> None:
         """One sample [s, N]. Raises DamagedLog for a step back in time or a negative value."""
         if self.samples and time < self.samples[-1][1]:
             raise place.damaged(f"found the time {time:g} after {self.samples[-1][1]:g}, expected times that increase")
@@ -75,7 +75,7 @@ class Draft:
         if not self.samples:
             raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below it")
         last, _, end = self.samples[-1]
-        if end > BURNING * max(thrust for _, _, thrust in self.samples):
+        if end > BURN_THRUST_FRACTION * max(thrust for _, _, thrust in self.samples):
             raise last.damaged(f"found a curve that ends at {end:g} N, expected 0: the file may be cut short")
         try:
             time, thrust = knots([t for _, t, _ in self.samples], [f for _, _, f in self.samples])
@@ -118,24 +118,24 @@ class Draft:
             )
 
 
-def delays(text: str, place: Place) -> tuple[float, ...]:
+def delays(text: str, place: FileLine) -> tuple[float, ...]:
     """Delays as files write them: `4-7-10`, `4,7,P`, `6A`; words such as S, M and L say nothing. [s]"""
     found = []
     for word in re.split(r"[-,;/\s]+", text.strip().upper()):
         number = re.fullmatch(r"(\d+(?:\.\d+)?)[A-Z]?", word)
         if word in ("P", "PLUGGED"):
-            found.append(PLUGGED)
+            found.append(PLUGGED_DELAY)
         elif number:
-            found.append(PLUGGED if float(number[1]) >= _ROCKSIM_PLUGGED else float(number[1]))
+            found.append(PLUGGED_DELAY if float(number[1]) >= _ROCKSIM_PLUGGED else float(number[1]))
         elif not re.fullmatch(r"[A-Z*]*", word):
             raise place.damaged(f"found {word!r}, expected delays such as 4-7-10 or P", "delays")
     return tuple(found)
 
 
-def add_draft(drafts: list[Draft], draft: Draft) -> None:
+def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
     """Put a motor to those of a file. Raises DamagedLog where there are too many."""
-    if len(drafts) >= MOST:
-        raise draft.place.damaged(f"found more than {MOST} motors, expected at most that in a file")
+    if len(drafts) >= MAX_MOTORS:
+        raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, expected at most that in a file")
     drafts.append(draft)
 
 

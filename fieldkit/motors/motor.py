@@ -10,11 +10,11 @@ from fieldkit.errors import BadValue
 from fieldkit.motors.corrections import Correction
 from fieldkit.shapes import Array, Float
 
-PLUGGED = math.inf
-"""The delay of a motor without an ejection charge: it never fires. [s]"""
+PLUGGED_DELAY = math.inf
+"""The delay of a motor without an ejection charge, which never fires. [s]"""
 
-BURNING = 0.05
-"""Share of the peak thrust above which a motor counts as burning, after NFPA 1125. [1]"""
+BURN_THRUST_FRACTION = 0.05
+"""Fraction of the peak thrust above which a motor counts as burning, after NFPA 1125. [1]"""
 
 _RAMP = 1e-4
 """Longest time given to a jump of a recorded curve. [s]"""
@@ -25,7 +25,7 @@ class Motor:
     """One motor in SI units. Its thrust is linear between the knots `time`, `thrust`.
 
     The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
-    thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED` among them where the
+    thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them where the
     motor is sold so; empty where they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
     the certification [N], None where none is on record or only the number of the name; `corrections` are the
@@ -59,7 +59,7 @@ class Motor:
     @property
     def burning(self) -> tuple[float, float]:
         """When the thrust first reaches and last leaves 5 % of its peak. [s]"""
-        threshold = BURNING * self.peak_thrust
+        threshold = BURN_THRUST_FRACTION * self.peak_thrust
         first, last = np.flatnonzero(self.thrust >= threshold)[[0, -1]]
         up, down = slice(first - 1, first + 1), slice(last, last + 2)
         return (
@@ -178,7 +178,7 @@ def impulse_class(total_impulse: float) -> str:
 
 def delays_text(delays: Sequence[float]) -> str:
     """Delays as flyers write them: `4, 7, P`; a dash where none are recorded."""
-    return ", ".join("P" if delay == PLUGGED else f"{delay:g}" for delay in delays) or "-"
+    return ", ".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in delays) or "-"
 
 
 def describe(motor: Motor) -> dict[str, object]:
@@ -198,7 +198,7 @@ def describe(motor: Motor) -> dict[str, object]:
         "peak_thrust_n": round(motor.peak_thrust, 4),
         "propellant_g": round(motor.propellant_mass * 1e3, 4),
         "casing_g": round(motor.casing_mass * 1e3, 4),
-        "delays": ["P" if delay == PLUGGED else delay for delay in motor.delays],
+        "delays": ["P" if delay == PLUGGED_DELAY else delay for delay in motor.delays],
         "available": motor.available,
         "case": motor.case,
         "propellant": motor.propellant,

@@ -5,7 +5,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from types import MappingProxyType
 
-from fieldkit.motors.motor import PLUGGED
+from fieldkit.motors.motor import PLUGGED_DELAY
 
 MAKERS: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {
@@ -54,12 +54,12 @@ _CORE = re.compile(
     r"(?P<letter>(?:1/[248])?[A-O])-?(?P<thrust>\d+(?:\.\d+)?)(?P<rest>.*)"
 )
 _DELAY = re.compile(r"(\d+(?:\.\d+)?|P)([A-Z]{0,2})")
-_ONE = r"(?:1/[248])?[A-O]\d+(?:\.\d+)?(?:[A-Z]{1,3})?(?:-(?:\d+|P)[A-Z]{0,2})?"
-_SEVERAL = re.compile(rf"(?<![\w./-])\d*{_ONE}(?![\w.]).*?(?<![\w.])\d*{_ONE}(?![\w.])")
-_COUNTED = re.compile(rf"(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)(?:HP-)?\d*{_ONE}(?!\w)")
+_ONE_MOTOR = r"(?:1/[248])?[A-O]\d+(?:\.\d+)?(?:[A-Z]{1,3})?(?:-(?:\d+|P)[A-Z]{0,2})?"
+_SEVERAL_MOTORS = re.compile(rf"(?<![\w./-])\d*{_ONE_MOTOR}(?![\w.]).*?(?<![\w.])\d*{_ONE_MOTOR}(?![\w.])")
+_CLUSTER = re.compile(rf"(?:[2-9]|1[0-2])(?:\s+|\s*[X×*]\s*)(?:HP-)?\d*{_ONE_MOTOR}(?!\w)")
 
 
-_NEW = ("NT", "NW")
+_NEW_PROPELLANTS = ("NT", "NW")
 """AeroTech's New Blue Thunder and new White Lightning."""
 
 
@@ -101,7 +101,7 @@ def maker_of(text: str) -> str:
 def is_cluster(text: str) -> bool:
     """Whether a text names several motors: a cluster (`3 B6-4`), stages (`D12-0/A8-5`) or both."""
     tidied = tidy(text)
-    return bool(_COUNTED.match(tidied) or _SEVERAL.search(tidied))
+    return bool(_CLUSTER.match(tidied) or _SEVERAL_MOTORS.search(tidied))
 
 
 def parse(text: str, makers: Collection[str] = ()) -> Name:
@@ -156,7 +156,7 @@ def _tail(rest: str) -> tuple[str, float | None, bool]:
     for position, part in enumerate(re.split(r"[-/\s()]+", rest)):
         match = _DELAY.fullmatch(part) if position and delay is None else None
         if match:
-            delay = PLUGGED if match[1] == "P" else float(match[1])
+            delay = PLUGGED_DELAY if match[1] == "P" else float(match[1])
             adjustable = match[1] != "P" and match[2] == "A"
             letters += "" if adjustable or match[2] == "S" else match[2]
         else:
@@ -172,4 +172,4 @@ def compatible(wanted: str, has: str) -> bool:
     """
     if any(letter.isdigit() for letter in wanted) and not has.startswith(wanted):
         return False
-    return wanted.startswith(has) or has.startswith(wanted) or (has in _NEW and wanted == has[1:])
+    return wanted.startswith(has) or has.startswith(wanted) or (has in _NEW_PROPELLANTS and wanted == has[1:])

@@ -8,8 +8,8 @@ from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
 
 SUFFIXES = (".eng", ".rse")
-LARGEST = 16 << 20
-"""What is read of a motor file at most; all motors there are take less. [byte]"""
+MAX_MOTOR_FILE_SIZE = 16 << 20
+"""Size limit of a motor file; all motors of the catalogue take less. [byte]"""
 
 
 def read(data: bytes, source: str) -> list[Motor]:
@@ -56,6 +56,6 @@ def import_file(path: Path, folder: Path) -> list[Motor]:
 
 def _content(path: Path) -> bytes:
     try:
-        return files.read(path, plain=True, most=LARGEST)
+        return files.read(path, plain=True, most=MAX_MOTOR_FILE_SIZE)
     except OSError as error:
         raise DamagedLog(f"cannot be read ({error.strerror}), expected a motor file", source=path.name) from error

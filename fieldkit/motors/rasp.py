@@ -8,8 +8,8 @@
 Source: the format as ThrustCurve.org describes it, https://www.thrustcurve.org/info/raspformat.html.
 """
 
-from fieldkit.motors.draft import Draft, Place, add_draft, decoded, delays
-from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, decoded, delays
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 
 _HEADER = "a header: name diameter_mm length_mm delays propellant_kg loaded_kg maker"
 
@@ -19,10 +19,10 @@ def read(data: bytes, source: str) -> list[Motor]:
 
     Comments start with a semicolon, at the start of a line or later; a motor ends at the next header.
     """
-    drafts: list[Draft] = []
+    drafts: list[MotorDraft] = []
     row = 0
     for row, line in enumerate(decoded(data).splitlines(), start=1):
-        place = Place(source, row)
+        place = FileLine(source, row)
         words = line.split(";")[0].split()
         if len(words) == 2 and drafts:
             time, thrust = place.number(words[0], "time", "s"), place.number(words[1], "thrust", "N")
@@ -33,13 +33,13 @@ def read(data: bytes, source: str) -> list[Motor]:
             expected = f"`seconds newtons` or {_HEADER}" if drafts else _HEADER
             raise place.damaged(f"found {' '.join(words)!r}, expected {expected}")
     if not drafts:
-        raise Place(source, max(row, 1)).damaged(f"found no motor, expected {_HEADER}")
+        raise FileLine(source, max(row, 1)).damaged(f"found no motor, expected {_HEADER}")
     return [draft.motor() for draft in drafts]
 
 
-def _header(words: list[str], place: Place) -> Draft:
+def _header(words: list[str], place: FileLine) -> MotorDraft:
     name, diameter, length, delay, propellant, loaded, *maker = words
-    return Draft(
+    return MotorDraft(
         place=place,
         maker=" ".join(maker),
         designation=name,
@@ -54,7 +54,7 @@ def _header(words: list[str], place: Place) -> Draft:
 
 def write(motor: Motor) -> bytes:
     """A motor as a RASP file, every digit kept. Delays that are not recorded are a dash."""
-    delay = "-".join("P" if delay == PLUGGED else f"{delay:g}" for delay in motor.delays) or "-"
+    delay = "-".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in motor.delays) or "-"
     numbers = (motor.diameter * 1e3, motor.length * 1e3, delay, motor.propellant_mass, motor.loaded_mass)
     words = [number if isinstance(number, str) else f"{number:.12g}" for number in numbers]
     header = " ".join(["_".join(motor.designation.split()), *words, motor.maker or "unknown"])

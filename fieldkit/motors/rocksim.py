@@ -8,7 +8,7 @@ Source: the format as ThrustCurve.org offers it for download, https://www.thrust
 from xml.parsers.expat import ExpatError, ParserCreate
 
 from fieldkit.errors import DamagedLog
-from fieldkit.motors.draft import Draft, Place, add_draft, delays
+from fieldkit.motors.draft import FileLine, MotorDraft, add_draft, delays
 from fieldkit.motors.motor import Motor
 
 _KINDS = {"single-use": "SU", "reloadable": "reload", "hybrid": "hybrid"}
@@ -33,14 +33,14 @@ class _Reader:
 
     def __init__(self, source: str) -> None:
         self.source = source
-        self.drafts: list[Draft] = []
+        self.drafts: list[MotorDraft] = []
         self.parser = ParserCreate()
         self.parser.StartElementHandler = self._start
         self.parser.StartDoctypeDeclHandler = self._doctype
 
     @property
-    def _place(self) -> Place:
-        return Place(self.source, self.parser.CurrentLineNumber)
+    def _place(self) -> FileLine:
+        return FileLine(self.source, self.parser.CurrentLineNumber)
 
     def _doctype(self, *_: object) -> None:
         raise self._place.damaged("found a document type declaration, expected plain XML without <!DOCTYPE>")
@@ -59,7 +59,7 @@ class _Reader:
 class _Fields:
     """The attributes of an element; one that is missing is a damaged file."""
 
-    def __init__(self, place: Place, element: str, attributes: dict[str, str]) -> None:
+    def __init__(self, place: FileLine, element: str, attributes: dict[str, str]) -> None:
         self.place = place
         self.element = element
         self.attributes = attributes
@@ -74,8 +74,8 @@ class _Fields:
         return self.place.above(self[name], name, unit, least)
 
 
-def _engine(fields: _Fields) -> Draft:
-    return Draft(
+def _engine(fields: _Fields) -> MotorDraft:
+    return MotorDraft(
         place=fields.place,
         maker=fields.attributes.get("mfg", ""),
         designation=fields["code"].strip(),

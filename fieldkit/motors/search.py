@@ -7,20 +7,20 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 from fieldkit.errors import AmbiguousMotor, UnknownMotor
-from fieldkit.motors.motor import PLUGGED, Motor, delays_text
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor, delays_text
 from fieldkit.motors.names import Name, compatible, is_cluster, parse, squeeze, tidy
 
 _NAME = re.compile(r"(1/[248])?[A-O][\d.]*")
-_BEYOND = re.compile(r"[P-T]\d{3,}")
+_UNKNOWN_CLASS = re.compile(r"[P-T]\d{3,}")
 """Motors that no maker sells: `P4935`."""
 _BY_CASE = re.compile(r"([A-Z]{2})-\d+-\d+")
 """AMW's older designations: propellant, diameter and case."""
-_SWAPPED = re.compile(r"([A-Z]{1,3})(\d{1,2})")
+_SWAPPED_SUFFIX = re.compile(r"([A-Z]{1,3})(\d{1,2})")
 """Letters and delay in the wrong order, as the letters of `F24-W4`."""
 _WORD = 3
 """From so many letters on they may be a maker and not a propellant."""
-_SMALL = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
-_LARGE = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
+_SMALL_MOTOR_MAKERS = ("Estes", "AeroTech", "Quest", "Klima", "Apogee")
+_LARGE_MOTOR_MAKERS = ("AeroTech", "Cesaroni", "Loki", "Estes", "AMW", "Quest")
 """Makers by how widely they are flown: up to class E, and above it."""
 
 
@@ -67,7 +67,7 @@ class Listing:
 class Found:
     """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
 
-    `delay` is None where the name gives none, and `PLUGGED` where it ends in P.
+    `delay` is None where the name gives none, and `PLUGGED_DELAY` where it ends in P.
     """
 
     motor: Motor
@@ -75,11 +75,11 @@ class Found:
     notes: tuple[str, ...] = ()
 
 
-Shelf = Mapping[str, Sequence[Listing]]
+Listings = Mapping[str, Sequence[Listing]]
 """Listings by their plain name: `F24`."""
 
 
-def find(shelf: Shelf, text: str, maker: str = "") -> Found:
+def find(shelf: Listings, text: str, maker: str = "") -> Found:
     """The one motor that a text means.
 
     Raises UnknownMotor with the nearest names, and AmbiguousMotor with a line for each that it could be.
@@ -90,7 +90,7 @@ def find(shelf: Shelf, text: str, maker: str = "") -> Found:
     return _found(name, candidates[0])
 
 
-def resolve(shelf: Shelf, text: str, maker: str = "") -> Found:
+def resolve(shelf: Listings, text: str, maker: str = "") -> Found:
     """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
 
     Of several, one in production comes first, then the maker most widely flown in that class, then the
@@ -102,7 +102,7 @@ def resolve(shelf: Shelf, text: str, maker: str = "") -> Found:
     return _found(name, best, note)
 
 
-def search(shelf: Shelf, text: str) -> list[Motor]:
+def search(shelf: Listings, text: str) -> list[Motor]:
     """Every motor that a text could mean, best first: names, makers, `24mm`, cases, propellants, or parts.
 
     The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
@@ -116,7 +116,7 @@ def search(shelf: Shelf, text: str) -> list[Motor]:
     return [listing.motor() for listing in unique.values() or nearest(shelf, name)]
 
 
-def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
+def nearest(shelf: Listings, name: Name, limit: int = 5) -> list[Listing]:
     """The listings with the names most like a name: the next thrusts of its class, or similar letters."""
     same = [key for key in shelf if name.core and _class(key) == _class(name.core)]
     keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
@@ -129,7 +129,7 @@ def nearest(shelf: Shelf, name: Name, limit: int = 5) -> list[Listing]:
     return listings[:limit]
 
 
-def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing]]:
+def _candidates(shelf: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
     if is_cluster(text):
         raise UnknownMotor(
             f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
@@ -142,7 +142,7 @@ def _candidates(shelf: Shelf, text: str, maker: str) -> tuple[Name, list[Listing
     return name, candidates
 
 
-def _fitting(shelf: Shelf, name: Name, maker: str) -> list[Listing]:
+def _fitting(shelf: Listings, name: Name, maker: str) -> list[Listing]:
     """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
     fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
@@ -194,7 +194,7 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
     if name.letters and not listing.letters:
         notes.append(f"{listing.label} does not have the letters {name.letters} in its name")
     if name.delay is not None and motor.delays and name.delay not in motor.delays:
-        asked = "plugged" if name.delay == PLUGGED else f"a delay of {name.delay:g} s"
+        asked = "plugged" if name.delay == PLUGGED_DELAY else f"a delay of {name.delay:g} s"
         notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
         if any(one.field == "delays" and not one.applied for one in motor.corrections):
             notes.append(f"that list is an old one; give the longest delay on the bag, as {listing.designation}-14A")
@@ -217,7 +217,7 @@ def _as_printed(motor: Motor, name: Name) -> Motor:
 
 
 def _likelihood(listing: Listing) -> tuple[bool, bool, int]:
-    makers = _SMALL if _class(listing.name) <= "E" else _LARGE
+    makers = _SMALL_MOTOR_MAKERS if _class(listing.name) <= "E" else _LARGE_MOTOR_MAKERS
     place = makers.index(listing.maker) if listing.maker in makers else len(makers)
     return not listing.own, not listing.available, place
 
@@ -235,7 +235,7 @@ def _thrust(name: str) -> float:
     return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
-def _parsed(shelf: Shelf, text: str) -> Name:
+def _parsed(shelf: Listings, text: str) -> Name:
     """What a text says, the makers of own motors among it; they are looked for where words are left over."""
     name = parse(text)
     if name.core and len(name.letters) < _WORD:
@@ -243,17 +243,17 @@ def _parsed(shelf: Shelf, text: str) -> Name:
     return parse(text, {listing.maker for listing in _all(shelf) if listing.own and listing.maker})
 
 
-def _all(shelf: Shelf) -> Iterable[Listing]:
+def _all(shelf: Listings) -> Iterable[Listing]:
     return (listing for listings in shelf.values() for listing in listings)
 
 
-def _unknown(shelf: Shelf, text: str, name: Name) -> str:
-    if _BEYOND.match(tidy(text)):
+def _unknown(shelf: Listings, text: str, name: Name) -> str:
+    if _UNKNOWN_CLASS.match(tidy(text)):
         return (
             f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
         )
     elsewhere = shelf.get(name.core, ())
-    if elsewhere and (swapped := _SWAPPED.fullmatch(name.letters)):
+    if elsewhere and (swapped := _SWAPPED_SUFFIX.fullmatch(name.letters)):
         meant = f"{name.core}-{swapped[2]}{swapped[1]}"
         labels = ", ".join(listing.label for listing in _fitting(shelf, parse(meant), name.maker))
         return (

@@ -1,8 +1,8 @@
 """From the bytes of an `.ork` file to its XML: a zip with `rocket.ork` in it, a gzip, or plain XML.
 
-Nothing is unpacked past `MOST`, and defusedxml refuses document types and entities, which swell or reach elsewhere.
-Whatever is counted in a file has a bound: files in the archive, elements and how deep they are nested, and how long one
-piece of markup or text is.
+Nothing is unpacked past `MAX_UNPACKED_SIZE`, and defusedxml refuses document types and entities, which swell or reach
+elsewhere. Whatever is counted in a file has a bound: files in the archive, elements and how deep they are nested, and
+how long one piece of markup or text is.
 """
 
 import io
@@ -16,22 +16,22 @@ from fieldkit.errors import DamagedLog
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element, TreeBuilder
 
-MOST = 64 * 2**20
-"""Bytes that a file may unpack to; a design with many stored simulations has a few millions. [byte]"""
+MAX_UNPACKED_SIZE = 64 * 2**20
+"""Size limit of an unpacked file; a design with many stored simulations takes a few million bytes. [byte]"""
 
 MOST_FILES = 1000
 """Files in an archive: a design with pictures on its parts has some dozens. [1]"""
 MOST_ELEMENTS = 500_000
 """Elements of a design: a stored simulation has one for each of some thousand samples. [1]"""
-DEEPEST = 200
-"""How deep elements are nested: a part in a part takes two. [1]"""
-LONGEST = 1 << 20
-"""From the end of one tag to that of the next: its attributes and the text before it. [byte]"""
+MAX_DEPTH = 200
+"""Nesting limit of elements: a part in a part takes two. [1]"""
+MAX_TAG_LENGTH = 1 << 20
+"""Limit from the end of one tag to that of the next: its attributes and the text before it. [byte]"""
 ENCODINGS = ("utf-8", "utf-16", "us-ascii", "ascii", "iso-8859-1", "latin-1", "windows-1252", "cp1252")
 """Those whose tags are found without reading them."""
 
 _FILE_IN_ZIP = b"PK\x01\x02"
-_DECLARED = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}[\"']([\w.-]{1,40})")
+_DECLARED_ENCODING = re.compile(rb"^\s*<\?xml[^>]{0,200}?encoding\s{0,9}=\s{0,9}[\"']([\w.-]{1,40})")
 
 
 def root_of(content: bytes, source: str) -> "Element":
@@ -63,16 +63,16 @@ def root_of(content: bytes, source: str) -> "Element":
 
 def _check_markup(text: bytes, source: str) -> None:
     """Raise DamagedLog for markup in pieces too long to be taken apart, or in an encoding where that cannot be told."""
-    declared = _DECLARED.match(text[:400])
+    declared = _DECLARED_ENCODING.match(text[:400])
     if declared and declared[1].decode().lower() not in ENCODINGS:
         raise DamagedLog(f"found the encoding {declared[1].decode()}, expected UTF-8", source=source)
     if text.count(b">") > 4 * MOST_ELEMENTS:
         raise _too_many(source)
     start = 0
     while start < len(text):
-        end = text.find(b">", start, start + LONGEST)
-        if end < 0 and len(text) - start > LONGEST:
-            found = f"found {LONGEST >> 20} MiB without the end of a tag, expected a design"
+        end = text.find(b">", start, start + MAX_TAG_LENGTH)
+        if end < 0 and len(text) - start > MAX_TAG_LENGTH:
+            found = f"found {MAX_TAG_LENGTH >> 20} MiB without the end of a tag, expected a design"
             raise DamagedLog(found, row=text.count(b"\n", 0, start) + 1, source=source)
         start = end + 1 if end >= 0 else len(text)
 
@@ -88,8 +88,8 @@ def _builder(source: str) -> "TreeBuilder":
             self.count, self.depth = self.count + 1, self.depth + 1
             if self.count > MOST_ELEMENTS:
                 raise _too_many(source)
-            if self.depth > DEEPEST:
-                raise DamagedLog(f"found elements nested more than {DEEPEST} deep, expected a design", source=source)
+            if self.depth > MAX_DEPTH:
+                raise DamagedLog(f"found elements nested more than {MAX_DEPTH} deep, expected a design", source=source)
             return super().start(tag, attributes)
 
         def end(self, tag: str) -> "Element":
@@ -108,7 +108,7 @@ def _unpacked(content: bytes, source: str) -> bytes:
         return _from_zip(content, source)
     if content.startswith(b"\x1f\x8b"):
         return _from_gzip(content, source)
-    if len(content) > MOST:
+    if len(content) > MAX_UNPACKED_SIZE:
         raise _too_long(source)
     return content
 
@@ -122,10 +122,10 @@ def _from_zip(content: bytes, source: str) -> bytes:
             if not names:
                 raise DamagedLog("found a zip without rocket.ork in it, expected an OpenRocket design", source=source)
             with archive.open("rocket.ork" if "rocket.ork" in names else names[0]) as file:
-                unpacked = file.read(MOST + 1)
+                unpacked = file.read(MAX_UNPACKED_SIZE + 1)
     except (zipfile.BadZipFile, zlib.error, EOFError, RuntimeError, NotImplementedError) as error:
         raise DamagedLog(f"found a zip that cannot be unpacked ({error})", source=source) from error
-    if len(unpacked) > MOST:
+    if len(unpacked) > MAX_UNPACKED_SIZE:
         raise _too_long(source)
     return unpacked
 
@@ -133,10 +133,10 @@ def _from_zip(content: bytes, source: str) -> bytes:
 def _from_gzip(content: bytes, source: str) -> bytes:
     unpacker = zlib.decompressobj(wbits=31)
     try:
-        unpacked = unpacker.decompress(content, MOST + 1)
+        unpacked = unpacker.decompress(content, MAX_UNPACKED_SIZE + 1)
     except zlib.error as error:
         raise DamagedLog(f"found a gzip that cannot be unpacked ({error})", source=source) from error
-    if len(unpacked) > MOST:
+    if len(unpacked) > MAX_UNPACKED_SIZE:
         raise _too_long(source)
     if not unpacker.eof:
         raise DamagedLog("found a gzip that ends early, expected the whole of it", source=source)
@@ -144,4 +144,4 @@ def _from_gzip(content: bytes, source: str) -> bytes:
 
 
 def _too_long(source: str) -> DamagedLog:
-    return DamagedLog(f"unpacks to more than {MOST // 2**20} MiB, expected a design", source=source)
+    return DamagedLog(f"unpacks to more than {MAX_UNPACKED_SIZE // 2**20} MiB, expected a design", source=source)

@@ -14,12 +14,12 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from xml.etree.ElementTree import Element
 
-PLAUSIBLE = {"dry_mass": (0.005, 50.0), "diameter": (0.005, 0.6), "length": (0.05, 10.0), "cd": (0.1, 3.0)}
-"""What is taken from a file without a doubt. [kg, m, m, 1]"""
-ROUNDED = 0.0011
-"""Two stored masses, of three decimals each, may be off by this together. [kg]"""
-DIFFERENT = 0.05
-"""Cd of simulations that differ by more are told. [1]"""
+PLAUSIBLE_RANGES = {"dry_mass": (0.005, 50.0), "diameter": (0.005, 0.6), "length": (0.05, 10.0), "cd": (0.1, 3.0)}
+"""Ranges taken from a file without doubt. [kg, m, m, 1]"""
+MASS_ROUNDING = 0.0011
+"""Largest rounding error of two stored masses of three decimals each. [kg]"""
+REPORTED_CD_DIFFERENCE = 0.05
+"""Cd values of simulations that differ by more than this are reported. [1]"""
 MOST_PARTS = 1000
 """Parts that follow each other along the body. [1]"""
 MOST_MOTORS = 1000
@@ -27,7 +27,7 @@ MOST_MOTORS = 1000
 
 
 @dataclass(frozen=True, slots=True)
-class Motor:
+class DesignMotor:
     """A motor of one of a design's configurations, as the file names it; `count` of them in its mount."""
 
     configuration: str
@@ -51,7 +51,7 @@ class Design:
     length: float | None
     cd: float | None
     cd_by: str
-    motors: tuple[Motor, ...]
+    motors: tuple[DesignMotor, ...]
     notes: tuple[str, ...]
     simulations: tuple[Simulation, ...] = ()
 
@@ -101,7 +101,7 @@ def _design(root: "Element", source: str) -> Design:
 
 
 def _plausible(name: str, value: float | None, notes: list[str]) -> float | None:
-    low, high = PLAUSIBLE[name]
+    low, high = PLAUSIBLE_RANGES[name]
     if value is None or low <= value <= high:
         return value
     notes.append(f"{name.replace('_', ' ')}: found {value:.4g}, expected {low:g} to {high:g}; it is left out")
@@ -121,7 +121,7 @@ def _mass(
     if any(below for part in (rocket, *stages) for own, below in [override(part)] if own is not None):
         notes.append("its mass was weighed; take the empty motor case off if it was in the rocket")
     fresh = next((one for one in stored if one.fresh and one.dry_mass), None)
-    if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > ROUNDED:
+    if fresh is not None and fresh.dry_mass is not None and abs(total - fresh.dry_mass) > MASS_ROUNDING:
         if abs(total / fresh.dry_mass - 1) > 0.1:
             notes.append(f"its parts add up to {total * 1e3:.0f} g by their geometry")
         return fresh.dry_mass, f"the simulation {fresh.name}, less its motor"
@@ -150,7 +150,7 @@ def _drag(
     if not one.consistent:
         notes.append(f"the drag force of {one.name} does not fit its Cd: the body had another size when it was flown")
     found = [_on(each.cd, each.reference, diameter) for each in flown if each.cd and each.fresh == one.fresh]
-    if max(found) > (1 + DIFFERENT) * min(found):
+    if max(found) > (1 + REPORTED_CD_DIFFERENCE) * min(found):
         notes.append(f"its {len(found)} simulations have a Cd from {min(found):.2f} to {max(found):.2f}")
     return found[0], f"the coast of the simulation {one.name}"
 
@@ -160,11 +160,11 @@ def _on(cd: float, reference: float, diameter: float) -> float:
     return cd * (reference / diameter) ** 2 if reference > 0 and diameter > 0 else cd
 
 
-def _motors(rocket: "Element") -> "list[Motor]":
+def _motors(rocket: "Element") -> "list[DesignMotor]":
     names = {one.get("configid", ""): one.findtext("name") or "" for one in rocket.iterfind("motorconfiguration")}
     held = ((one, count) for mount, count in _mounts(rocket, 1) for one in mount.iterfind("motormount/motor"))
     return [
-        Motor(
+        DesignMotor(
             shown(names.get(one.get("configid", ""), "")),
             shown(one.findtext("manufacturer")),
             shown(one.findtext("designation")),

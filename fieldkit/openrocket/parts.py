@@ -112,9 +112,9 @@ def _own_mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
         return _density(part, "material") * _shell(part, size)
     if volume is not None:
         return _density(part, "material") * volume(part) * _instances(part)
-    if part.tag in OTHERS:
-        return OTHERS[part.tag](part)
-    if part.tag not in WEIGHTLESS:
+    if part.tag in OTHER_MASSES:
+        return OTHER_MASSES[part.tag](part)
+    if part.tag not in MASSLESS_PARTS:
         unknown.append(name_of(part))
     return 0.0
 
@@ -222,14 +222,14 @@ VOLUMES: "dict[str, Callable[[Element], float]]" = {
     "tubefinset": _tube_fins,
 }
 """Parts of one bulk material, and their volume. [m^3]"""
-OTHERS: "dict[str, Callable[[Element], float]]" = {
+OTHER_MASSES: "dict[str, Callable[[Element], float]]" = {
     "masscomponent": lambda part: number(part, "mass"),
     "parachute": _parachute,
     "streamer": _streamer,
     "shockcord": _cord,
 }
 """Parts that weigh otherwise. [kg]"""
-WEIGHTLESS = ("stage", "railbutton", "podset", "parallelstage")
+MASSLESS_PARTS = ("stage", "railbutton", "podset", "parallelstage")
 """Parts without a mass of their own; a rail button is a gram or two."""
 
 

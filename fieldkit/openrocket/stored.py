@@ -18,11 +18,11 @@ from fieldkit.shapes import Array, Float
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-COASTING = 0.3
-"""Share of the top speed below which a Cd says little of the climb: it rises as the rocket slows. [1]"""
+MIN_COAST_SPEED_FRACTION = 0.3
+"""Fraction of the top speed below which Cd says little about the climb: it rises as the rocket slows. [1]"""
 LEAST_RADIUS = 0.0005
 """A nose that is thinner does not set the reference. [m]"""
-USED = (
+USED_COLUMNS = (
     "time",
     "mass",
     "motor mass",
@@ -37,8 +37,8 @@ MOST_COLUMNS = 500
 """Columns of a stored simulation: OpenRocket has some sixty, and a few for every plug-in. [1]"""
 LONGEST_NAME = 80
 """Of what is taken from the file as text. [characters]"""
-APART = 0.05
-"""By how much Cd by the drag force may differ from the stored one; in sound files it is 1 to 2 %. [1]"""
+CD_TOLERANCE = 0.05
+"""Largest difference between Cd from the drag force and the stored Cd; sound files differ by 1 to 2 %. [1]"""
 
 Columns = dict[str, Float[Array, "row"]]
 
@@ -76,7 +76,7 @@ def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
     if data is None or branch is None:
         return None
     titles = [title.strip().lower() for title in (branch.get("types") or "").split(",", MOST_COLUMNS)[:MOST_COLUMNS]]
-    places = {title: place for place, title in enumerate(titles) if title in USED}
+    places = {title: place for place, title in enumerate(titles) if title in USED_COLUMNS}
     rows = [_row(point.text or "", list(places.values())) for point in branch.iterfind("datapoint")]
     if len(rows) < 5:
         return None
@@ -155,7 +155,7 @@ def _coast(values: Columns, branch: "Element") -> np.ndarray[tuple[int, ...], np
     end = min([apogee, *_moments(branch, "recoverydevicedeployment")])
     fastest = float(time[int(np.nanargmax(speed))])
     start = max((moment for moment in _moments(branch, "burnout") if moment <= end), default=fastest)
-    fast = speed > COASTING * float(np.nanmax(speed))
+    fast = speed > MIN_COAST_SPEED_FRACTION * float(np.nanmax(speed))
     return np.asarray((time > start) & (time < end) & np.isfinite(cd) & fast, bool)
 
 
@@ -169,7 +169,7 @@ def _consistent(
         return True
     by_force = 2 * force[coast] / (density[coast] * speed[coast] ** 2 * np.pi / 4 * reference**2)
     found = float(np.nanmedian(by_force)) if np.isfinite(by_force).any() else cd
-    return abs(found / cd - 1) <= APART if cd else True
+    return abs(found / cd - 1) <= CD_TOLERANCE if cd else True
 
 
 def _moments(branch: "Element", kind: str) -> list[float]:

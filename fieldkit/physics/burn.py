@@ -5,12 +5,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.physics.forces import TURN_LENGTH, Pull
+from fieldkit.physics.forces import TURN_LENGTH, EquationsOfMotion
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float, Integers
 
-STIFFEST = 0.5
-"""Largest share by which drag alone may change speed in a step. [1]"""
+MAX_DRAG_FRACTION = 0.5
+"""Largest fraction by which drag alone may change the speed in a step. [1]"""
 
 SHORT_PATH = 1.0
 """Longest path of a step by which a rocket turns into the wind. [m]"""
@@ -19,7 +19,7 @@ BIGGEST_GAIN = 0.4
 MOST_PARTS = 64
 """Into which a step is cut. [1]"""
 
-CROWD = 0.75
+PARALLEL_DRAWS = 0.75
 """Share of the draws that must need another part of a step for all of them to be taken through it. [1]"""
 
 NEWTON = 8
@@ -30,7 +30,7 @@ Stages = list[Array]
 
 
 @dataclass(slots=True)
-class Track:
+class AscentState:
     """Where all draws are at one moment of the ascent, and the highlights so far. SI units.
 
     `position` and `velocity` are [axis draw]: upward and, in a planar flight, downwind. `time` is from
@@ -67,7 +67,7 @@ def lift_off_time(setup: Setup) -> Float[Array, "draw"]:
     return np.asarray(result * setup.burn_stretch)
 
 
-def _highlight(track: Track, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
+def _highlight(track: AscentState, dt: Array, before: tuple[Array, Array], after: tuple[Array, Array]) -> None:
     """Keep top speed and its moment, from the cubic through speed and its slope at both ends of a step."""
     (speed0, slope0), (speed1, slope1) = before, after
     turns = (slope0 > 0) & (slope1 <= 0) & (dt > 0)
@@ -97,17 +97,17 @@ def _along(velocity: Array, pull: Array) -> Array:
     return np.asarray((velocity * pull).sum(axis=0) / np.maximum(_speed(velocity), 1e-9))
 
 
-def burn(setup: Setup, *, highlights: bool = True) -> Track:
+def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
     """The ascent from lift-off to burnout; all entries of the set-up are flat, [draw] or [1].
 
     Without `highlights` top speed, peak acceleration and rail speed are not looked for.
     """
-    pull = Pull(setup, burning=True)
+    pull = EquationsOfMotion(setup, burning=True)
     zero = np.zeros(setup.draws)
     start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
     latest = start[np.isfinite(start)].max(initial=0.0)
     at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
-    track = Track(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
+    track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
     begun: Array | None = None
     for first, dt, thrust, mass in _steps(setup):
@@ -158,20 +158,20 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
     return [np.asarray(at_start + at * (linear + at * square)) for at in places]
 
 
-def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) -> Array:
+def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: Stages) -> Array:
     """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
 
-    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `STIFFEST` of that. A planar
-    flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
+    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
+    planar flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
     """
     greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()
     fastest = np.abs(track.velocity[0]).max() + dt.max() * greatest
     bound = setup.drag_area.max() * setup.air.density.max() * fastest * dt.max() / mass[2].min()
-    if len(track.position) == 1 and bound <= STIFFEST:
+    if len(track.position) == 1 and bound <= MAX_DRAG_FRACTION:
         return np.ones(1)
     speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
     stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
-    wanted = stiffness / STIFFEST
+    wanted = stiffness / MAX_DRAG_FRACTION
     if len(track.position) == 2:
         wanted = np.maximum(wanted, _bends(setup, track, dt, np.maximum(thrust[0], thrust[2]) / mass[2]))
     if np.max(wanted) <= 1:
@@ -179,7 +179,7 @@ def _parts(setup: Setup, track: Track, dt: Array, thrust: Stages, mass: Stages) 
     return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 1.0), MOST_PARTS))
 
 
-def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
+def _bends(setup: Setup, track: AscentState, dt: Array, push: Array) -> Array:
     """Into how many parts a step must be cut where a planar path bends, at an acceleration [m/s^2] by thrust. [1]"""
     path, speed = _speed(track.position), _speed(track.velocity)
     ahead = (speed + 0.5 * push * dt) * dt
@@ -189,7 +189,13 @@ def _bends(setup: Setup, track: Track, dt: Array, push: Array) -> Array:
 
 
 def _advance(
-    track: Track, setup: Setup, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+    track: AscentState,
+    setup: Setup,
+    pull: EquationsOfMotion,
+    dt: Array,
+    thrust: Stages,
+    mass: Stages,
+    begun: Array | None,
 ) -> None:
     """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
 
@@ -199,12 +205,12 @@ def _advance(
     moving, rows = track, np.arange(len(track.time))
     for part in range(int(parts.max())):
         busy = parts > part
-        if busy.mean() < CROWD:
+        if busy.mean() < PARALLEL_DRAWS:
             _put_back(track, moving, rows)
             rows, kept = rows[busy], np.flatnonzero(busy)
-            moving = Track(*(getattr(track, name)[..., rows] for name in Track.__dataclass_fields__))
+            moving = AscentState(*(getattr(track, name)[..., rows] for name in AscentState.__dataclass_fields__))
             setup = setup.part(kept)
-            pull = Pull(setup, burning=True)
+            pull = EquationsOfMotion(setup, burning=True)
             parts, dt = parts[kept], _some(dt, kept)
             thrust, mass = [_some(stage, kept) for stage in thrust], [_some(stage, kept) for stage in mass]
         start, end = np.minimum(part / parts, 1.0), np.minimum((part + 1) / parts, 1.0)
@@ -218,7 +224,7 @@ def _some(values: Array, rows: Integers) -> Array:
     return values if len(values) == 1 else values[rows]
 
 
-def _put_back(track: Track, moving: Track, rows: Integers) -> None:
+def _put_back(track: AscentState, moving: AscentState, rows: Integers) -> None:
     """Draws that went on by themselves, among the others again."""
     if moving is track:
         return
@@ -228,7 +234,9 @@ def _put_back(track: Track, moving: Track, rows: Integers) -> None:
         setattr(track, name, values)
 
 
-def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages, begun: Array | None) -> None:
+def _step(
+    track: AscentState, pull: EquationsOfMotion, dt: Array, thrust: Stages, mass: Stages, begun: Array | None
+) -> None:
     """One classical Runge-Kutta step of position and velocity; `begun` as in `_advance`."""
     x, v, half, sixth = track.position, track.velocity, 0.5 * dt, dt / 6
     a1 = pull(x, v, thrust[0], mass[0]) if begun is None else begun
@@ -250,7 +258,7 @@ def _step(track: Track, pull: Pull, dt: Array, thrust: Stages, mass: Stages, beg
         _turn_over(track, dt, x[0], v[0])
 
 
-def _turn_over(track: Track, dt: Array, height: Array, upward: Array) -> None:
+def _turn_over(track: AscentState, dt: Array, height: Array, upward: Array) -> None:
     """Keep the top of a flight that turns down under power, upward speed taken as linear in a step."""
     turns = (upward > 0) & (track.velocity[0] <= 0)
     left = upward * dt / np.where(turns, upward - track.velocity[0], 1.0)
@@ -260,7 +268,7 @@ def _turn_over(track: Track, dt: Array, height: Array, upward: Array) -> None:
     track.highest = np.where(higher, top, track.highest)
 
 
-def _leave_rail(track: Track, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
+def _leave_rail(track: AscentState, setup: Setup, dt: Array, position: Array, velocity: Array) -> None:
     """Keep the speed at the end of the rail, from the cubic through path and speed at both ends of a step."""
     before, after = _speed(position), _speed(track.position)
     leaves = (after >= setup.rail_length) & (before < setup.rail_length)

@@ -10,8 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.physics.burn import Track
-from fieldkit.physics.forces import Pull
+from fieldkit.physics.burn import AscentState
+from fieldkit.physics.forces import EquationsOfMotion
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -50,7 +50,7 @@ class _Point:
     sideways: Array
 
 
-def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
+def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
     """The apogee that follows a burn; the charge fires at `eject_time` (nan: never). [s]
 
     Without `timed` the time of apogee may be left out (nan), which is quicker.
@@ -77,7 +77,7 @@ def coast(setup: Setup, track: Track, eject_time: Float[Array, "draw"], *, timed
     return Apogee(time, height, last.drift, last.sideways, charge[0], charge[1])
 
 
-def _layers(setup: Setup, track: Track, *, timed: bool) -> Iterator[_Point]:
+def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point]:
     """Closed form, layer by layer: the height gained is ln((v1^2+u^2)/(v2^2+u^2)) u^2/2g at terminal speed u.
 
     `thin` is 1/u^2, of the density half way up the layer.
@@ -113,10 +113,10 @@ def _count(wanted: Array) -> Array:
     return np.asarray(np.fmin(np.fmax(np.ceil(wanted), 2.0), 400.0))
 
 
-def _steps(setup: Setup, track: Track) -> Iterator[_Point]:
+def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     """Classical Runge-Kutta in upward speed of time, position and sideways speed."""
     burns, motor = setup.burns, setup.motor
-    pull = Pull(setup, burning=False)
+    pull = EquationsOfMotion(setup, burning=False)
     mass = setup.dry_mass + burns.casing_mass[motor]
     upward = np.maximum(track.velocity[0], 0.0)
     axes = len(track.position)

@@ -32,7 +32,7 @@ class Prior:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Climb:
+class ClimbForces:
     """A climb as a log shows it, sample by sample, beside the model's forces per mass there. SI.
 
     Heights are above the pad, `steepness` is the rate of change of thrust per mass [m/s^3].
@@ -54,7 +54,7 @@ class LoggedForce:
     """
 
     name: str
-    per_mass: Callable[[Climb], Float[Array, "time"]]
+    per_mass: Callable[[ClimbForces], Float[Array, "time"]]
     scatter: str = ""
 
 

@@ -5,27 +5,27 @@ from itertools import pairwise
 
 import numpy as np
 
-from fieldkit.physics.burn import Track, burn
+from fieldkit.physics.burn import AscentState, burn
 from fieldkit.physics.coast import LEAST_DRAG, Apogee, coast
 from fieldkit.physics.forces import planar
-from fieldkit.physics.state import Flown, Setup
+from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Float, Integers
 
 CHUNK = 16384
 """Draws flown together: few enough that their state stays in the processor's cache."""
 
 
-def fly(setup: Setup) -> Flown:
+def fly(setup: Setup) -> FlightResult:
     """Fly every draw of a set-up, from the pad to the ground.
 
     A draw whose motor never lifts it has zeros throughout and `lift_off` 0.
     """
-    values = {name: np.empty(int(np.prod(setup.draw_shape))) for name in Flown.__dataclass_fields__}
+    values = {name: np.empty(int(np.prod(setup.draw_shape))) for name in FlightResult.__dataclass_fields__}
     for rows, part in _chunks(setup):
         flown = _flown(part, *_ascend(part))
         for name, column in values.items():
             column[rows] = getattr(flown, name)
-    return Flown(**{name: column.reshape(setup.draw_shape) for name, column in values.items()})
+    return FlightResult(**{name: column.reshape(setup.draw_shape) for name, column in values.items()})
 
 
 def apogees(setup: Setup) -> Float[Array, "*draw"]:
@@ -52,14 +52,14 @@ def _chunks(setup: Setup) -> Iterator[tuple[Integers, Setup]]:
             yield order[first:last], flat.part(order[first:last])
 
 
-def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[Track, Apogee, Array]:
+def _ascend(setup: Setup, *, highlights: bool = True) -> tuple[AscentState, Apogee, Array]:
     """The burn, the coast, and when the ejection charge fires after ignition. [s]"""
     track = burn(setup, highlights=highlights)
     fires = setup.burns.burnout[setup.motor] * setup.burn_stretch + setup.delay
     return track, coast(setup, track, fires, timed=highlights), fires
 
 
-def _flown(setup: Setup, track: Track, top: Apogee, fires: Array) -> Flown:
+def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> FlightResult:
     lifted = np.isfinite(track.time)
     start = np.where(lifted, track.time - track.flying, 0.0)
     early = np.isfinite(top.eject_height)
@@ -86,7 +86,7 @@ def _flown(setup: Setup, track: Track, top: Apogee, fires: Array) -> Flown:
         "coast_time": top.time - setup.burns.burnout[setup.motor] * setup.burn_stretch,
     }
     grounded = {name: np.where(lifted, value, 0.0) for name, value in values.items()}
-    return Flown(lift_off=lifted.astype(float), **grounded)
+    return FlightResult(lift_off=lifted.astype(float), **grounded)
 
 
 def _fall(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> tuple[Array, Array, Array]:

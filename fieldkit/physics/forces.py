@@ -16,7 +16,7 @@ def planar(setup: Setup) -> Flags:
     return np.asarray((setup.wind != 0) | (setup.rail_angle != 0) | (setup.rail_friction != 0))
 
 
-class Pull:
+class EquationsOfMotion:
     """Acceleration of all draws: thrust, drag and whatever the effects add, less gravity. [m/s^2]
 
     `thrust` [N] and `mass` [kg] belong to a stage of a step; position and velocity are [axis draw].

@@ -2,15 +2,15 @@
 
 import numpy as np
 
-from fieldkit.physics.forces import Pull
-from fieldkit.physics.state import Flown, Setup
+from fieldkit.physics.forces import EquationsOfMotion
+from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.shapes import Array, Float
 
 _PARTS = (0.2, 0.4, 0.6, 0.8)
 """Of the speed after burnout, at which drag that is not in proportion to v² is looked at. [1]"""
 
 
-def coast_drag(setup: Setup, flown: Flown) -> Float[Array, "*draw"]:
+def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
     """Drag of the coast b = rho Cd A / 2m at the pad's air density, m after burnout. [1/m]
 
     With effects that act in flight it is what b s(h) v² has to be to slow as much, by least squares over the coast, at
@@ -20,7 +20,7 @@ def coast_drag(setup: Setup, flown: Flown) -> Float[Array, "*draw"]:
     plain = 0.5 * setup.drag_area * setup.air.density / mass
     if not setup.forces:
         return np.asarray(np.broadcast_to(plain, setup.draw_shape))
-    pull = Pull(setup, burning=False)
+    pull = EquationsOfMotion(setup, burning=False)
     slowed, squares = np.zeros(setup.draw_shape), np.zeros(setup.draw_shape)
     begin = flown.apogee - 0.5 * flown.top_speed * flown.coast_to_apogee
     for part in _PARTS:

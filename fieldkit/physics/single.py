@@ -11,7 +11,7 @@ from fieldkit.motors import Found
 from fieldkit.physics import paper
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup, recorded
-from fieldkit.physics.state import Flown, Setup
+from fieldkit.physics.state import FlightResult, Setup
 
 ASCENT = ("apogee", "top_speed", "burn_time", "peak_accel", "avg_accel", "coast_to_apogee")
 """The readouts that the paper's physics reaches: it ends at apogee."""
@@ -47,14 +47,14 @@ def _body(plan: Flight) -> tuple[float, float]:
     return plan.dry_mass, plan.diameter
 
 
-def _flown(setup: Setup, motor: str) -> Flown:
+def _flown(setup: Setup, motor: str) -> FlightResult:
     flown = fly(setup)
     if not flown.lift_off.all():
         raise ImpossibleFlight(f"{motor} at alpha {setup.thrust_factor.max():g} does not lift the rocket off the pad")
     return flown
 
 
-def at_the_edge(flown: Flown, names: Iterable[str], draw: int = 0) -> dict[str, float]:
+def at_the_edge(flown: FlightResult, names: Iterable[str], draw: int = 0) -> dict[str, float]:
     """Readouts of one draw by column, unit and all (`apogee_m`); those that have no value are left out."""
     readouts = flown.readouts()
     found = {BY_NAME[name]: float(readouts[name].reshape(-1)[draw]) for name in names}

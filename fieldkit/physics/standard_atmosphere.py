@@ -22,9 +22,9 @@ HYDROSTATIC = GRAVITY / (GAS_CONSTANT * LAPSE)
 """Exponent of the pressure law of the troposphere. [1]"""
 TROPOPAUSE = 11_000.0
 """Above it the temperature stays what it is. [m]"""
-_COLDEST = STANDARD_TEMPERATURE - LAPSE * TROPOPAUSE
-_TOP = STANDARD_PRESSURE * (_COLDEST / STANDARD_TEMPERATURE) ** HYDROSTATIC
-_FOLDING = GAS_CONSTANT * _COLDEST / GRAVITY
+_STRATOSPHERE_TEMPERATURE = STANDARD_TEMPERATURE - LAPSE * TROPOPAUSE
+_TOP = STANDARD_PRESSURE * (_STRATOSPHERE_TEMPERATURE / STANDARD_TEMPERATURE) ** HYDROSTATIC
+_SCALE_HEIGHT = GAS_CONSTANT * _STRATOSPHERE_TEMPERATURE / GRAVITY
 
 
 def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
@@ -33,7 +33,7 @@ def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
     share[~(share > 0)] = np.nan
     height = STANDARD_TEMPERATURE / LAPSE * (1 - share ** (1 / HYDROSTATIC))
     thin = share < _TOP / STANDARD_PRESSURE
-    height[thin] = TROPOPAUSE - _FOLDING * np.log(share[thin] * (STANDARD_PRESSURE / _TOP))
+    height[thin] = TROPOPAUSE - _SCALE_HEIGHT * np.log(share[thin] * (STANDARD_PRESSURE / _TOP))
     return height
 
 
@@ -41,11 +41,11 @@ def height_pressure(height: Float[Array, "time"]) -> Float[Array, "time"]:
     """Pressure of the standard atmosphere at a height above sea level [m]. [Pa]"""
     height = np.asarray(height, float)
     warmth = 1 - LAPSE / STANDARD_TEMPERATURE * np.minimum(height, TROPOPAUSE)
-    above = np.exp(-np.maximum(height - TROPOPAUSE, 0) / _FOLDING)
+    above = np.exp(-np.maximum(height - TROPOPAUSE, 0) / _SCALE_HEIGHT)
     return np.asarray(STANDARD_PRESSURE * warmth**HYDROSTATIC * above)
 
 
 def standard_density(height: Float[Array, "time"]) -> Float[Array, "time"]:
     """Density of the standard atmosphere at a height above sea level [m]. [kg/m^3]"""
-    warmth = np.maximum(STANDARD_TEMPERATURE - LAPSE * np.asarray(height, float), _COLDEST)
+    warmth = np.maximum(STANDARD_TEMPERATURE - LAPSE * np.asarray(height, float), _STRATOSPHERE_TEMPERATURE)
     return np.asarray(height_pressure(height) / (GAS_CONSTANT * warmth))

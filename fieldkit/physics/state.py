@@ -114,7 +114,7 @@ PER_DRAW = tuple(
 
 
 @dataclass(frozen=True, slots=True)
-class Flown:
+class FlightResult:
     """What a flight came to, one entry a draw, in SI units; heights above the pad.
 
     `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a

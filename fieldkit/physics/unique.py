@@ -5,20 +5,20 @@ from dataclasses import fields
 import numpy as np
 
 from fieldkit.physics.flight import fly
-from fieldkit.physics.state import PER_DRAW, Flown, Setup
+from fieldkit.physics.state import PER_DRAW, FlightResult, Setup
 from fieldkit.shapes import Array, Integers
 
 MIXERS = np.random.default_rng(0).integers(1, 2**63, 64, dtype=np.uint64) | np.uint64(1)
 """Odd multipliers, one an entry, that a draw's entries are mixed by. [1]"""
 
 
-def fly_alike(setup: Setup) -> Flown:
+def fly_alike(setup: Setup) -> FlightResult:
     """As `fly`, each kind of draw once; for batches in which many draws are alike."""
     shape = setup.draw_shape
     flat = setup.flat(shape)
     first, kind = kinds(flat)
     flown = fly(flat.part(first))
-    return Flown(*(getattr(flown, entry.name)[kind].reshape(shape) for entry in fields(Flown)))
+    return FlightResult(*(getattr(flown, entry.name)[kind].reshape(shape) for entry in fields(FlightResult)))
 
 
 def kinds(flat: Setup) -> tuple[Integers, Integers]:

@@ -20,11 +20,11 @@ GRID = 16
 """Masses that are flown. [1]"""
 DRAWS = 500
 """Flights flown at each mass. [1]"""
-LIGHTEST, HEAVIEST = 0.6, 1.8
-"""Of the masses tried where the flyer sets no bounds, in dry masses of today. [1]"""
-SOFT = 0.5
-"""By which the edge of the band is rounded, so that the chance is smooth in the mass. [m]"""
-BLURRED = 0.15
+MIN_MASS_RATIO, MAX_MASS_RATIO = 0.6, 1.8
+"""Range of the masses tried if the flyer sets no bounds, relative to the current dry mass. [1]"""
+BAND_SMOOTHING = 0.5
+"""Width over which the edge of the band is rounded, so that the probability is smooth in the mass. [m]"""
+SEARCH_SMOOTHING = 0.15
 """The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the luck of so few
 draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986, section 3.4.2). [1]"""
 
@@ -41,7 +41,7 @@ class Goal:
     aim: Literal["chance", "error", "points"] = "chance"
     rule: Season | None = None
 
-    def chance(self, apogee: Figures, soft: float = SOFT) -> float:
+    def chance(self, apogee: Figures, soft: float = BAND_SMOOTHING) -> float:
         """To be within the band, its edges rounded by `soft`. [1]"""
         miss = np.abs(apogee - self.target)
         return float(np.mean(1 / (1 + np.exp(np.clip((miss - self.within) / soft, -50, 50)))))
@@ -58,7 +58,7 @@ class Goal:
         """What is to be as small as can be."""
         if self.aim == "points":
             return self.points(apogee, duration) or 0.0
-        blurred = max(SOFT, BLURRED * float(apogee.std()))
+        blurred = max(BAND_SMOOTHING, SEARCH_SMOOTHING * float(apogee.std()))
         return -self.chance(apogee, blurred) if self.aim == "chance" else self.error(apogee)
 
 
@@ -155,7 +155,9 @@ def ballast(
 def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
     if plan.dry_mass is None:
         raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
-    low, high = (edge or plan.dry_mass * share for edge, share in zip(bounds, (LIGHTEST, HEAVIEST), strict=True))
+    low, high = (
+        edge or plan.dry_mass * share for edge, share in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
+    )
     if not 0 < low < high:
         raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
     return np.linspace(low, high, GRID)

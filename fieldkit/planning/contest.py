@@ -15,7 +15,7 @@ from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
 from fieldkit.planning.descent import durations, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.safety import Line, Verdict
+from fieldkit.planning.safety import SafetyCheck, Verdict
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
@@ -195,7 +195,7 @@ def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
     return float(np.exp(best.x)), float(best.fun)
 
 
-def allowed(rule: Season, plan: Flight, found: Found, length: float | None = None) -> list[Line]:
+def allowed(rule: Season, plan: Flight, found: Found, length: float | None = None) -> list[SafetyCheck]:
     """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket."""
     source = f"season {rule.year}" + ("" if rule.checked else ", not checked against the official text")
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
@@ -210,9 +210,9 @@ def allowed(rule: Season, plan: Flight, found: Found, length: float | None = Non
             continue
         wanted = f"{how} {limit * scale:g} {unit}"
         if value is None:
-            lines.append(Line(name, "unknown", f"not given; {wanted}", source))
+            lines.append(SafetyCheck(name, "unknown", f"not given; {wanted}", source))
             continue
         well = value <= limit if how == "at most" else value >= limit
         verdict: Verdict = "ok" if well else "unsafe"
-        lines.append(Line(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
+        lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
     return lines

@@ -13,12 +13,12 @@ from fieldkit.files import read_own
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
-from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
-SHARE, LEAST = 0.2, 1.5
+RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE = 0.2, 1.5
 """How far a delay may be from what is printed: this share of it [1], and no less than this [s]. Source: NFPA 1125, as
 cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
@@ -92,7 +92,7 @@ class Delays:
 def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
     """Standard deviation of a delay from what is printed [s], as a ratio of it; 0 for nan. [1]"""
     delays = np.maximum(delays, 0.1)
-    return np.asarray(np.nan_to_num(np.maximum(SHARE, LEAST / delays) / 2))
+    return np.asarray(np.nan_to_num(np.maximum(RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE / delays) / 2))
 
 
 def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
@@ -119,7 +119,7 @@ def _drill(maker: str, table: dict[str, Any], source: str) -> Drill:
 
 def offered(motor: Motor, takes_off: Sequence[float] = ()) -> dict[float, bool]:
     """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled. [s]"""
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
     drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
     return dict.fromkeys(sold, True) | {delay: False for delay in drilled if delay > 0 and delay not in sold}
 
@@ -172,10 +172,10 @@ def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -
     if not ranked:
         return [f"{name} is sold plugged alone: it has no ejection charge, the altimeter must deploy."]
     short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
-    if middle < short - LEAST:
+    if middle < short - MIN_DELAY_TOLERANCE:
         text = f"{name}: coasts {middle:.1f} s, the shortest delay there can be is {short:g} s: every charge fires"
         return [f"{text} late, on the way down. A lighter rocket or a faster motor coasts longer."]
-    if middle > long + LEAST:
+    if middle > long + MIN_DELAY_TOLERANCE:
         text = f"{name}: coasts {middle:.1f} s, the longest delay there can be is {long:g} s: every charge fires"
         return [f"{text} early, on the way up. A heavier rocket coasts less, or the altimeter must deploy."]
     return []

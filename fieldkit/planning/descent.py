@@ -18,13 +18,13 @@ from fieldkit.physics.setups import DESCENT_SPEED, recorded
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
 
-ORDINARY = 0.10
-"""Standard deviation of the log descent speed from flight to flight, before any flight tells. [1]"""
-WORTH = 4.0
-"""As many flights as that guess counts for. [1]"""
-UNTOLD = 0.30
+FLIGHT_TO_FLIGHT_SD = 0.10
+"""Standard deviation of the log descent speed from flight to flight, before any flight. [1]"""
+DESCENT_PRIOR_FLIGHTS = 4.0
+"""Number of flights that the guess of the descent speed counts for. [1]"""
+DEFAULT_DESCENT_SD = 0.30
 """Of the log descent speed where no flight told it: parachutes are cut for 3.5 to 7 m/s. [1]"""
-CHANGED = 0.15
+AREA_CHANGE_SD = 0.15
 """By how much a change of area may miss what it should do, for each unit of its log: lines and slots alter Cd. [1]"""
 
 
@@ -46,12 +46,12 @@ class Fall:
         al., Bayesian Data Analysis, 2013, section 3.3), each flight of it scattered about that mean.
         """
         draws, flights = shape
-        freedom = WORTH + max(self.flights - 1, 0)
+        freedom = DESCENT_PRIOR_FLIGHTS + max(self.flights - 1, 0)
         deviation = self.spread * np.sqrt(freedom / rng.chisquare(freedom, (draws, 1)))
         centre = self.log_mean + rng.normal(size=(draws, 1)) * (
-            deviation / np.sqrt(self.flights) if self.flights else UNTOLD
+            deviation / np.sqrt(self.flights) if self.flights else DEFAULT_DESCENT_SD
         )
-        changed = -0.5 * np.log(area) * (1 + CHANGED * rng.normal(size=(draws, 1)))
+        changed = -0.5 * np.log(area) * (1 + AREA_CHANGE_SD * rng.normal(size=(draws, 1)))
         logs = centre + changed + deviation * rng.normal(size=(draws, flights))
         return np.asarray(np.exp(logs) * np.sqrt(mass / density))
 
@@ -63,11 +63,13 @@ def fall_of(history: Sequence[tuple[Flight, Found]]) -> Fall:
     known = np.isfinite(speeds) & (speeds > 0)
     if not known.any():
         usual = np.log(DESCENT_SPEED) - 0.5 * np.log(0.4 / 1.225)
-        return Fall(float(usual), ORDINARY, 0)
+        return Fall(float(usual), FLIGHT_TO_FLIGHT_SD, 0)
     masses = np.array([landing_mass(flight, found) for flight, found in told])
     logs = np.log(speeds[known]) - 0.5 * np.log(masses[known] / _density([flight for flight, _ in told])[known])
     count = len(logs)
-    pooled = (WORTH * ORDINARY**2 + ((logs - logs.mean()) ** 2).sum()) / (WORTH + count - 1)
+    pooled = (DESCENT_PRIOR_FLIGHTS * FLIGHT_TO_FLIGHT_SD**2 + ((logs - logs.mean()) ** 2).sum()) / (
+        DESCENT_PRIOR_FLIGHTS + count - 1
+    )
     return Fall(float(logs.mean()), float(np.sqrt(pooled)), count)
 
 

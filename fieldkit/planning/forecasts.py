@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, design_cds
 from fieldkit.forecast.kinds import by_kind
-from fieldkit.forecast.predict import Learnt, fly_ahead, learn
+from fieldkit.forecast.predict import FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -65,7 +65,7 @@ def forecasts(
     return by_kind(rocket.history, planned, said)
 
 
-def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
+def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
     """What a rocket's flights taught of plans of a kind, each as the next flight, from the Cd of its design."""
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
     return learn(rocket.history, planned, rocket.places, cds=cds, shared=rocket.shared, draws=draws)
@@ -73,7 +73,7 @@ def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> Learnt:
 
 def flown_ahead(
     rocket: Rocket,
-    learnt: Learnt,
+    learnt: FittedForecast,
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:

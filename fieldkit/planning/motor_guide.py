@@ -11,24 +11,24 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.flight.site import Site
 from fieldkit.forecast.kinds import by_kind
-from fieldkit.forecast.predict import Learnt
+from fieldkit.forecast.predict import FittedForecast
 from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
-from fieldkit.motors.motor import PLUGGED, Motor
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.planning.delay import tolerance
 from fieldkit.planning.descent import fall_of
 from fieldkit.planning.forecasts import Rocket, flown_ahead, learnt_of
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
-from fieldkit.planning.safety import Line, safety_lines, thrust_to_weight
+from fieldkit.planning.safety import SafetyCheck, safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
-SAME = 0.0006
-"""By how much two diameters of one mount may differ. [m]"""
+DIAMETER_TOLERANCE = 0.0006
+"""Largest difference between two diameters of one mount. [m]"""
 DRAWS = 64
 """Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
-SLANTED = 40
+SLANTED_PATH_DRAWS = 40
 """The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
@@ -54,8 +54,8 @@ class Wanted:
         """Whether a motor is all of it."""
         wide = 0.0 if self.mount is None else motor.diameter - self.mount
         return (
-            (wide < SAME if self.adapter else abs(wide) < SAME)
-            and motor.length <= self.length + SAME
+            (wide < DIAMETER_TOLERANCE if self.adapter else abs(wide) < DIAMETER_TOLERANCE)
+            and motor.length <= self.length + DIAMETER_TOLERANCE
             and motor.total_impulse <= self.impulse
             and (self.retired or motor.available)
             and (self.classes is None or self.classes[0] <= _letter(motor) <= self.classes[1])
@@ -79,7 +79,7 @@ def _letter(motor: Motor) -> str:
 
 
 @dataclass(frozen=True, slots=True)
-class Choice:
+class MotorChoice:
     """A motor with the delay that suits it best, the flight it would give and its safety lines.
 
     `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` tells
@@ -93,7 +93,7 @@ class Choice:
     flown: bool
     first_thrust: float
     average_thrust: float
-    lines: tuple[Line, ...]
+    lines: tuple[SafetyCheck, ...]
 
     @property
     def apogee(self) -> float:
@@ -106,7 +106,7 @@ class Choice:
         return self.prediction.plan
 
     @property
-    def failed(self) -> list[Line]:
+    def failed(self) -> list[SafetyCheck]:
         """The safety lines that are not well, and known."""
         return [line for line in self.lines if line.failed]
 
@@ -136,7 +136,7 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
 
 def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor where none does."""
-    widest = math.inf if wanted.mount is None else wanted.mount + SAME
+    widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing
         for listings in catalogue.shelf.values()
@@ -152,7 +152,7 @@ def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 
 def guide(
     rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
-) -> list[Choice]:
+) -> list[MotorChoice]:
     """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
 
     A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
@@ -160,16 +160,16 @@ def guide(
     """
     if not motors:
         return []
-    draws = draws or (SLANTED if plan.wind or plan.rail_angle else DRAWS)
+    draws = draws or (SLANTED_PATH_DRAWS if plan.wind or plan.rail_angle else DRAWS)
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
 
-    def flown(rows: Sequence[int]) -> list[Flown]:
+    def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
         learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(learnt, model=replace(learnt.model, coarse=True)))
 
     known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
     return [
-        Choice(
+        MotorChoice(
             motor,
             delay,
             _ejections(motor, three(said.coast_time)[1] if (said.apogee > 0).mean() > 0.5 else math.nan),
@@ -182,11 +182,11 @@ def guide(
     ]
 
 
-Flown = tuple[float | None, Prediction]
+ForecastWithDelay = tuple[float | None, Prediction]
 """The delay that suits a motor best, if any is on sale [s], and its flight."""
 
 
-def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
+def _flown(rocket: Rocket, learnt: FittedForecast) -> list[ForecastWithDelay]:
     """Each motor of what was learnt, with the delay that suits it."""
     coasts = coast_times(learnt.model, learnt.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(learnt.model.found, coasts, strict=True)]
@@ -195,7 +195,7 @@ def _flown(rocket: Rocket, learnt: Learnt) -> list[Flown]:
     return list(zip(delays, made, strict=True))
 
 
-def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:
+def _with_delays(learnt: FittedForecast, delays: Sequence[float | None]) -> FittedForecast:
     planned = zip(learnt.model.flights, delays, strict=True)
     flights = tuple(flight.with_changes(delay=delay) for flight, delay in planned)
     return replace(learnt, model=replace(learnt.model, flights=flights))
@@ -203,15 +203,15 @@ def _with_delays(learnt: Learnt, delays: Sequence[float | None]) -> Learnt:
 
 def _nearest(motor: Motor, coast: float) -> float | None:
     """The delay on sale that fires nearest to apogee, the shortest for a motor that would not lift the rocket."""
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
     return min(sold, key=lambda delay: abs(delay - np.nan_to_num(coast)), default=None)
 
 
 def _ejections(motor: Motor, coast: float) -> tuple[tuple[float, float], ...]:
-    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED]
+    sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
     return tuple((delay, delay - coast) for delay in sold if math.isfinite(coast))
 
 
-def by_closeness(found: Sequence[Choice], target: float | None) -> list[Choice]:
+def by_closeness(found: Sequence[MotorChoice], target: float | None) -> list[MotorChoice]:
     """Nearest to a target first [m]; without one, the highest first."""
     return sorted(found, key=lambda one: abs(one.apogee - target) if target is not None else -one.apogee)

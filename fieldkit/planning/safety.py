@@ -26,12 +26,12 @@ from fieldkit.planning.quantiles import three
 from fieldkit.shapes import Array, Float
 from fieldkit.units import DEGREE, FOOT, MILE, STANDARD_GRAVITY, ZERO_CELSIUS
 
-DECIDES = "These lines advise; the range safety officer decides."
+ADVICE_NOTE = "These lines advise; the range safety officer decides."
 HALF_SECOND = 0.5
 """Over which thrust is first averaged. [s]"""
 MPH = MILE / 3600
-SELDOM, OFTEN = 0.05, 0.5
-"""Chances of missing a limit below which a line is well, and from which on it is not safe. [1]"""
+SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
+"""Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""
 
 Verdict = Literal["ok", "caution", "unsafe", "unknown"]
 MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "✗", "unknown": "?"}
@@ -39,7 +39,7 @@ MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "✗", "unkn
 
 
 @dataclass(frozen=True, slots=True)
-class Line:
+class SafetyCheck:
     """One check: its name, how it ended, what was found and what would be right, and where the limit is from."""
 
     name: str
@@ -92,7 +92,7 @@ def motor_temperature(plan: Flight) -> float | None:
         raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
 
 
-def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> list[Line]:
+def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> list[SafetyCheck]:
     """Every safety line of a forecast, at a site, for a rocket that comes down as `fall` says."""
     plan, motor = said.plan, said.found.motor
     return [
@@ -110,26 +110,26 @@ def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> li
 
 def by_chance(chance: float) -> Verdict:
     """How a check ends that is missed with this chance."""
-    return "ok" if chance < SELDOM else "caution" if chance < OFTEN else "unsafe"
+    return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
 
 
-def told(lines: Sequence[Line]) -> Iterator[str]:
+def told(lines: Sequence[SafetyCheck]) -> Iterator[str]:
     """All lines as text, and who decides."""
     yield from (line.words() for line in lines)
-    yield DECIDES
+    yield ADVICE_NOTE
 
 
-def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> Line:
+def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> SafetyCheck:
     fixed, times = limits["rail_speed"], limits["rail_speed_per_wind"]
     speeds = np.nan_to_num(speeds)
     needed = max(fixed.value, times.value * (wind or 0.0))
     why = "" if needed == fixed.value else f", {times.value:g} times the wind"
     chance = float(np.mean(speeds < needed))
     text = f"{speed(three(speeds)[1])}, wanted at least {speed(needed)}{why}; chance of less {chance:.0%}"
-    return Line("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
+    return SafetyCheck("rail exit speed", by_chance(chance), text, times.source if why else fixed.source)
 
 
-def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> Line:
+def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     good, unsafe = limits["thrust_to_weight"], limits["thrust_to_weight_unsafe"]
     first, average = thrust_to_weight(motor, dry_mass)
     least = min(first, average)
@@ -138,37 +138,37 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> Line:
         f"{first:.1f} in the first half second, {average:.1f} on average; "
         f"good from {good.value:g}, unsafe below {unsafe.value:g}"
     )
-    return Line("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
+    return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
 
 
-def _wind(wind: float | None, limits: Limits) -> Line:
+def _wind(wind: float | None, limits: Limits) -> SafetyCheck:
     limit = limits["wind"]
     most = f"no launch above {limit.value:.1f} m/s ({limit.value / MPH:.0f} mph)"
     if wind is None:
-        return Line("ground wind", "unknown", f"not given; {most}", limit.source)
+        return SafetyCheck("ground wind", "unknown", f"not given; {most}", limit.source)
     text = f"{wind:.1f} m/s ({wind / MPH:.0f} mph); {most}"
-    return Line("ground wind", "ok" if wind <= limit.value else "unsafe", text, limit.source)
+    return SafetyCheck("ground wind", "ok" if wind <= limit.value else "unsafe", text, limit.source)
 
 
-def _angle(angle: float | None, limits: Limits) -> Line:
+def _angle(angle: float | None, limits: Limits) -> SafetyCheck:
     limit = limits["angle"]
     if angle is None:
-        return Line("launch angle", "unknown", f"not given; at most {limit.value / DEGREE:.0f}°", limit.source)
+        return SafetyCheck("launch angle", "unknown", f"not given; at most {limit.value / DEGREE:.0f}°", limit.source)
     text = f"{angle / DEGREE:.0f}° from vertical, at most {limit.value / DEGREE:.0f}°"
-    return Line("launch angle", "ok" if abs(angle) <= limit.value else "unsafe", text, limit.source)
+    return SafetyCheck("launch angle", "ok" if abs(angle) <= limit.value else "unsafe", text, limit.source)
 
 
-def _ceiling(heights: Float[Array, "draw"], site: Site) -> Line:
+def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     source = f"ceiling of {site.name}" if site.name else "ceiling as given"
     high = three(heights)[2]
     text = f"95 % stay below {length(high)} above the pad"
     if site.ceiling is None:
-        return Line("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
+        return SafetyCheck("ceiling", "unknown", f"{text}; no waiver or ceiling given", source)
     verdict: Verdict = "ok" if high <= site.ceiling else "unsafe"
-    return Line("ceiling", verdict, f"{text}; ceiling {length(site.ceiling)}", source)
+    return SafetyCheck("ceiling", verdict, f"{text}; ceiling {length(site.ceiling)}", source)
 
 
-def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
+def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> SafetyCheck:
     """The pad is taken to stand in the middle of the field, and the charge to fire at apogee."""
     share = limits["field_share_of_apogee"]
     far = "wind not given, so no drift"
@@ -180,11 +180,11 @@ def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> Line:
     needed = max(2 * reach, share.value * three(said.true_apogee)[2])
     text = f"{far}; a field {length(needed)} across is wanted"
     if site.size is None:
-        return Line("field size", "unknown", f"{text}, its size is not given", share.source)
+        return SafetyCheck("field size", "unknown", f"{text}, its size is not given", share.source)
     verdict: Verdict = "ok" if site.size >= needed else "caution"
     if verdict == "ok" and said.plan.wind is None:
         verdict = "unknown"
-    return Line("field size", verdict, f"{text}, this one is {length(site.size)}", share.source)
+    return SafetyCheck("field size", verdict, f"{text}, this one is {length(site.size)}", share.source)
 
 
 def _speeds(said: Prediction, fall: Fall) -> Float[Array, "draw"]:
@@ -198,28 +198,30 @@ def _unit_speeds(fall: Fall, draws: int) -> Float[Array, "draw"]:
     return fall.speeds(np.random.default_rng(5), (draws, 1), 1.0, 1.0)[:, 0]
 
 
-def _ejection(said: Prediction, limits: Limits) -> Line:
+def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
     limit = limits["eject_speed"]
     delay = said.plan.delay if said.plan.delay is not None else said.found.delay
     if delay is None or not math.isfinite(delay):
-        return Line("ejection speed", "unknown", "no delay known, so no charge fires in this forecast", limit.source)
+        return SafetyCheck(
+            "ejection speed", "unknown", "no delay known, so no charge fires in this forecast", limit.source
+        )
     fired = np.isfinite(said.eject_speed)
     crashed = float(np.mean(~fired & (said.true_apogee > 0)))
     chance = float(np.mean(np.nan_to_num(said.eject_speed) > limit.value)) + crashed
     text = f"{speed(three(said.eject_speed)[1], 0)}; " if fired.any() else ""
     text += f"chance of more than {speed(limit.value, 0)} {chance:.0%}"
     text += f", {crashed:.0%} reach the ground first" if crashed >= 0.01 else ""
-    return Line("ejection speed", by_chance(chance), text, limit.source)
+    return SafetyCheck("ejection speed", by_chance(chance), text, limit.source)
 
 
-def _temperature(plan: Flight, limits: Limits) -> Line:
+def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
     cold, hot = limits["motor_cold"], limits["motor_hot"]
     value = motor_temperature(plan)
     between = f"certified near 21 °C (70 °F), flown from {_celsius(cold.value)} to {_celsius(hot.value)}"
     if value is None:
-        return Line("motor temperature", "unknown", f"not given; {between}", hot.source)
+        return SafetyCheck("motor temperature", "unknown", f"not given; {between}", hot.source)
     verdict: Verdict = "ok" if cold.value <= value <= hot.value else "caution"
-    return Line("motor temperature", verdict, f"{_celsius(value)}; {between}", hot.source)
+    return SafetyCheck("motor temperature", verdict, f"{_celsius(value)}; {between}", hot.source)
 
 
 def _celsius(value: float) -> str:
@@ -237,7 +239,7 @@ def speed(value: float, digits: int = 1) -> str:
     return f"{value:.{digits}f} m/s ({value / FOOT:.0f} ft/s)"
 
 
-def _class(motor: Motor, dry_mass: float, limits: Limits) -> Line:
+def _class(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     """Regulatory class of the rocket by propellant and mass, and what motor and rocket ask of the flyer."""
     propellant, mass = motor.propellant_mass, dry_mass + motor.loaded_mass
     text = f"{propellant * 1e3:.0f} g of propellant, {mass * 1e3:.0f} g on the pad, {motor.total_impulse:.0f} N s"
@@ -245,14 +247,14 @@ def _class(motor: Motor, dry_mass: float, limits: Limits) -> Line:
     class1 = propellant <= most.value and mass <= heaviest.value
     why = why_high_power(motor, limits)
     if motor.total_impulse > limits["class2_impulse"].value:
-        return Line("class", "unsafe", f"{text}: class 3, beyond high power", limits["class2_impulse"].source)
+        return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", limits["class2_impulse"].source)
     if class1 and not why:
-        return Line("class", "ok", f"{text}: class 1, a model rocket", most.source)
+        return SafetyCheck("class", "ok", f"{text}: class 1, a model rocket", most.source)
     said = "class 1 by mass" if class1 else "class 2, which needs a waiver"
     if why:
         said += f"; a high-power motor by {why}, which asks for certification level {_level(motor, limits)}"
     source = limits["high_power_impulse"].source if class1 else limits["class2_impulse"].source
-    return Line("class", "caution", f"{text}: {said}", source)
+    return SafetyCheck("class", "caution", f"{text}: {said}", source)
 
 
 def why_high_power(motor: Motor, limits: Limits) -> str:

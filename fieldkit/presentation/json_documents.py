@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.forecast.evaluation.comparison import Report
+from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage
 from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.scoring.proper_scores import crps, pit
@@ -16,7 +16,7 @@ from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import Compared, Findings
 
-FORWARD = "forward in time: each flight from the earlier ones of its rocket and of all others"
+FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
 MIDDLES = {
     "certified": "uncalibrated",
     "persistence": "flight_before",
@@ -108,26 +108,26 @@ def _gain(compared: Compared) -> dict[str, Any]:
     return {"mae_m": finite(compared.gain), "interval90": finite(compared.gain_interval)}
 
 
-def score_document(found: Report) -> dict[str, Any]:
+def score_document(found: ScoreReport) -> dict[str, Any]:
     """Forecasts replayed forward in time, judged."""
     return {
         "flights": [_forecast(row) for row in found.rows],
         "errors": [asdict(way) for way in found.ways],
         "coverage90": found.coverage90,
         "corrected": corrected_coverage(found.rows),
-        "evaluation": FORWARD,
+        "evaluation": FORWARD_NOTE,
         **found.json(),
     }
 
 
-def replayed_document(later: Report, first: Report, weights: Mapping[str, float]) -> dict[str, Any]:
+def replayed_document(later: ScoreReport, first: ScoreReport, weights: Mapping[str, float]) -> dict[str, Any]:
     """Flights with an earlier one of their rocket, judged; under `first_flights` those without. `weights` are those
     that the next forecast would be stacked with."""
     own = score_document(first) | {"evaluation": "forward in time: each flight from the earlier ones of other rockets"}
     return {**score_document(later), "first_flights": own, "stacking": {"weights": dict(weights)}}
 
 
-def kept_document(found: Report, stale: int) -> dict[str, Any]:
+def kept_document(found: ScoreReport, stale: int) -> dict[str, Any]:
     """Kept predictions in the same words; `stale` of them no longer follow from what the ledger holds."""
     document = score_document(found)
     del document["corrected"]

@@ -16,15 +16,15 @@ from fieldkit.planning.safety import length, speed
 from fieldkit.quantities import measure
 from fieldkit.units import FOOT
 
-ACTING = ("wind", "rail_length", "rail_angle")
-"""Conditions that act on a flight beside the air."""
+FLIGHT_CONDITIONS = ("wind", "rail_length", "rail_angle")
+"""Conditions that act on a flight, besides the air."""
 
 
 def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[str]:
     """The air a plan flies in and what it makes the altimeter show, what else acts on it, and the design whose Cd it
     starts from where the rocket has one among `starts`."""
     yield f"  air       {air_of(plan).words()}"
-    wind, rod, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in ACTING)
+    wind, rod, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in FLIGHT_CONDITIONS)
     rail = f"a rail of {rod or f'{RAIL_LENGTH:g} m, as none was given,'}"
     yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail} {f'at {angle}' if angle else 'upright'}"
     start = start_among(starts, plan)

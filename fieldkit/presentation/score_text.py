@@ -6,17 +6,17 @@ from typing import TYPE_CHECKING
 from fieldkit.forecast.evaluation.rivals import BAR, LABELS
 
 if TYPE_CHECKING:
-    from fieldkit.forecast.evaluation.comparison import Against, Report
-    from fieldkit.scoring.bootstrap import Difference
+    from fieldkit.forecast.evaluation.comparison import Against, ScoreReport
+    from fieldkit.scoring.bootstrap import ScoreDifference
     from fieldkit.scoring.proper_scores import Calibration
 
-LONGEST = 30
-"""Of a bar. [letters]"""
+MAX_BAR_LENGTH = 30
+"""Longest bar. [character]"""
 WAYS = ("forecast by", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
 DIFFERENCES = ("fieldkit's is less by", "error", "CRPS", "interval score")
 
 
-def way_rows(found: "Report") -> list[tuple[str, ...]]:
+def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     """A row of `WAYS` for the model and each rival, in percent of the apogee flown: median and mean absolute error,
     median bias, CRPS, score of the 90 % interval, and flights inside of that."""
     return [
@@ -34,7 +34,7 @@ def way_rows(found: "Report") -> list[tuple[str, ...]]:
     ]
 
 
-def difference_rows(found: "Report") -> list[tuple[str, ...]]:
+def difference_rows(found: "ScoreReport") -> list[tuple[str, ...]]:
     """A row of `DIFFERENCES` for each rival: by how much a mean score of the model is smaller, its 90 % bootstrap
     interval in percent of the apogee flown, starred where that leaves out zero."""
     return [
@@ -43,7 +43,7 @@ def difference_rows(found: "Report") -> list[tuple[str, ...]]:
     ]
 
 
-def verdict_lines(found: "Report") -> Iterator[str]:
+def verdict_lines(found: "ScoreReport") -> Iterator[str]:
     """The rivals that the mean absolute error is better, worse, or not clearly different from."""
     for verdict, words in (
         ("better", "Better than"),
@@ -55,13 +55,13 @@ def verdict_lines(found: "Report") -> Iterator[str]:
             yield f"{words}: {'; '.join(named)}."
 
 
-def _between(one: "Difference", digits: int = 1) -> str:
+def _between(one: "ScoreDifference", digits: int = 1) -> str:
     low, high = one.interval
     mark = "" if one.verdict == "unclear" else "*"
     return f"{100 * low:+.{digits}f} to {100 * high:+.{digits}f}{mark or ' '}"
 
 
-def against_the_bar(found: "Report") -> Iterator[str]:
+def against_the_bar(found: "ScoreReport") -> Iterator[str]:
     """Whether the scalar correction is beaten, and the rockets where it is not."""
     for one in found.against:
         if one.rival == BAR:
@@ -89,7 +89,7 @@ def histogram(found: "Calibration") -> Iterator[str]:
     yield f"where flights lay in their forecasts (even is right; chance leaves {low:.0f} to {high:.0f} in each)"
     longest = max(*found.counts, 1)
     for place, number in enumerate(found.counts):
-        bar = "█" * round(LONGEST * number / longest)
+        bar = "█" * round(MAX_BAR_LENGTH * number / longest)
         note = "" if low <= number <= high else "  too few" if number < low else "  too many"
         yield f"  {place * 10:3d}-{place * 10 + 10:3d} %  {bar} {number}{note}"
     for one in found.intervals:

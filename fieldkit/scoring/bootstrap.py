@@ -12,7 +12,7 @@ RESAMPLED = 2000
 """Times the flights are drawn anew, with replacement."""
 SEED = 5
 LEVELS = (0.05, 0.95)
-FEWEST = 5
+MIN_FLIGHTS_FOR_VERDICT = 5
 """Flights from which on a difference has a verdict. [1]"""
 
 Interval = tuple[float, float]
@@ -78,7 +78,7 @@ def gain(before: Forecasts, after: Forecasts, truth: Float[Array, "flight"], see
 
 
 @dataclass(frozen=True, slots=True)
-class Difference:
+class ScoreDifference:
     """The mean score of ours and of a rival on the same flights; `less` is by how much ours is smaller, with its 90 %
     bootstrap interval, flights resampled in pairs."""
 
@@ -92,7 +92,7 @@ class Difference:
     def verdict(self) -> str:
         """`better`, `worse`, or `unclear` by these flights."""
         low, high = self.interval
-        if self.flights < FEWEST or not low * high > 0:
+        if self.flights < MIN_FLIGHTS_FOR_VERDICT or not low * high > 0:
             return "unclear"
         return "better" if low > 0 else "worse"
 
@@ -102,14 +102,14 @@ class Difference:
         return figures | {"verdict": self.verdict}
 
 
-def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> Difference:
+def paired(ours: Float[Array, "flight"], theirs: Float[Array, "flight"]) -> ScoreDifference:
     """The difference of two scores, smaller being better, each of the same flights."""
     if not len(ours):
         nan = float("nan")
-        return Difference(0, nan, nan, nan, (nan, nan))
+        return ScoreDifference(0, nan, nan, nan, (nan, nan))
     less = theirs - ours
     interval = ends_of(less[resampled(len(less))].mean(axis=1))
-    return Difference(len(less), float(ours.mean()), float(theirs.mean()), float(less.mean()), interval)
+    return ScoreDifference(len(less), float(ours.mean()), float(theirs.mean()), float(less.mean()), interval)
 
 
 def ends_of(values: Float[Array, "resample"]) -> Interval:

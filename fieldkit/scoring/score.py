@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.inference.laplace.leave_one_out import LeftOut
+from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
 from fieldkit.shapes import Array, Flags, Float
 
 
@@ -48,7 +48,7 @@ def mixed(
     return Forecasts(mean, np.sqrt(variance), weight)
 
 
-def forecasts_of(left_out: LeftOut) -> Forecasts:
+def forecasts_of(left_out: LeaveOneOut) -> Forecasts:
     """Forecasts of flights left out, scales weighed by the other flights."""
     return mixed(left_out.mean, left_out.variance, left_out.log_weight)
 

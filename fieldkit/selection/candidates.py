@@ -11,13 +11,13 @@ from fieldkit.physics.effect import Effect, effects, spoken
 from fieldkit.physics.setups import delays, recorded
 from fieldkit.shapes import Array, Flags, Float
 
-EACH = "each"
-"""The place of an effect that has a strength of its own in every group."""
+EACH_GROUP = "each"
+"""The level of an effect that has a strength of its own in every group."""
 
 
 @dataclass(frozen=True, slots=True)
 class Place:
-    """Where an effect acts: in one group of flights (empty for all, `EACH` for every one with a strength of its
+    """Where an effect acts: in one group of flights (empty for all, `EACH_GROUP` for every one with a strength of its
     own), and only from a flight on (empty for from the first)."""
 
     effect: str
@@ -28,7 +28,7 @@ class Place:
         if not self.effect:
             return self.where
         group = f" of {self.where}" if self.where else ""
-        if self.where == EACH:
+        if self.where == EACH_GROUP:
             group = f" of each {effects()[self.effect].per}"
         return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
 
@@ -61,14 +61,14 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     effect = effects()[place.effect]
     prior = effect.prior
     places = [place]
-    if place.where == EACH:
+    if place.where == EACH_GROUP:
         kinds = dict.fromkeys(groups(model.flights, model.found, effect.per))
         places = [Place(place.effect, kind, place.since) for kind in kinds if kind]
     weights = [(one, place_weight(one, model)) for one in places]
     return tuple(
         Term(str(one), effect, prior.mean, prior.sd, weight, prior.low, prior.high)
         for one, weight in weights
-        if place.where != EACH or weight.any()
+        if place.where != EACH_GROUP or weight.any()
     )
 
 
@@ -109,7 +109,7 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
     if effect.per:
         group = groups(model.flights, model.found, effect.per)
         if effect.each and len(set(group)) > 1:
-            yield Place(name, EACH)
+            yield Place(name, EACH_GROUP)
         elif len(set(group)) > 1:
             yield from (Place(name, kind) for kind in dict.fromkeys(group) if kind)
 

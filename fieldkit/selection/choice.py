@@ -19,20 +19,20 @@ from fieldkit.shapes import Array, Flags, Float
 ODDS = 3.0
 """Prior odds that something is missing, as the steady evidence has less to say than all of it: set, like what
 follows, so that of 66 histories without an effect (`bench`, seeds 7, 11 and 12) none was given one. [1]"""
-DECISIVE = 0.65
-"""Posterior probability of an effect, against the model without it, from which on it is taken if it helps. [1]"""
-FEW = 2
-"""Effects at once that `DECISIVE` is enough for. [1]"""
-SURE = 0.99
+MIN_INCLUSION_PROBABILITY = 0.65
+"""Posterior probability of an effect, against the model without it, from which on it is included if it helps. [1]"""
+MAX_EASY_EFFECTS = 2
+"""Number of effects for which `MIN_INCLUSION_PROBABILITY` is enough. [1]"""
+MIN_FURTHER_PROBABILITY = 0.99
 """The same probability for each one more: beside several, what the simulator itself gets wrong passes for an effect
 soonest. [1]"""
-BETTER = 0.97
+MAX_ERROR_RATIO = 0.97
 """Error on flights left out, over that of the model without it, up to which an effect with even odds helps. [1]"""
-SURER = 0.02
+ERROR_RATIO_PER_LOG_ODDS = 0.02
 """What more of that an effect may leave for each unit of its log posterior odds: the error of twenty flights is
 itself known to a tenth only, and an effect may show best in readouts that are no apogee. [1/nat]"""
-MOST = 1.15
-"""The same, however sure. [1]"""
+MAX_ERROR_RATIO_ALLOWED = 1.15
+"""Upper limit of that ratio, whatever the posterior odds. [1]"""
 NOISE = 1.1
 """Error on flights left out with the whole choice made anew without each, over that of the plain model, up to which a
 choice stands: the error of twenty flights is known to a tenth only. [1]"""
@@ -105,7 +105,9 @@ class Ranked:
     @property
     def _enough(self) -> float:
         """Log posterior odds from which on it convinces."""
-        return _log_odds(DECISIVE if len(self.accepted) <= FEW else SURE)
+        return _log_odds(
+            MIN_INCLUSION_PROBABILITY if len(self.accepted) <= MAX_EASY_EFFECTS else MIN_FURTHER_PROBABILITY
+        )
 
     @property
     def fold_weight(self) -> Float[Array, "flight"]:
@@ -204,7 +206,7 @@ def steady_evidence(
 
 def may_leave(weight: Array | float) -> Array:
     """The error that an effect of this log posterior odds may leave, over that of the model without it. [1]"""
-    return np.clip(BETTER + SURER * np.asarray(weight), None, MOST)
+    return np.clip(MAX_ERROR_RATIO + ERROR_RATIO_PER_LOG_ODDS * np.asarray(weight), None, MAX_ERROR_RATIO_ALLOWED)
 
 
 def stands(chosen: Ranked, after: Score, before: Score) -> bool:
@@ -213,7 +215,7 @@ def stands(chosen: Ranked, after: Score, before: Score) -> bool:
     Without its most telling flight an effect may fall short of being chosen, and just that flight is then forecast by
     the plain model; so this may cost what chance does, and what evidence as sure as this may leave.
     """
-    return after.mae <= max(NOISE, float(may_leave(chosen.weight)) / BETTER) * before.mae
+    return after.mae <= max(NOISE, float(may_leave(chosen.weight)) / MAX_ERROR_RATIO) * before.mae
 
 
 def probability(options: Sequence[Ranked]) -> float:

@@ -14,16 +14,16 @@ from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import Effect
-from fieldkit.progress import Tell, part, untold
+from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate, Place, effect_candidates
 from fieldkit.selection.choice import Ranked, choose, choose_in_folds, confidence, probability, rank, stands
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.trial import Trial, by_effect, plain_again, plain_trial, try_all
 
-TURNS = 2
-"""Times everything is tried, where trying it shows that the plain model had not found its best fit."""
-APART = 2.0
+MAX_SEARCHES = 2
+"""Number of times all effects are tried, if trying them shows that the plain model had not found its best fit. [1]"""
+LOG_EVIDENCE_TIE = 2.0
 """Difference of log evidence up to which effects are named together. [nat]"""
 
 
@@ -68,18 +68,18 @@ class Diagnosis:
         return (*(trial.candidate.place for trial in self.accepted), *self.pattern)
 
 
-CERTAIN = 0.99
-"""Probability that something is missing, from which on it is said even where nothing known forecasts better."""
-FIRSTS = 3
+CERTAIN_MISFIT_PROBABILITY = 0.99
+"""Probability that something is missing from which on it is reported even if no known effect forecasts better. [1]"""
+MAX_FIRST_EFFECTS = 3
 """Effects beside which a second one is looked for."""
-LIKELY = -2.0
-"""Log odds against the plain model that it must have for that. [nat]"""
+MIN_LOG_ODDS_TO_NAME = -2.0
+"""Log odds against the plain model that an effect needs for that. [nat]"""
 MOST_EFFECTS = 4
 """At once: as long as adding one convinces and helps, another is looked for. [1]"""
 SECOND = 0.5
 """Log evidence that a second one must add at first sight to be looked at more closely. [nat]"""
-BEHIND = 6.0
-"""Log odds behind the strongest, from which on an effect is not tried with a second one. [nat]"""
+LOG_ODDS_TO_PAIR = 6.0
+"""Log odds behind the strongest effect from which on an effect is not tried in a pair. [nat]"""
 _NOT_YET = "; flights left out do not show it yet: look again after the next ones"
 _NO_BETTER = "but flights that were not seen are forecast no better with it, so it is left out until more have flown"
 
@@ -94,7 +94,7 @@ class _Verdict:
     pattern: tuple[Place, ...] = ()
 
 
-def diagnose(model: Model, data: Data, tell: Tell = untold, given: Sequence[str] = ()) -> Diagnosis:
+def diagnose(model: Model, data: Data, tell: ReportProgress = no_op, given: Sequence[str] = ()) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach.
 
     `given` are effects to take whatever the evidence for them, each where it is most at home. Raises UnknownEffect
@@ -143,7 +143,7 @@ Families = Mapping[str, Sequence[Candidate]]
 """Candidates by the effect that a verdict would speak of, patterns under no name."""
 
 
-def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Tell) -> tuple[Second, ...]:
+def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: ReportProgress) -> tuple[Second, ...]:
     """Second effects beside the likeliest ones."""
     found: list[Second] = []
     for number, first in enumerate(firsts := likely_firsts(ranking)):
@@ -155,11 +155,11 @@ def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: Te
     return tuple(found)
 
 
-def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: Tell) -> tuple[Ranked, ...]:
+def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: ReportProgress) -> tuple[Ranked, ...]:
     """The options, and what is tried beside the best two effects, the best three, as long as those may be chosen."""
     for count in range(2, MOST_EFFECTS):
         best = choose([item for item in options if len(item.effects) == count])
-        if best is None or best.weight < max(item.weight for item in options) - BEHIND:
+        if best is None or best.weight < max(item.weight for item in options) - LOG_ODDS_TO_PAIR:
             break
 
         def said(text: str, share: float, names: str = "+".join(best.effects)) -> None:
@@ -174,7 +174,7 @@ def _others(first: Ranked, families: Families) -> Families:
     return {name: family for name, family in families.items() if name and name not in first.effects}
 
 
-def _beside(first: Ranked, data: Data, families: Families, tell: Tell) -> Second:
+def _beside(first: Ranked, data: Data, families: Families, tell: ReportProgress) -> Second:
     """Every family tried beside an effect in the place in which that is most at home."""
     fitted = first.best.fit
     worth = fitted.log_evidence + SECOND
@@ -187,7 +187,7 @@ def _given(ranking: Sequence[Ranked], data: Data, families: Families, given: Seq
     first, *others = given
     chosen = next(item for item in ranking if item.effect == first)
     for name in others:
-        (chosen,) = _beside(chosen, data, {name: families[name]}, untold).ranking
+        (chosen,) = _beside(chosen, data, {name: families[name]}, no_op).ranking
     return chosen
 
 
@@ -204,8 +204,8 @@ def _search(
     data: Data,
     plain: Fit,
     families: Families,
-    tell: Tell,
-    turns: int = TURNS,
+    tell: ReportProgress,
+    turns: int = MAX_SEARCHES,
     worth: float = -np.inf,
 ) -> tuple[Trial, list[Trial]]:
     """Every candidate tried beside a model, and the model itself, whose best fit the trials help to find."""
@@ -227,9 +227,9 @@ def _search(
 def likely_firsts(ranking: Sequence[Ranked]) -> list[Ranked]:
     """The options beside which a second effect may be there: the likeliest effects if they are likely at all, and the
     patterns if they are no less so; what patterns imitate does not hide the effects that are there."""
-    likely = sorted(ranking, key=lambda item: -item.weight)[:FIRSTS]
+    likely = sorted(ranking, key=lambda item: -item.weight)[:MAX_FIRST_EFFECTS]
     best = max((item.weight for item in likely if item.effect), default=-np.inf)
-    return [item for item in likely if item.weight > max(best - BEHIND, LIKELY)]
+    return [item for item in likely if item.weight > max(best - LOG_ODDS_TO_PAIR, MIN_LOG_ODDS_TO_NAME)]
 
 
 def _verdict(options: Sequence[Ranked], chosen: Ranked | None, after: Score, before: Score) -> _Verdict:
@@ -248,7 +248,7 @@ def _accepted(options: Sequence[Ranked], chosen: Ranked) -> _Verdict:
     """The verdict for an option, and the effects that these flights cannot tell from those in it; then, of two at
     once, whole verdicts that could stand in its place."""
     alike = [item for item in options if len(item.effects) == len(chosen.effects) and "" not in item.effects]
-    near = [item.effects for item in alike if item.weight > chosen.weight - APART]
+    near = [item.effects for item in alike if item.weight > chosen.weight - LOG_EVIDENCE_TIE]
     other = [name for effects in near for name in effects if name not in chosen.effects]
     joined = ["+".join(effects) for effects in near if len(effects) > 1 and set(effects) != set(chosen.effects)]
     also = tuple(dict.fromkeys([*other, *joined]))
@@ -264,7 +264,7 @@ def _rejected(options: Sequence[Ranked]) -> _Verdict:
         why = "the flights differ from the model by no more than their own scatter, as far as they can show"
         return _Verdict("none", 1 - something, why)
     why = f"{best.best.candidate.place if best.effect else best.best.candidate.place.where} fits best, {_NO_BETTER}"
-    certain = best.weight > np.log(CERTAIN / (1 - CERTAIN))
+    certain = best.weight > np.log(CERTAIN_MISFIT_PROBABILITY / (1 - CERTAIN_MISFIT_PROBABILITY))
     return _Verdict("unexplained", something, why) if certain else _Verdict("none", 1 - something, why)
 
 

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.model.hyperprior import CERTIFIED, Hyperprior
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
 from fieldkit.model.rocket_model import Model, base_model
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
@@ -16,7 +16,7 @@ def rocket_model(
     flights: Sequence[Flight],
     found: Sequence[Found],
     accepted: Sequence[Place] = (),
-    hyperprior: Hyperprior = CERTIFIED,
+    hyperprior: Hyperprior = CERTIFIED_PRIOR,
     flown: int | None = None,
     turns: Sequence[int] | None = None,
     shared: SharedPrior | None = None,

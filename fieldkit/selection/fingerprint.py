@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.flight import READOUTS
 from fieldkit.inference.laplace.posterior import Fit
-from fieldkit.model.readout_data import OBSERVED, compared
+from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import shown
 from fieldkit.physics.setups import recorded
 from fieldkit.selection.diagnose import Diagnosis
@@ -21,7 +21,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 
 @dataclass(frozen=True, slots=True)
-class Mark:
+class FingerprintMark:
     """One readout: what the effect would do, and what was there, both in expected standard deviations.
 
     `sd` is of what was there. `fitted` is False for readouts that the fit does not use: those are compared
@@ -35,7 +35,7 @@ class Mark:
     fitted: bool
 
 
-def marks(diagnosis: Diagnosis, trial: Trial) -> list[Mark]:
+def marks(diagnosis: Diagnosis, trial: Trial) -> list[FingerprintMark]:
     """The ten readouts under one effect at its fitted strength, signed as on flights that show more of it."""
     plain, seen = diagnosis.base.fit, diagnosis.data.seen
     readings = _with_and_without(trial)
@@ -44,7 +44,7 @@ def marks(diagnosis: Diagnosis, trial: Trial) -> list[Mark]:
     along = _along(expected, shift, seen)
     rows = {
         name: _mark(name, expected[:, i], found[:, i], along, seen[:, i], fitted=True)
-        for i, name in enumerate(OBSERVED)
+        for i, name in enumerate(OBSERVED_READOUTS)
     }
     rows |= _others(diagnosis, readings, along)
     return [rows[column.name] for column in READOUTS]
@@ -61,7 +61,7 @@ def _with_and_without(trial: Trial) -> dict[str, Float[Array, "2 flight"]]:
 
 def _shift(readings: dict[str, Float[Array, "2 flight"]]) -> Float[Array, "flight readout"]:
     """What the effect does to each readout of each flight, as the fit compares them."""
-    both = compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+    both = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     return np.asarray(np.nan_to_num(both[0] - both[1]))
 
 
@@ -97,13 +97,13 @@ def _along(
     return np.asarray(along / size * (np.sign(shift[teach, strongest].sum()) or 1.0))
 
 
-def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> Mark:
+def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> FingerprintMark:
     """Both along the flights that should show the effect; what is common to all is kept."""
     power = float((along[seen] ** 2).sum())
     if not power:
         nan = float("nan")
-        return Mark(name, nan, nan, nan, fitted)
-    return Mark(
+        return FingerprintMark(name, nan, nan, nan, fitted)
+    return FingerprintMark(
         name,
         float((expected[seen] * along[seen]).sum() / power),
         float((found[seen] * along[seen]).sum() / power),
@@ -114,12 +114,12 @@ def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *
 
 def _others(
     diagnosis: Diagnosis, readings: dict[str, Float[Array, "2 flight"]], along: Float[Array, "flight"]
-) -> dict[str, Mark]:
+) -> dict[str, FingerprintMark]:
     """The readouts that the fit leaves aside, beside flights with and without the effect."""
     plain = diagnosis.base.fit
     shown_plain = shown(plain.model, plain.moments()[0][None], {})
     rows = {}
-    for name in (column.name for column in READOUTS if column.name not in OBSERVED):
+    for name in (column.name for column in READOUTS if column.name not in OBSERVED_READOUTS):
         with np.errstate(invalid="ignore", divide="ignore"):
             miss = np.log(recorded(plain.model.flights, name) / shown_plain[name][0])
             shift = np.log(readings[name][0] / readings[name][1])
@@ -127,11 +127,11 @@ def _others(
     return rows
 
 
-def _other(name: str, miss: Any, shift: Any, along: Array, teach: Flags) -> Mark:
+def _other(name: str, miss: Any, shift: Any, along: Array, teach: Flags) -> FingerprintMark:
     seen = np.isfinite(miss) & np.isfinite(shift) & teach & (along != 0)
     if seen.sum() < 4:
         nan = float("nan")
-        return Mark(name, nan, nan, nan, fitted=False)
+        return FingerprintMark(name, nan, nan, nan, fitted=False)
     centred = np.where(seen, miss - np.mean(miss[seen]), 0.0)
     unit = max(float(np.std(centred[seen], ddof=1)), 1e-9)
     moved = np.where(seen, shift - np.mean(shift[seen]), 0.0)

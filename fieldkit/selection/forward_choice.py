@@ -14,25 +14,26 @@ import numpy as np
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.posterior import Fit, Growing
 from fieldkit.model.readout_data import Data
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.choice import ODDS, Ranked, choose, choose_in_folds, rank, stands
-from fieldkit.selection.diagnose import LIKELY, Diagnosis, likely_firsts
+from fieldkit.selection.diagnose import MIN_LOG_ODDS_TO_NAME, Diagnosis, likely_firsts
 from fieldkit.selection.trial import Trial, by_effect
 from fieldkit.shapes import Array, Flags
 
-FEWEST = 4
-"""Earlier clean flights from which on a choice is made."""
-NEGLIGIBLE = 3.0
-"""Log odds below which a place beside the best one, or an effect, is not looked at further. [nat]"""
+MIN_EARLIER_FLIGHTS = 4
+"""Earlier clean flights from which on effects are chosen. [1]"""
+MAX_LOG_ODDS_BEHIND = 3.0
+"""Log odds behind the best beyond which a level, or an effect, is not followed further. [nat]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Ahead:
     """Every flight forecast from those before it, by the plain model and by the one they would have chosen.
 
-    `seen` marks the flights that have `FEWEST` before them, `chosen` names the effect at each, empty for none.
+    `seen` marks the flights that have `MIN_EARLIER_FLIGHTS` before them, `chosen` names the effect at each, empty for
+    none.
     """
 
     before: Forecasts
@@ -41,12 +42,12 @@ class Ahead:
     chosen: tuple[str, ...]
 
 
-def ahead(diagnosis: Diagnosis, tell: Tell = untold) -> Ahead:
+def ahead(diagnosis: Diagnosis, tell: ReportProgress = no_op) -> Ahead:
     """Forecasts of a diagnosed history forward in time."""
     teach = diagnosis.data.seen[:, 0]
     count = len(teach)
     known = np.concatenate([[0], np.cumsum(teach)[:-1]])
-    judged = teach & (known >= FEWEST)
+    judged = teach & (known >= MIN_EARLIER_FLIGHTS)
     past = _Past(diagnosis)
     rows = []
     for flight in range(count):
@@ -92,7 +93,7 @@ class _Past:
 
     def __init__(self, diagnosis: Diagnosis) -> None:
         self._data, self._singles = diagnosis.data, _Tried(diagnosis.base, diagnosis.ranking)
-        beside = {one.first.effect: _Tried(one.base, one.ranking, LIKELY) for one in diagnosis.seconds}
+        beside = {one.first.effect: _Tried(one.base, one.ranking, MIN_LOG_ODDS_TO_NAME) for one in diagnosis.seconds}
         self._beside = {effect: tried for effect, tried in beside.items() if tried}
 
     def said_of(self, flight: int) -> tuple[Forecasts, Forecasts, str]:
@@ -117,12 +118,12 @@ def _worth_a_look(acting: Sequence[tuple[Candidate, Fit]], base: Trial) -> list[
         id(candidate): fitted.log_evidence + candidate.log_share - base.log_evidence for candidate, fitted in acting
     }
     best = {name: max(weight[id(candidate)] for candidate in family) for name, family in families.items()}
-    least = float(np.log(max(len(families), 1) / ODDS)) - NEGLIGIBLE
+    least = float(np.log(max(len(families), 1) / ODDS)) - MAX_LOG_ODDS_BEHIND
     possible = np.logaddexp.reduce(list(weight.values())) > least
     found = []
     for candidate, fitted in acting:
         top = best[candidate.effect]
-        if weight[id(candidate)] < top - NEGLIGIBLE:
+        if weight[id(candidate)] < top - MAX_LOG_ODDS_BEHIND:
             continue
         worth = possible and top > least
         found.append(Trial(candidate, fitted, leave_one_out(fitted) if worth else base.left_out))

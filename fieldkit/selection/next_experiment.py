@@ -14,12 +14,12 @@ import numpy as np
 from fieldkit.flight import BY_NAME, Flight
 from fieldkit.inference.laplace.linearization import Tangent, lean_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit, residual_variance
-from fieldkit.model.readout_data import OBSERVED, Data, reading_sd
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, reading_sd
 from fieldkit.model.rocket_model import Model
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects
 from fieldkit.physics.setups import delays, recorded
-from fieldkit.selection.candidates import EACH, Place
+from fieldkit.selection.candidates import EACH_GROUP, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 
@@ -29,12 +29,12 @@ Planned = tuple[str, Flight, Found]
 """How a flight would be asked for, the flight, and its motor."""
 BALLAST = 1.2
 """Of a ballasted flight, in dry masses of the configuration. [1]"""
-LONGER = 2.0
-"""Seconds by which a longer delay is longer. [s]"""
+DELAY_INCREMENT = 2.0
+"""Difference between a delay and the next longer one. [s]"""
 BREEZE = 6.0
 """A windy day for a model rocket. [m/s]"""
-ENOUGH = 0.9
-"""Share of the evidence of all readouts from which on fewer of them will do. [1]"""
+ENOUGH_EVIDENCE_FRACTION = 0.9
+"""Fraction of the evidence of all readouts from which on a subset is enough. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,10 +101,10 @@ def _readouts(one: Normal, other: Normal, every: Sequence[int]) -> tuple[tuple[s
     total = divergence(one, other, every)
     best = max(every, key=lambda i: divergence(one, other, [i]))
     alone = divergence(one, other, [best])
-    if alone > ENOUGH * total or len(every) < 2:
-        return (OBSERVED[best],), alone
+    if alone > ENOUGH_EVIDENCE_FRACTION * total or len(every) < 2:
+        return (OBSERVED_READOUTS[best],), alone
     second = max((i for i in every if i != best), key=lambda i: divergence(one, other, [best, i]))
-    return tuple(OBSERVED[i] for i in sorted((best, second))), divergence(one, other, [best, second])
+    return tuple(OBSERVED_READOUTS[i] for i in sorted((best, second))), divergence(one, other, [best, second])
 
 
 def divergence(one: Normal, other: Normal, which: Sequence[int]) -> float:
@@ -122,7 +122,7 @@ def _measurements(side: Explanation) -> Iterator[Advice]:
     mean, sd = side.fit.moments()
     for place in side.places:
         effect = effects()[place.effect]
-        if not effect.measured or place.where == EACH:
+        if not effect.measured or place.where == EACH_GROUP:
             continue
         row = side.fit.model.names.index(str(place))
         there = (np.array([mean[row]]), np.array([[sd[row] ** 2 + effect.measured**2]]))
@@ -151,8 +151,8 @@ def options(model: Model) -> Iterator[Planned]:
                 heavy = own.with_changes(dry_mass=BALLAST * flight.dry_mass)
                 yield f"{title} with {BALLAST - 1:.0%} of ballast", heavy, found[row]
             if np.isfinite(delay[row]):
-                later = own.with_changes(delay=float(delay[row]) + LONGER)
-                yield f"{title} with a delay {LONGER:.0f} s longer", later, found[row]
+                later = own.with_changes(delay=float(delay[row]) + DELAY_INCREMENT)
+                yield f"{title} with a delay {DELAY_INCREMENT:.0f} s longer", later, found[row]
 
 
 def _forecast(
@@ -171,12 +171,15 @@ def _forecast(
 def _own(ahead: Model, near: Tangent, scale: int) -> Float[Array, "plan readout readout"]:
     """Covariance of the readouts of single flights about their expectation, scatter and reading."""
     scatter = ahead.hyperprior.scales()[0][scale]
-    raw = np.where(np.arange(len(OBSERVED)) == OBSERVED.index("apogee_to_eject"), 1.0, np.exp(near.values))
+    raw = np.where(
+        np.arange(len(OBSERVED_READOUTS)) == OBSERVED_READOUTS.index("apogee_to_eject"), 1.0, np.exp(near.values)
+    )
     every = np.ones(raw.shape, bool)
     expected = Data(near.values, reading_sd(raw, ahead.hyperprior), every, np.ones(raw.shape))
     own = residual_variance(ahead, expected)[scale]
     return np.asarray(
-        scatter**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2) + own[..., None] * np.eye(len(OBSERVED))
+        scatter**2 * near.scatter_slope @ np.swapaxes(near.scatter_slope, 1, 2)
+        + own[..., None] * np.eye(len(OBSERVED_READOUTS))
     )
 
 

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import CONDITIONS
-from fieldkit.inference.laplace.leave_one_out import LeftOut
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.inference.laplace.leave_one_out import LeaveOneOut
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import groups
 from fieldkit.physics.setups import recorded
 from fieldkit.scoring.score import forecasts_of
@@ -33,7 +33,7 @@ class Pattern:
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class ResidualDistribution:
     """How one readout's residuals are distributed, in units of their expected scatter.
 
     `bias` and `spread` are mean and standard deviation (0 and 1 where the model is right), `autocorrelation`
@@ -63,7 +63,7 @@ def readout_residuals(diagnosis: Diagnosis) -> Float[Array, "flight readout"]:
     return standardised(diagnosis.base.left_out, diagnosis.data.seen)
 
 
-def standardised(left_out: LeftOut, seen: Flags) -> Float[Array, "flight readout"]:
+def standardised(left_out: LeaveOneOut, seen: Flags) -> Float[Array, "flight readout"]:
     """Residuals of flights left out, averaged over the scales of scatter; nan where nothing was seen."""
     residual = np.einsum("sf,sfo->fo", forecasts_of(left_out).weight, left_out.residual)
     return np.where(seen, residual, np.nan)
@@ -74,22 +74,22 @@ def residuals(diagnosis: Diagnosis) -> Float[Array, "flight"]:
     return readout_residuals(diagnosis)[:, 0]
 
 
-def spreads(diagnosis: Diagnosis) -> list[Spread]:
+def spreads(diagnosis: Diagnosis) -> list[ResidualDistribution]:
     """Bias, spread and autocorrelation in time of every readout that was recorded."""
-    columns = zip(OBSERVED, readout_residuals(diagnosis).T, strict=True)
+    columns = zip(OBSERVED_READOUTS, readout_residuals(diagnosis).T, strict=True)
     return [spread_of(name, column[np.isfinite(column)]) for name, column in columns if np.isfinite(column).any()]
 
 
-def spread_of(readout: str, error: Float[Array, "flight"]) -> Spread:
+def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistribution:
     """How residuals in the order flown are distributed, and how likely that is by chance."""
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
-        return Spread(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
+        return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
     alike = _lag(error)
     shuffled = _lag(np.random.default_rng(0).permuted(np.tile(error, (SHUFFLES, 1)), axis=1))
     centred = shuffled.mean()
     beyond = (np.abs(shuffled - centred) >= abs(alike - centred) - 1e-12).sum()
-    return Spread(
+    return ResidualDistribution(
         readout,
         count,
         float(error.mean()),
@@ -117,7 +117,7 @@ def fingerprint(trial: Trial) -> dict[str, float]:
     own = [fit.model.names.index(term.name) for term in trial.candidate.terms]
     acts = np.any([term.weight != 0 for term in trial.candidate.terms], axis=0)
     shift = (fit.tangent.slope[acts][..., own] @ mean[own]).mean(axis=0)
-    return {name: float(value) for name, value in zip(OBSERVED, shift, strict=True)}
+    return {name: float(value) for name, value in zip(OBSERVED_READOUTS, shift, strict=True)}
 
 
 def patterns(diagnosis: Diagnosis) -> list[Pattern]:
@@ -127,14 +127,16 @@ def patterns(diagnosis: Diagnosis) -> list[Pattern]:
 
 def readout_patterns(diagnosis: Diagnosis) -> list[Pattern]:
     """Every column against the residuals of the other readouts, corrected over all of them together."""
-    return _against(diagnosis, OBSERVED[1:])
+    return _against(diagnosis, OBSERVED_READOUTS[1:])
 
 
 def _against(diagnosis: Diagnosis, readouts: Sequence[str]) -> list[Pattern]:
     numbers, kinds = columns_of(diagnosis), kinds_of(diagnosis)
     every = readout_residuals(diagnosis)
     found = [
-        (name, *test) for name in readouts for test in associations(every[:, OBSERVED.index(name)], numbers, kinds)
+        (name, *test)
+        for name in readouts
+        for test in associations(every[:, OBSERVED_READOUTS.index(name)], numbers, kinds)
     ]
     corrected = holm([p for *_, p in found])
     rows = [

@@ -5,14 +5,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import HOPELESS, Lane, fit_lanes
-from fieldkit.inference.laplace.leave_one_out import LeftOut, leave_one_out
+from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes
+from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import Effect
 from fieldkit.scoring.score import Forecasts, mixed
-from fieldkit.selection.candidates import EACH, Candidate, Place
+from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place
 from fieldkit.shapes import Array, Float
 
 
@@ -22,7 +22,7 @@ class Trial:
 
     candidate: Candidate
     fit: Fit
-    left_out: LeftOut
+    left_out: LeaveOneOut
 
     @property
     def log_evidence(self) -> float:
@@ -49,7 +49,7 @@ class Trial:
         index = [self.fit.model.names.index(name) for name in names]
         means, sds = self.fit.moments()
         bends = self.candidate.terms[0].bends
-        if self.candidate.place.where == EACH:
+        if self.candidate.place.where == EACH_GROUP:
             return float(np.sqrt((means[index] ** 2).mean())), float(np.sqrt((sds[index] ** 2).mean()))
         fitted, spread = float(means[index[0]]), float(sds[index[0]])
         if isinstance(bends, Effect) and bends.squared:
@@ -95,7 +95,7 @@ def try_all(
 
 
 def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[Trial]:
-    least = max(best[candidate.place].log_evidence for candidate in family) - HOPELESS
+    least = max(best[candidate.place].log_evidence for candidate in family) - MAX_LOG_EVIDENCE_BEHIND
     kept = [candidate for candidate in family if best[candidate.place].log_evidence >= least]
     return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in kept]
 

@@ -13,7 +13,7 @@ from fieldkit.forecast.widen import widened_leftover
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell, part, untold
+from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import Leftover
@@ -28,7 +28,7 @@ def close_loop(
     rocket: str,
     *,
     accept: bool = True,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
     given: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
@@ -55,7 +55,7 @@ def look(
     ledger: Ledger,
     motors: Catalogue,
     rocket: str,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
     *,
     accept: bool = False,
     given: Sequence[str] = (),

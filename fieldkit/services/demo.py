@@ -10,7 +10,7 @@ from fieldkit.inference.network.flights import Inferred, Model, infer
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
-from fieldkit.progress import Tell, part
+from fieldkit.progress import ReportProgress, part
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 from fieldkit.services.forecasts import predict_plans, which_rocket
@@ -34,7 +34,7 @@ class Demo:
     loop: Findings
 
 
-def demo(ledger: Ledger, motors: Catalogue, tell: Tell) -> Demo:
+def demo(ledger: Ledger, motors: Catalogue, tell: ReportProgress) -> Demo:
     """Import, infer, predict, close the loop.
 
     Raises LedgerError for a ledger that holds flights: it is somebody's.

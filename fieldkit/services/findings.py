@@ -5,24 +5,24 @@ from dataclasses import dataclass
 
 from fieldkit.analysis import Recorded
 from fieldkit.forecast.widen import widened_leftover
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.diagnose import Diagnosis
-from fieldkit.selection.fingerprint import Mark, marks
-from fieldkit.selection.force.log_evidence import Witness, testify
+from fieldkit.selection.fingerprint import FingerprintMark, marks
+from fieldkit.selection.force.log_evidence import LogEvidence, testify
 from fieldkit.selection.forward_choice import Ahead, ahead
 from fieldkit.selection.next_experiment import Advice, Explanation, telling
-from fieldkit.selection.residual import Pattern, Spread, patterns, readout_patterns, spreads
+from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover
 
 EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
-FORWARD = (
+FORWARD_METHOD = (
     "each flight forecast from the flights before it, effect chosen anew from those at every flight "
     "(readouts linear about the fit to all flights)"
 )
-SHOWN = 3
-"""Effects whose fingerprint is shown, and tests that are advised."""
+MAX_SHOWN_EFFECTS = 3
+"""Effects whose fingerprint is shown, and tests that are advised. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -53,17 +53,17 @@ class Findings:
     ahead: Ahead
     patterns: tuple[Pattern, ...]
     readout_patterns: tuple[Pattern, ...]
-    spreads: tuple[Spread, ...]
-    fingerprints: tuple[tuple[Trial, tuple[Mark, ...]], ...]
+    spreads: tuple[ResidualDistribution, ...]
+    fingerprints: tuple[tuple[Trial, tuple[FingerprintMark, ...]], ...]
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
-    testimony: Witness
+    testimony: LogEvidence
 
 
 def findings(
     rocket: str,
     diagnosis: Diagnosis,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
@@ -80,7 +80,7 @@ def findings(
             judge(forward.before, truth, forward.seen),
             judge(forward.after, truth, forward.seen),
             *gain(forward.before, forward.after, truth, forward.seen),
-            FORWARD,
+            FORWARD_METHOD,
         ),
         ahead=forward,
         patterns=tuple(patterns(diagnosis)),
@@ -97,7 +97,7 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
     """The effects to show: the accepted ones first, then the likeliest."""
     named = [item.best for item in diagnosis.ranking if item.effect]
     first = [trial for trial in named if trial.candidate.effect in diagnosis.effect.split("+")]
-    return [*first, *(trial for trial in named if trial not in first)][:SHOWN]
+    return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
@@ -115,4 +115,4 @@ def distinct(tests: list[Advice]) -> tuple[Advice, ...]:
     kept: dict[str, Advice] = {}
     for test in tests:
         kept.setdefault(test.subject, test)
-    return tuple(kept.values())[:SHOWN]
+    return tuple(kept.values())[:MAX_SHOWN_EFFECTS]

@@ -14,7 +14,7 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import flight_digest, motor_digest
 
@@ -22,15 +22,15 @@ if TYPE_CHECKING:
     from fieldkit.inference.laplace.fleet import RocketFit
     from fieldkit.model.shared_prior import SharedPrior
 
-KEPT = "fleet: "
-"""Before the name of a rocket: where the ledger keeps its message."""
+MESSAGE_PREFIX = "fleet: "
+"""Prefix of the name under which the ledger stores a rocket's message."""
 DIGITS = 7
 """Significant digits of a kept figure: far more than a forecast shows. [1]"""
 
-Flown = Sequence[tuple[Flight, Found]]
+FlownFlights = Sequence[tuple[Flight, Found]]
 
 
-def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str, tell: Tell = untold) -> "SharedPrior | None":
+def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str, tell: ReportProgress = no_op) -> "SharedPrior | None":
     """What the clean flights of all other rockets of a ledger show of the terms shared with one; None without any.
 
     `tell` hears of each rocket that is fitted again.
@@ -55,23 +55,23 @@ def _by_rocket(ledger: Ledger, motors: Catalogue, rocket: str) -> dict[str, list
     return found
 
 
-def _rocket_fit(ledger: Ledger, rocket: str, flown: Flown, hyperprior: Hyperprior) -> "RocketFit":
+def _rocket_fit(ledger: Ledger, rocket: str, flown: FlownFlights, hyperprior: Hyperprior) -> "RocketFit":
     """A rocket's fit by itself, from the ledger where that is up to date."""
     from fieldkit.inference.laplace.fleet import rocket_fit
 
     digest = _digest(flown, hyperprior)
-    kept = ledger.draft(KEPT + rocket)
+    kept = ledger.draft(MESSAGE_PREFIX + rocket)
     if kept is not None and kept.get("digest") == digest:
         return _read(kept)
     made = rocket_fit(flown, hyperprior)
     try:
-        ledger.keep_draft(KEPT + rocket, {"digest": digest, **_written(made)})
+        ledger.keep_draft(MESSAGE_PREFIX + rocket, {"digest": digest, **_written(made)})
     except LedgerError:  # one that cannot be written to is slower and no less right
         return made
     return made
 
 
-def _digest(flown: Flown, hyperprior: Hyperprior) -> str:
+def _digest(flown: FlownFlights, hyperprior: Hyperprior) -> str:
     motors = {id(found.motor): motor_digest(found.motor) for _, found in flown}
     parts = [hyperprior.json(), [(flight_digest(flight), motors[id(found.motor)]) for flight, found in flown]]
     return hashlib.sha256(json.dumps(parts, sort_keys=True, default=str).encode()).hexdigest()[:24]

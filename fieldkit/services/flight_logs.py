@@ -3,25 +3,25 @@
 from fieldkit.analysis import Recorded
 from fieldkit.errors import LedgerError
 from fieldkit.ledger import Ledger
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.services.replay import recording_of
 
-MOST = 6
-"""Logs that are read, the latest: each takes up to half a second, and so many flights tell what comes back."""
-OLDER = f"older than the {MOST} latest logs, which alone are read"
+MAX_LOGS = 6
+"""Logs that are read, the latest: each takes up to half a second."""
+OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs, which alone are read"
 
 
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: Tell = untold) -> dict[str, Recorded | str]:
+def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: ReportProgress = no_op) -> dict[str, Recorded | str]:
     """What the logs of the flights behind a diagnosis show, by flight id; in place of one there may be why not.
 
-    The latest are read, the others are `OLDER`.
+    The latest are read, the others are `OLDER_LOGS_NOTE`.
     """
     seen = diagnosis.data.seen[:, 0]
     flights = [flight for flight, teaches in zip(diagnosis.model.flights, seen, strict=True) if teaches]
     logged = [flight for flight in flights if flight.log or "log_format" in flight.extra]
-    latest = logged[-MOST:]
-    found: dict[str, Recorded | str] = {flight.flight_id: OLDER for flight in logged[:-MOST]}
+    latest = logged[-MAX_LOGS:]
+    found: dict[str, Recorded | str] = {flight.flight_id: OLDER_LOGS_NOTE for flight in logged[:-MAX_LOGS]}
     for number, (flight, id) in enumerate(zip(latest, ledger.ids(latest), strict=True)):
         tell(f"the log of {id}", number / len(latest))
         try:

@@ -16,7 +16,7 @@ from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.candidates import Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
@@ -26,8 +26,8 @@ from fieldkit.services.provenance import design_parts, digest, model_parts, plan
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
-LIKELY = 40
-"""Equally likely apogees that a kept prediction is known by: enough to tell how it fared, to 2.5 %. [1]"""
+QUANTILE_COUNT = 40
+"""Equally likely apogees that represent a saved prediction: enough for its probabilities to 2.5 %. [1]"""
 Which = Literal["before", "after"]
 
 
@@ -93,7 +93,7 @@ def predict_plans(
     which: Which = "after",
     *,
     keep: bool = True,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
 
@@ -135,7 +135,7 @@ def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[F
     for one in predictions:
         decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
         parts = decided | model_parts(history, one.model, version)
-        likely = quantiles(one.apogee, (np.arange(LIKELY) + 0.5) / LIKELY)
+        likely = quantiles(one.apogee, (np.arange(QUANTILE_COUNT) + 0.5) / QUANTILE_COUNT)
         payload = forecast_record(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
         ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
 

@@ -14,13 +14,13 @@ from fieldkit.flight import Flight
 from fieldkit.flight.plausibility import implausible
 from fieldkit.model.hyperprior import START, Hyperprior, learned
 from fieldkit.motors import Catalogue, Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports import gather
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
 
-Flown = list[tuple[Flight, Found]]
+FlownFlights = list[tuple[Flight, Found]]
 
 FULL_ROUNDS, FULL_STEPS = 4, 25
 """Rounds of linearization and steps in each when all flights are learned from."""
@@ -33,13 +33,13 @@ class Flyer:
     """The flights of one flyer, in the order flown, and the digests of the files that they came in."""
 
     name: str
-    flown: Flown
+    flown: FlownFlights
     digests: Mapping[str, str]
 
     @property
-    def rockets(self) -> dict[str, Flown]:
+    def rockets(self) -> dict[str, FlownFlights]:
         """The clean flights, rocket by rocket."""
-        found: dict[str, Flown] = {}
+        found: dict[str, FlownFlights] = {}
         for flight, motor in self.flown:
             if flight.clean and flight.readouts():
                 found.setdefault(flight.rocket, []).append((flight, motor))
@@ -53,7 +53,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
     """
     paths = sorted(file for file in path.iterdir() if file.is_file()) if path.is_dir() else [path]
     gathered = gather(paths, motors.complaint)
-    known: Flown = []
+    known: FlownFlights = []
     for arrival in gathered.arrivals:
         if arrival.flight.dry_mass is None:
             continue
@@ -75,7 +75,7 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
 
 
 def learn(
-    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, tell: Tell = untold
+    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, tell: ReportProgress = no_op
 ) -> Hyperprior:
     """The hyperprior that the flights of some flyers ask for, from the one in use, or `afresh` from `START`."""
     from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
@@ -101,7 +101,7 @@ def _options(afresh: bool, since: date | None) -> list[str]:
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
+class HeldOutRocket:
     """A rocket whose flights are to be forecast with a hyperprior that was learned without them."""
 
     flyers: tuple[Flyer, ...]
@@ -111,14 +111,14 @@ class LeftOut:
     afresh: bool
 
 
-def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = False) -> Iterator[LeftOut]:
+def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = False) -> Iterator[HeldOutRocket]:
     """Every rocket of every flyer, to be left out in turn."""
     for number, flyer in enumerate(flyers):
         for rocket in flyer.rockets:
-            yield LeftOut(tuple(flyers), number, rocket, hyperprior, afresh)
+            yield HeldOutRocket(tuple(flyers), number, rocket, hyperprior, afresh)
 
 
-def forecasts_of(work: LeftOut) -> "list[Forecast]":
+def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
     """Forecasts, forward in time, of a rocket's flights by a hyperprior that never saw any of them."""
     from fieldkit.forecast.evaluation.forward_in_time import forward
     from fieldkit.inference.laplace.learning import learn_hyperprior
@@ -143,7 +143,7 @@ def check(
     *,
     afresh: bool = False,
     pool: Executor | None = None,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> "dict[str, list[Forecast]]":
     """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
     works = list(left_out(flyers, hyperprior, afresh=afresh))
@@ -163,11 +163,11 @@ def scores(checked: "Mapping[str, Sequence[Forecast]]") -> dict[str, Any]:
 
     Of flights whose rocket had flown before, and of all of them, first flights included.
     """
-    from fieldkit.forecast.evaluation.comparison import OWN, tally
+    from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, tally
     from fieldkit.forecast.evaluation.rivals import LABELS
 
     def ways(rows: "Sequence[Forecast]") -> list[dict[str, Any]]:
-        return [asdict(one) for name in (OWN, *LABELS) if (one := tally(rows, name)).flights]
+        return [asdict(one) for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights]
 
     return {
         name: {"after earlier flights of the rocket": ways([row for row in rows if row.earlier]), "all": ways(rows)}

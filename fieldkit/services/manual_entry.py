@@ -5,7 +5,7 @@ from datetime import datetime
 from fieldkit.errors import BadValue
 from fieldkit.flight import Column, Flight
 from fieldkit.flight.plausibility import middles
-from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, answer_text, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, answer_text, read_answer
 from fieldkit.ledger import Added, Ledger
 from fieldkit.ledger.sites import site_of
 from fieldkit.motors import is_cluster
@@ -29,7 +29,7 @@ def typed_unit(text: str) -> str:
 
 def with_unit(text: str, unit: str) -> str:
     """A typed number with the unit it is meant in; a text that has one, or is no number, as it is."""
-    return text if text in ("", NOTHING) or typed_unit(text) else text + unit
+    return text if text in ("", NOT_RECORDED) or typed_unit(text) else text + unit
 
 
 def offer(ledger: Ledger, flight: Flight, question: Question) -> str:

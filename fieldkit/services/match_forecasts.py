@@ -6,7 +6,7 @@ from functools import cache
 
 from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.ledger import Prediction
+from fieldkit.ledger import StoredPrediction
 from fieldkit.motors import Catalogue, Found
 from fieldkit.services.provenance import plan_changes, plan_parts
 
@@ -15,8 +15,8 @@ LAPSES = timedelta(days=14)
 
 
 def made_for(
-    flights: Sequence[Flight], predictions: Sequence[Prediction], motors: Catalogue
-) -> list[Prediction | None]:
+    flights: Sequence[Flight], predictions: Sequence[StoredPrediction], motors: Catalogue
+) -> list[StoredPrediction | None]:
     """The forecast of each flight as it was said beforehand, None where nothing was.
 
     One that names the flight wins; of several the last. Else it is one of the same rocket, configuration and motor
@@ -24,8 +24,8 @@ def made_for(
     last. One that rests on the flight was not made beforehand.
     """
     motor_of = _motors(motors)
-    named: dict[tuple[str, str], list[Prediction]] = {}
-    alike: dict[tuple[str, str, object], list[Prediction]] = {}
+    named: dict[tuple[str, str], list[StoredPrediction]] = {}
+    alike: dict[tuple[str, str, object], list[StoredPrediction]] = {}
     for one in predictions:
         if "apogee_m" not in one.payload:
             continue  # a replay of what would have been said
@@ -34,7 +34,7 @@ def made_for(
         else:
             key = (one.rocket, one.payload.get("config", ""), motor_of(one.payload.get("motor", "")))
             alike.setdefault(key, []).append(one)
-    found: list[Prediction | None] = []
+    found: list[StoredPrediction | None] = []
     for flight in flights:
         said = [one for one in named.get((flight.rocket, flight.flight_id), ()) if not _knew(one, flight)]
         if not said and alike:
@@ -45,7 +45,7 @@ def made_for(
     return found
 
 
-def in_time(prediction: Prediction, flight: Flight) -> bool:
+def in_time(prediction: StoredPrediction, flight: Flight) -> bool:
     """Whether a forecast was made in the two weeks before a flight; a date alone means the end of that day."""
     if flight.date_time is None:
         return False
@@ -54,11 +54,11 @@ def in_time(prediction: Prediction, flight: Flight) -> bool:
     return timedelta() <= passed <= LAPSES
 
 
-def _knew(prediction: Prediction, flight: Flight) -> bool:
+def _knew(prediction: StoredPrediction, flight: Flight) -> bool:
     return flight.flight_id in prediction.payload.get("made_from", {}).get("flights", ())
 
 
-def _differences(prediction: Prediction, flight: Flight, motors: Catalogue) -> int:
+def _differences(prediction: StoredPrediction, flight: Flight, motors: Catalogue) -> int:
     made = prediction.payload.get("made_from")
     found = resolved(motors, flight)
     if made is None or found is None:
@@ -85,7 +85,7 @@ def _motors(motors: Catalogue) -> Callable[[str], object]:
     return motor_of
 
 
-def residual(flight: Flight, prediction: Prediction | None) -> float | None:
+def residual(flight: Flight, prediction: StoredPrediction | None) -> float | None:
     """Flown less forecast apogee, None where one is missing. [m]"""
     if prediction is None or flight.apogee is None:
         return None

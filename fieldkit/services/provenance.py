@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 
 from fieldkit import __version__
-from fieldkit.flight import BY_NAME, CHECKED, COLUMNS, CONDITIONS, LOGGED, Column, Flight
+from fieldkit.flight import BY_NAME, CHECKED_TAG, COLUMNS, CONDITIONS, LOGGED, Column, Flight
 from fieldkit.flight.readout import render_sd
 from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
@@ -24,8 +24,8 @@ OF_THE_PLAN = ("mass", "configuration", "motor", "conditions")
 """Parts that the flyer decides, and that a flight can differ in from its prediction."""
 FROM_DESIGN, DRAG = ("dry_mass", "diameter"), "Cd"
 """What a plan may take over from the design of its rocket: columns, and the name of the coefficient."""
-TEACHES, FLOWN_ONLY = "+", "-"
-"""Before the digest of a flight: whether it teaches the model, or only counts as flown."""
+USED_IN_FIT, FLOWN_ONLY = "+", "-"
+"""Prefix of the digest of a flight: used in the fit, or only counted as flown."""
 
 
 def plan_parts(plan: Flight, found: Found) -> dict[str, dict[str, str]]:
@@ -84,9 +84,9 @@ def flight_digest(flight: Flight) -> str:
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]
-    read += [CHECKED] * (CHECKED in flight.tags)
+    read += [CHECKED_TAG] * (CHECKED_TAG in flight.tags)
     read += [f"{BY_NAME[name].sd_header} {render_sd(name, sd)}" for name, sd in sorted(flight.sd.items())]
-    return (TEACHES if flight.clean else FLOWN_ONLY) + _short(json.dumps(read))
+    return (USED_IN_FIT if flight.clean else FLOWN_ONLY) + _short(json.dumps(read))
 
 
 def motor_digest(motor: Motor) -> str:
@@ -131,7 +131,7 @@ def model_changes(made: Parts, now: Parts) -> Iterator[str]:
         if one not in after:
             yield f"flight {one} is gone"
         elif after[one][0] != old[0]:
-            yield f"flight {one} {'teaches again' if after[one][0] == TEACHES else 'is tagged'}"
+            yield f"flight {one} {'teaches again' if after[one][0] == USED_IN_FIT else 'is tagged'}"
         elif after[one] != old:
             yield f"flight {one} was edited"
     if new_ones := [one for one in after if one not in before]:

@@ -11,7 +11,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing import Reading
 from fieldkit.importing.companion_files import same_moment
 from fieldkit.importing.read import read, read_recordings
-from fieldkit.importing.reading import Choice
+from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.to_flights import derived_id
 from fieldkit.ledger import Ledger
 from fieldkit.services.imports import read_file, recordings_of
@@ -32,7 +32,7 @@ class Recording:
     """Readouts that the device stated. [SI]"""
 
 
-def recording_of(ledger: Ledger, id: str, choices: Sequence[Choice] = ()) -> Recording | None:
+def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
     """The samples of a flight of the ledger, read again from the bytes that it keeps; None where it has none.
 
     `choices` say which columns of a table of samples are what, best first.
@@ -63,7 +63,7 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
 
 
 def recordings(
-    ledger: Ledger | None, what: str, format: str | None = None, choices: Sequence[Choice] = ()
+    ledger: Ledger | None, what: str, format: str | None = None, choices: Sequence[ColumnChoice] = ()
 ) -> list[Recording]:
     """What a file holds, or the flight of the ledger that an id means, as recordings to be compared.
 
@@ -79,7 +79,7 @@ def recordings(
     return [found or _by_readouts(ledger.flight(what), what)]
 
 
-def _in_file(path: Path, format: str | None, choices: Sequence[Choice]) -> list[Recording]:
+def _in_file(path: Path, format: str | None, choices: Sequence[ColumnChoice]) -> list[Recording]:
     log = read_file(path)
     try:
         readings = read_recordings(log, path.name, format, choices)

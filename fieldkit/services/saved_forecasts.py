@@ -8,7 +8,7 @@ from typing import Any, Literal
 
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, start_among
-from fieldkit.ledger import Ledger, Past, Prediction
+from fieldkit.ledger import Ledger, Past, StoredPrediction
 from fieldkit.motors import Catalogue
 from fieldkit.services.forecasts import used_version
 from fieldkit.services.match_forecasts import LAPSES, made_for, residual, resolved
@@ -16,19 +16,19 @@ from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
 
 State = Literal["open", "stale", "flown", "replaced", "lapsed"]
-STANDING: tuple[State, ...] = ("open", "stale", "flown")
-"""States of predictions that are told where not all are asked for."""
+LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
+"""States of predictions that are listed unless all are asked for."""
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class SavedForecast:
     """A prediction as it was made, the flight that it is of, and what changed before that flight came in.
 
     `changes` are phrases, empty where everything that it was made from is still so. `over` says that no flight
     will be measured against it any more: a later prediction took its place, or two weeks went by.
     """
 
-    made: Prediction
+    made: StoredPrediction
     flight: Flight | None
     changes: tuple[str, ...]
     over: State | None = None
@@ -77,7 +77,7 @@ class Kept:
         }
 
 
-def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[Kept]:
+def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[SavedForecast]:
     """Every prediction of a rocket, or of all, oldest first; once for each flight that is measured against it."""
     predictions = [one for one in ledger.predictions(rocket) if "apogee_m" in one.payload]
     flights = ledger.flights(rocket) if predictions else []
@@ -91,28 +91,28 @@ def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[K
     now = {one: Past(tuple(ledger.flights(one)), used_version(ledger, one)) for one in {p.rocket for p in predictions}}
     starts = {one: ledger.starts(one) for one in now}
     later = _replaced(predictions)
-    found: list[Kept] = []
+    found: list[SavedForecast] = []
     for one in predictions:
         own: list[Flight | None] = [flight for number, flight in pairs if number == one.number]
         for flight in own or [None]:
             past = pasts.get(id(flight)) or now[one.rocket]
             over = later.get(one.number) or ("lapsed" if flight is None and _lapsed(one) else None)
             changes = [*_changes(one, flight, past, motors), *_redesigned(one, flight, starts[one.rocket])]
-            found.append(Kept(one, flight, tuple(changes), over))
+            found.append(SavedForecast(one, flight, tuple(changes), over))
     return found
 
 
-def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> Kept | None:
+def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> SavedForecast | None:
     """The prediction that a flight is measured against, or None where none was made."""
     return by_flight(kept(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
 
 
-def by_flight(found: Sequence[Kept]) -> dict[tuple[str, str], Kept]:
+def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedForecast]:
     """Predictions by the rocket and flight_id of the flight that is measured against each."""
     return {(one.flight.rocket, one.flight.flight_id): one for one in found if one.flight}
 
 
-def in_words(one: Kept) -> Iterator[str]:
+def in_words(one: SavedForecast) -> Iterator[str]:
     """What was foretold for a flight and what was flown, a line each."""
     low, middle, high = one.interval
     said = f"{middle:.0f} m, 90 % between {low:.0f} and {high:.0f} m"
@@ -124,18 +124,18 @@ def in_words(one: Kept) -> Iterator[str]:
         yield f"stale {'by then' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
 
 
-def _replaced(predictions: Sequence[Prediction]) -> dict[int, State]:
+def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
     """Predictions that name a flight of which a later one was made."""
     named = [one for one in predictions if one.flight_id]
     last = {(one.rocket, one.flight_id): one.number for one in named}
     return {one.number: "replaced" for one in named if last[one.rocket, one.flight_id] != one.number}
 
 
-def _lapsed(prediction: Prediction) -> bool:
+def _lapsed(prediction: StoredPrediction) -> bool:
     return not prediction.flight_id and datetime.now(UTC) - prediction.at > LAPSES
 
 
-def _changes(prediction: Prediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:
+def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, motors: Catalogue) -> Iterator[str]:
     """What is no longer so, of the plan and of the model as it was when the flight came in, or is now."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None:
@@ -148,7 +148,7 @@ def _changes(prediction: Prediction, flight: Flight | None, past: Past, motors: 
     yield from model_changes(made, now if not flown else {**now, "model": now["model"] | {"fieldkit": ""}})
 
 
-def _redesigned(prediction: Prediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
+def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
     """What changed of the rocket's design while the prediction is open: what it was at a flight is not kept."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
@@ -157,7 +157,7 @@ def _redesigned(prediction: Prediction, flight: Flight | None, starts: Sequence[
     yield from design_changes(made, start_among(starts, Flight(rocket=prediction.rocket, config=config)))
 
 
-def standing(found: Sequence[Kept]) -> str:
+def standing(found: Sequence[SavedForecast]) -> str:
     """How many there are of each kind, in words."""
     counts = Counter(one.state for one in found)
     stale = sum(one.stale for one in found if one.state == "flown")

@@ -19,10 +19,10 @@ from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.ledger import Ledger
 from fieldkit.model.hyperprior import Hyperprior, read_card
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.plausible_flights import followed, implausible_flights
-from fieldkit.services.provenance import TEACHES, Parts
-from fieldkit.services.saved_forecasts import Kept
+from fieldkit.services.provenance import USED_IN_FIT, Parts
+from fieldkit.services.saved_forecasts import SavedForecast
 
 
 def replayed(
@@ -31,7 +31,7 @@ def replayed(
     rocket: str | None = None,
     *,
     hyperprior: Hyperprior | None = None,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> list[Forecast]:
     """Every clean flight of a ledger forecast from the flights of all rockets before it, in the order flown.
 
@@ -51,7 +51,7 @@ def read_hyperprior(path: Path) -> Hyperprior:
         raise BadValue(f"{path.name}: cannot be read ({error}), expected a hyperprior card") from error
 
 
-def record(ledger: Ledger, motors: Catalogue, found: Sequence[Kept]) -> list[Forecast]:
+def record(ledger: Ledger, motors: Catalogue, found: Sequence[SavedForecast]) -> list[Forecast]:
     """Predictions of clean flights with an apogee, the flight flown first in front.
 
     The rivals know what the prediction knew: the flights of the rocket that it rests on, those of other rockets flown
@@ -65,10 +65,10 @@ def record(ledger: Ledger, motors: Catalogue, found: Sequence[Kept]) -> list[For
     return sorted(rows, key=lambda row: row.when.isoformat() if row.when else "")
 
 
-def _beside(one: Kept, known: Sequence[Simulated], motors: Catalogue) -> Forecast:
+def _beside(one: SavedForecast, known: Sequence[Simulated], motors: Catalogue) -> Forecast:
     assert one.flight is not None
     made: Parts = one.made.payload.get("made_from", {})
-    knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == TEACHES}
+    knew = {flight for flight, sign in made.get("flights", {}).items() if sign[0] == USED_IN_FIT}
     motor = motors.resolve(str(one.made.payload.get("motor") or one.flight.motor))
     (planned,) = simulate([(as_planned(one.flight, made), motor)])
     likely = np.array(one.made.payload.get("likely_m", one.interval), float)

@@ -31,8 +31,8 @@ from fieldkit.tui.widgets.dialogs import AskText
 PAUSE = 0.05
 """Between two pages that are opened out of sight, for keys. [s]"""
 
-ALONE = 1.0
-"""How often it is looked whether the terminal is still there. [s]"""
+TERMINAL_CHECK_INTERVAL = 1.0
+"""Time between checks that the terminal is still there. [s]"""
 
 LOOKS = {"units", "theme", "target"}
 """Settings that change how things are shown and nothing that is worked out."""
@@ -88,7 +88,7 @@ class FieldkitApp(InOrder):
             promptly.begin()
             self._resting = self.set_timer(promptly.REST, promptly.tidy)
         if not self.is_headless and (held := terminal()) is not None:
-            self.set_interval(ALONE, partial(self._leave_if_gone, held))
+            self.set_interval(TERMINAL_CHECK_INTERVAL, partial(self._leave_if_gone, held))
 
     async def on_event(self, event: events.Event) -> None:
         """A key begins the rest anew."""

@@ -7,16 +7,16 @@ YIELD = 0.0005
 """How long a worker may hold the interpreter while a key waits for it; Python's own 5 ms add up within a key. [s]"""
 REST = 3.0
 """How long no key was pressed before the collector looks through everything. [s]"""
-NEVER = 1_000_000
-"""Young collections before a whole one, which takes as long as a key may; it waits for a rest instead. [1]"""
-DUE = 10
-"""Young collections, after which a rest is worth a whole one. [1]"""
+NO_AUTOMATIC_FULL = 1_000_000
+"""Young collections before a full one: never by itself, for it takes as long as a key may. [1]"""
+COLLECTIONS_BEFORE_FULL = 10
+"""Young collections after which a pause is used for a full one. [1]"""
 
 
 def begin() -> None:
     """Let workers yield to keys, and let the collector look at what is young alone."""
     sys.setswitchinterval(YIELD)
-    gc.set_threshold(*gc.get_threshold()[:2], NEVER)
+    gc.set_threshold(*gc.get_threshold()[:2], NO_AUTOMATIC_FULL)
 
 
 def keep() -> None:
@@ -28,5 +28,5 @@ def keep() -> None:
 
 def tidy() -> None:
     """Collect whatever has come together while keys were pressed."""
-    if gc.get_count()[2] >= DUE:
+    if gc.get_count()[2] >= COLLECTIONS_BEFORE_FULL:
         gc.collect()

@@ -4,7 +4,7 @@ from functools import partial
 from pathlib import Path
 
 from fieldkit.files import check_target, is_taken
-from fieldkit.progress import untold
+from fieldkit.progress import no_op
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets.dialogs import AskText, AskYes
 
@@ -37,7 +37,7 @@ def _make(page: PageScreen, what: str, path: Path, *, force: bool) -> None:
 
         check_report(path)
         check_target(path, force=force)
-        return write_report(book(page.desk.ledger, page.desk.motors, what, untold), path, force=force)
+        return write_report(book(page.desk.ledger, page.desk.motors, what, no_op), path, force=force)
 
     page.tell("writing the report ...")
     page.ask(work, lambda files: page.tell(f"report written: {path if path in files else files[0]}"), "report")

@@ -37,11 +37,11 @@ HEADERS = {
     "Cache-Control": "no-store",
 }
 """Of every answer; the link bears the token, and is told to no other place."""
-LONGEST = 500
-"""Of a line of the log. [characters]"""
-MOST = 8
+MAX_LOG_LINE = 500
+"""Size limit of a line of the log. [character]"""
+MAX_APPS = 8
 """Apps that run at once, each a process of its own. [1]"""
-WIDEST, HIGHEST = 500, 200
+MAX_COLUMNS, MAX_ROWS = 500, 200
 """Of a terminal in a browser. [cells]"""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
@@ -87,7 +87,7 @@ class OneLine(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
         """The line."""
         failed = f": {record.exc_info[1]!r}" if record.exc_info and record.exc_info[1] else ""
-        return printable(f"{record.getMessage()}{failed}")[:LONGEST]
+        return printable(f"{record.getMessage()}{failed}")[:MAX_LOG_LINE]
 
 
 class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
@@ -114,7 +114,7 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
 
     async def handle_websocket(self, request: web.Request) -> web.WebSocketResponse:
         """Run an app for a page, in a terminal of a size that there is."""
-        size = {"width": WIDEST, "height": HIGHEST}
+        size = {"width": MAX_COLUMNS, "height": MAX_ROWS}
         asked = {name: request.query.get(name, "") for name in size}
         bounded = {name: str(within(asked[name], most)) for name, most in size.items() if asked[name]}
         self.running += 1
@@ -155,8 +155,8 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         self._refuse_strangers(request)
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
-        if request.path == "/ws" and self.running >= MOST:
-            raise web.HTTPServiceUnavailable(text=f"{MOST} apps are open already; close one")
+        if request.path == "/ws" and self.running >= MAX_APPS:
+            raise web.HTTPServiceUnavailable(text=f"{MAX_APPS} apps are open already; close one")
         response = await handler(request)
         if isinstance(response, web.Response) and response.content_type == "text/html":
             response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}", 1)

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.physics.effect import Climb, Effect, LoggedForce, Prior
+from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -15,7 +15,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
     return setup.with_changes(rail_friction=setup.rail_friction + strength)
 
 
-def force(climb: Climb) -> Float[Array, "time"]:
+def force(climb: ClimbForces) -> Float[Array, "time"]:
     """The acceleration against the rocket while it is on the rail. [m/s^2]"""
     return np.where(climb.height < climb.rail_length, -1.0, 0.0)
 

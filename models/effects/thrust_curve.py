@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from fieldkit.flight import Flight
-from fieldkit.physics.effect import Climb, Effect, LoggedForce, Prior
+from fieldkit.physics.effect import ClimbForces, Effect, LoggedForce, Prior
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float
 
@@ -13,7 +13,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
     return setup.with_changes(burn_stretch=setup.burn_stretch * (1 + strength))
 
 
-def force(climb: Climb) -> Float[Array, "time"]:
+def force(climb: ClimbForces) -> Float[Array, "time"]:
     """What is less for the same thrust later: to first order in the stretch, at the same impulse. [m/s^2]"""
     return -(climb.thrust + climb.time_from_liftoff * climb.steepness)
 

@@ -24,12 +24,12 @@ PILOTS = 300
 """Draws of the prior that are looked at for places to climb from."""
 PEAKS = 5
 """Of them, those that are climbed from."""
-HOT = 2.0
-"""By what their log likelihoods are divided when they are chosen. [1]"""
+TEMPERATURE = 2.0
+"""Divisor of the log likelihoods by which draws are chosen. [1]"""
 CLIMBS = 8
 """Steps towards the likeliest numbers."""
-INFLATED = 1.15
-"""A proposal's width over that of what it stands for. [1]"""
+PROPOSAL_INFLATION = 1.15
+"""Width of a proposal relative to that of the distribution it stands for. [1]"""
 LEAST_SIZE = 60.0
 """Effective draws that a proposal is fitted to: weights are evened out until there are as many. [1]"""
 
@@ -90,8 +90,8 @@ def integrate(
     start = np.zeros((len(one), LATENTS))
     start[:, :PARAMETERS] = begin
     normals = [_normal(one, place, free) for place in _starts(rng, one, start, free)]
-    proposals = [replace(normal, root=normal.root * INFLATED) for normal in normals]
-    proposals.append(replace(normals[0], root=normals[0].root * 2 * INFLATED))
+    proposals = [replace(normal, root=normal.root * PROPOSAL_INFLATION) for normal in normals]
+    proposals.append(replace(normals[0], root=normals[0].root * 2 * PROPOSAL_INFLATION))
     proposals += _defences(normals[0])
     for _ in range(ROUNDS):
         values, log_weight = _weighed(rng, one, proposals, start, free, count // 2)
@@ -156,7 +156,7 @@ def _starts(
     rows = np.arange(len(one))
     chosen = [start]
     for _ in range(PEAKS):
-        drawn = np.argmax(log_weight / HOT + rng.gumbel(size=log_weight.shape), axis=1)
+        drawn = np.argmax(log_weight / TEMPERATURE + rng.gumbel(size=log_weight.shape), axis=1)
         log_weight[rows, drawn] = -np.inf
         chosen.append(pilots[rows, drawn])
     return chosen
@@ -201,7 +201,7 @@ def _fitted(
         off = values[flight] - mean[flight]
         trust = 1 / (1 + 4 * size * (weight**2).sum())
         spread = trust * (off * weight[:, None]).T @ off + (1 - trust) * root[flight] @ root[flight].T
-        root[flight] = INFLATED * np.linalg.cholesky(spread + 1e-9 * np.eye(size))
+        root[flight] = PROPOSAL_INFLATION * np.linalg.cholesky(spread + 1e-9 * np.eye(size))
     return _Proposal(mean, root, STUDENT)
 
 

@@ -18,7 +18,7 @@ from fieldkit.model.observations import (
     ALPHA_RANGE,
     ALPHA_SD,
     CD_RANGE,
-    DECLARED,
+    DECLARED_FIELDS,
     READOUT_NAMES,
     Observed,
     disc,
@@ -34,7 +34,7 @@ PARAMETERS = 2
 """Of the normal numbers, the first ones: they stand for Cd and alpha."""
 DEVICE = 2
 """The next: offset and gain of the accelerometer."""
-_LOW, _HIGH = np.log(CD_RANGE)
+_MIN_LOG_CD, _MAX_LOG_CD = np.log(CD_RANGE)
 _ENDS = ndtr((np.array(ALPHA_RANGE) - 1.0) / ALPHA_SD)
 _ANGLES = np.linspace(0.0, np.pi / 2, 33)
 _REACH = np.sinh(np.linspace(-9.0, 9.0, 721))
@@ -62,7 +62,7 @@ class Latent:
 
 def _count_latents() -> int:
     counter = Latent(np.zeros((1, 64)))
-    one = {name: np.ones(1) for name in DECLARED}
+    one = {name: np.ones(1) for name in DECLARED_FIELDS}
     flown_field(counter, np.ones((1, 9)), one, np.ones(1), np.ones(1))
     return PARAMETERS + DEVICE + counter.used
 
@@ -76,14 +76,14 @@ def parameters(
 ) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
     """Logarithm of the drag area [log m^2] and alpha [1] that the first two numbers stand for."""
     alpha = 1.0 + ALPHA_SD * ndtri(_ENDS[0] + (_ENDS[1] - _ENDS[0]) * ndtr(normals[:, 1]))
-    return _LOW + (_HIGH - _LOW) * ndtr(normals[:, 0]) + np.log(disc(diameter)), np.asarray(alpha)
+    return _MIN_LOG_CD + (_MAX_LOG_CD - _MIN_LOG_CD) * ndtr(normals[:, 0]) + np.log(disc(diameter)), np.asarray(alpha)
 
 
 def normals_of(
     values: Float[Array, "*draw flight 2"], diameter: Float[Array, "flight"]
 ) -> Float[Array, "*draw flight 2"]:
     """The two normal numbers that stand for a logarithm of drag area and an alpha."""
-    cd = (values[..., 0] - np.log(disc(diameter)) - _LOW) / (_HIGH - _LOW)
+    cd = (values[..., 0] - np.log(disc(diameter)) - _MIN_LOG_CD) / (_MAX_LOG_CD - _MIN_LOG_CD)
     alpha = (ndtr((values[..., 1] - 1.0) / ALPHA_SD) - _ENDS[0]) / (_ENDS[1] - _ENDS[0])
     return np.asarray(ndtri(np.clip(np.stack([cd, alpha], axis=-1), 1e-9, 1 - 1e-9)))
 
@@ -141,7 +141,7 @@ def _clean(one: Problem, normals: Float[Array, "flight draw latent"]) -> tuple[O
     flat = normals.reshape(flights * draws, -1)
     spread = np.repeat(np.arange(flights), draws)
     observed = one.observed.rows(spread)
-    declared = {name: observed.given(name) for name in DECLARED}
+    declared = {name: observed.given(name) for name in DECLARED_FIELDS}
     area, alpha = parameters(flat, declared["diameter"])
     setup = flown_field(Latent(flat[:, PARAMETERS + DEVICE :]), observed.motor, declared, np.exp(area), alpha)
     flown = fly(setup.with_changes(burns=one.curves, motor=one.row[spread]))

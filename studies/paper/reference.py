@@ -15,7 +15,7 @@ from fieldkit.physics.flight import apogees
 from fieldkit.physics.thrust_steps import Burns, burns
 from fieldkit.shapes import Array, Flags, Float, Int
 
-STATED = {
+STATED_FIGURES = {
     "cd_mae": 0.088,
     "alpha_mae": 0.071,
     "mae_m": 12.3,

@@ -16,7 +16,7 @@ from studies.paper.exact import bayes_limit, lowest, reconstructions
 from studies.paper.next_flight import Rule, carried_over, leave_one_out, rules, scatter
 from studies.paper.reference import (
     CERTIFIED_NAMES,
-    STATED,
+    STATED_FIGURES,
     Reference,
     certified,
     errors,
@@ -31,7 +31,7 @@ FRESH_SEED = 20_000_000
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class PaperReport:
     """The parts of the report; the keys of each are those of `fieldkit paper --json`."""
 
     flights: list[dict[str, Any]]
@@ -53,7 +53,7 @@ class Report:
         return {"flights": flights, **reconstruction, **parts}
 
 
-def report(ensemble: Ensemble | None = None) -> Report:
+def report(ensemble: Ensemble | None = None) -> PaperReport:
     """Compute the whole report, by default with the shipped ensemble."""
     ensemble = ensemble or load("paper")
     flights = reference()
@@ -61,11 +61,11 @@ def report(ensemble: Ensemble | None = None) -> Report:
     curves = paper.paper_burns()
     rebuilt = heights(flights, found.cd, found.alpha, curves)
     left_out = leave_one_out(flights, carried_over(found.cd, found.alpha), np.arange(len(flights)))
-    return Report(
+    return PaperReport(
         flights=_table(flights, found, rebuilt, left_out),
         reconstruction=_errors(flights, rebuilt),
         published={
-            "stated": dict(STATED),
+            "stated": dict(STATED_FIGURES),
             "reconstruction": _errors(flights, flights.published_apogee),
             "parameters_reflown": _reflown(flights),
         },

@@ -15,12 +15,12 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float
 from studies.paper.assumption_steps import Step, step, worlds
 from studies.paper.reference import Reference, reference
-from studies.paper.report import Report, report
+from studies.paper.report import PaperReport, report
 from studies.paper.two_flights import TwoFlights, two_flights
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class BiasPart:
     """A share of the published bias, its name and the mean over the eight flights. [m]"""
 
     title: str
@@ -44,10 +44,10 @@ SHORT_DELAY = 0.2
 class Study:
     """Everything on the page: the paper's report, the steps from its physics to ours, the parts, what remains."""
 
-    report: Report
+    report: PaperReport
     flights: Reference
     steps: tuple[Step, ...]
-    parts: tuple[Part, ...]
+    parts: tuple[BiasPart, ...]
     lowered: tuple[float, ...]
     """By how much each step lowers the apogees of the published Cd and alpha, in the mean. [m]"""
     ejection: Ejection
@@ -78,16 +78,16 @@ def study() -> Study:
     )
 
 
-def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[Part, ...]:
+def parts_of(flights: Reference, steps: tuple[Step, ...]) -> tuple[BiasPart, ...]:
     """Shares that add up to the published bias: the network's own, a step of the physics each, and what is left."""
     bias = [float((one.rebuilt - flights.apogee).mean()) for one in steps]
     published = float((flights.published_apogee - flights.apogee).mean())
     moved = [
-        Part(after.world.title, before_bias - after_bias)
+        BiasPart(after.world.title, before_bias - after_bias)
         for before_bias, after_bias, after in zip(bias, bias[1:], steps[1:], strict=False)
     ]
-    network = Part("the published network in place of the exact posterior", published - bias[0])
-    return (*moved, Part("shrinkage towards the prior, left in the exact posterior", bias[-1]), network)
+    network = BiasPart("the published network in place of the exact posterior", published - bias[0])
+    return (*moved, BiasPart("shrinkage towards the prior, left in the exact posterior", bias[-1]), network)
 
 
 def _loop(flights: tuple[Flight, ...]) -> Diagnosis:

@@ -8,7 +8,7 @@ import numpy as np
 from fieldkit.physics.effect import effects
 from studies.paper.reference import errors
 from studies.paper.study import Study, interval
-from studies.paper.two_flights import LIKELY, Cause
+from studies.paper.two_flights import MAX_PRIOR_SDS, Cause
 
 NAMES = {
     "apogee": "apogee",
@@ -183,9 +183,9 @@ def _pair(study: Study) -> Iterator[str]:
     yield from _table(headers, [_cause(cause) for cause in pair.causes if cause.possible])
     yield ""
     impossible = [cause.effect for cause in pair.causes if not cause.possible]
-    likely = [cause for cause in pair.causes if cause.possible and cause.away < LIKELY]
+    likely = [cause for cause in pair.causes if cause.possible and cause.away < MAX_PRIOR_SDS]
     yield _text(
-        f"No strength within its bounds does it: {_list(impossible)}. Within {LIKELY} standard deviations lie "
+        f"No strength within its bounds does it: {_list(impossible)}. Within {MAX_PRIOR_SDS} standard deviations lie "
         f"{_list([cause.effect for cause in likely])}. The apogee cannot tell these apart, being the same in all "
         "of them; "
         "the readouts that the altimeter also shows can. Pairs of the likely ones that one more such flight would tell "

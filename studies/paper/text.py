@@ -2,15 +2,15 @@
 
 from typing import Any
 
-from studies.paper.report import Report
+from studies.paper.report import PaperReport
 
 
-def findings(report: Report) -> list[str]:
+def findings(report: PaperReport) -> list[str]:
     """The five things that a reader of the paper should know, a paragraph each."""
     return [_reconstruction(report), _openrocket(report), _thrust(report), _limit(report), _floor(report)]
 
 
-def _reconstruction(report: Report) -> str:
+def _reconstruction(report: PaperReport) -> str:
     carried = _rule(report, "published_carried_over")
     published = report.published["reconstruction"]
     return (
@@ -22,7 +22,7 @@ def _reconstruction(report: Report) -> str:
     )
 
 
-def _openrocket(report: Report) -> str:
+def _openrocket(report: PaperReport) -> str:
     own, stated = report.openrocket, report.published["stated"]
     return (
         f"The paper's OpenRocket column misses the {own['n']} valid flights by {own['mae_m']:.1f} m in the mean "
@@ -31,7 +31,7 @@ def _openrocket(report: Report) -> str:
     )
 
 
-def _thrust(report: Report) -> str:
+def _thrust(report: PaperReport) -> str:
     profile = report.thrust_profile
     motors, bias = profile["motors"], profile["exact_posterior_bias_m"]
     delivered, certified = (_list([f"{m[key]:.1f}" for m in motors]) for key in ("delivered_ns", "certified_ns"))
@@ -47,7 +47,7 @@ def _thrust(report: Report) -> str:
     )
 
 
-def _limit(report: Report) -> str:
+def _limit(report: PaperReport) -> str:
     limit, found, stated = report.bayes_limit, report.synthetic, report.published["stated"]
     return (
         "An apogee alone cannot tell drag from thrust. No method gets below a mean error of "
@@ -59,7 +59,7 @@ def _limit(report: Report) -> str:
     )
 
 
-def _floor(report: Report) -> str:
+def _floor(report: PaperReport) -> str:
     scatter = report.scatter
     taught = [rule["standard_error_m"] for rule in report.rules if not rule["rule"].startswith("nominal")]
     return (
@@ -71,7 +71,7 @@ def _floor(report: Report) -> str:
     )
 
 
-def _rule(report: Report, key: str) -> dict[str, Any]:
+def _rule(report: PaperReport, key: str) -> dict[str, Any]:
     return next(rule for rule in report.rules if rule["rule"] == key)
 
 

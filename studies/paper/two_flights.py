@@ -27,12 +27,12 @@ STRONGEST_WIND = 15.0
 """Up to which wind is tried. [m/s]"""
 BREEZE = 5.0
 """A wind that nobody would remark on, the unit in which wind is judged. [m/s]"""
-TRIED = 60
-"""Strengths of each effect."""
-NEAR = 3.0
-"""Within which of the flown apogee a strength must bring the flight: an effect may have a jump there. [m]"""
-TOLD = 2.0
-"""Standard deviations apart from which on two causes are told. [1]"""
+STRENGTHS_TRIED = 60
+"""Number of strengths tried for each effect. [1]"""
+MAX_APOGEE_MISS = 3.0
+"""Largest distance from the flown apogee to which a strength must bring the flight: an effect may jump there. [m]"""
+MIN_SEPARATION_SDS = 2.0
+"""Standard deviations of separation from which on two causes can be distinguished. [1]"""
 OWN_DRAG = "another drag of configuration A"
 
 
@@ -40,7 +40,7 @@ def _more_drag(setup: Setup, strength: Float[Array, "*draw flight"], flights: Se
     return setup.with_changes(drag_area=setup.drag_area * (1 + strength))
 
 
-OWN = Effect(
+OWN_EFFECT = Effect(
     title=OWN_DRAG,
     explains="the payload changes shape or stability as well as mass",
     unit="share of Cd",
@@ -49,11 +49,17 @@ OWN = Effect(
     tell_apart="fly both configurations on one motor, and write down the coast",
     setup=_more_drag,
 )
-LIKELY = 2.5
+MAX_PRIOR_SDS = 2.5
 """Standard deviations of its prior up to which a strength is called likely. [1]"""
 READOUTS = ("apogee", "top_speed", "peak_accel", "coast_to_apogee", "apogee_to_eject")
 """What the next flight could write down."""
-WORTH = {"apogee": 16.0, "top_speed": 0.025, "peak_accel": 0.06, "coast_to_apogee": 0.04, "apogee_to_eject": 0.4}
+READOUT_SCATTER = {
+    "apogee": 16.0,
+    "top_speed": 0.025,
+    "peak_accel": 0.06,
+    "coast_to_apogee": 0.04,
+    "apogee_to_eject": 0.4,
+}
 """Scatter of single flights and of reading: apogee [m] as these flights have it; top speed, peak and coast by share
 [1], motors and altimeter together; ejection [s], delays being certified to a tenth."""
 
@@ -86,11 +92,11 @@ class TwoFlights:
     lighter_by: float
     expected_gain: Mapping[float, float]
     causes: tuple[Cause, ...]
-    tells: tuple["Tell", ...]
+    tells: tuple["Discrimination", ...]
 
 
 @dataclass(frozen=True, slots=True)
-class Tell:
+class Discrimination:
     """A readout of the lighter rocket, and how many pairs of likely causes it would tell apart, of so many."""
 
     readout: str
@@ -111,7 +117,7 @@ def two_flights(flights: Reference) -> TwoFlights:
         float(heavy.dry_mass or 0) - float(light.dry_mass or 0),
         gains,
         tuple(causes),
-        _tells([cause for cause in causes if cause.possible and cause.away < LIKELY]),
+        _tells([cause for cause in causes if cause.possible and cause.away < MAX_PRIOR_SDS]),
     )
 
 
@@ -149,7 +155,7 @@ def _causes(heavy: Flight, light: Flight) -> list[Cause]:
     area = _area(heavy, 1.0)
     flown_between = int(light.flight_id) - int(heavy.flight_id)
     own = [_cause(name, effect, light, area, flown_between) for name, effect in effects().items()]
-    return [*own, _cause(OWN_DRAG, OWN, light, area, 1)]
+    return [*own, _cause(OWN_DRAG, OWN_EFFECT, light, area, 1)]
 
 
 def _cause(name: str, effect: Effect, light: Flight, area: float, flown_between: int) -> Cause:
@@ -157,7 +163,7 @@ def _cause(name: str, effect: Effect, light: Flight, area: float, flown_between:
     told = light.with_changes(**{effect.needs: 1.0}) if effect.needs else light
     prior = effect.prior
     low, high = (0.0, STRONGEST_WIND) if effect.needs else _bounds(effect)
-    strengths = np.linspace(low, high, TRIED)
+    strengths = np.linspace(low, high, STRENGTHS_TRIED)
     miss = _readings(effect, told, area, strengths)["apogee"] - _apogee(light)
 
     def root(part: Flags) -> float:
@@ -198,7 +204,7 @@ def _refined(miss: Callable[[Array], float], ends: Array) -> float:
     if not len(ends):
         return float("nan")
     root = float(brentq(lambda x: miss(np.array([x])), ends[0], ends[1], xtol=1e-4))
-    return root if abs(miss(np.array([root]))) < NEAR else float("nan")
+    return root if abs(miss(np.array([root]))) < MAX_APOGEE_MISS else float("nan")
 
 
 def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> Mapping[str, Array]:
@@ -209,13 +215,19 @@ def _readings(effect: Effect, flight: Flight, area: float, strengths: Array) -> 
     return effect.bend_reading(fly(setup).readouts(), strengths)
 
 
-def _tells(causes: Sequence[Cause]) -> tuple[Tell, ...]:
+def _tells(causes: Sequence[Cause]) -> tuple[Discrimination, ...]:
     """For each readout, how many pairs of causes it would tell apart, and then for all of them."""
     pairs = list(combinations(causes, 2))
     counts = [
-        Tell(name, sum(_apart(one, other, (name,)) > TOLD for one, other in pairs), len(pairs)) for name in READOUTS
+        Discrimination(name, sum(_apart(one, other, (name,)) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs))
+        for name in READOUTS
     ]
-    return (*counts, Tell("all five", sum(_apart(one, other, READOUTS) > TOLD for one, other in pairs), len(pairs)))
+    return (
+        *counts,
+        Discrimination(
+            "all five", sum(_apart(one, other, READOUTS) > MIN_SEPARATION_SDS for one, other in pairs), len(pairs)
+        ),
+    )
 
 
 def _apart(one: Cause, other: Cause, readouts: Sequence[str]) -> float:
@@ -226,5 +238,5 @@ def _apart(one: Cause, other: Cause, readouts: Sequence[str]) -> float:
         if not np.isfinite(a) or not np.isfinite(b):
             continue
         ratio = name in ("top_speed", "peak_accel", "coast_to_apogee")
-        total += ((np.log(a / b) if ratio else a - b) / WORTH[name]) ** 2
+        total += ((np.log(a / b) if ratio else a - b) / READOUT_SCATTER[name]) ** 2
     return float(np.sqrt(total))

@@ -6,7 +6,7 @@ import numpy as np
 
 from fieldkit.inference.laplace.fleet import rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from studies.generated_ledgers import SUBSETS, History, Recipe, ledger, random_recipe
 from studies.reference_posterior.sampler import Case
 
@@ -48,4 +48,4 @@ def _case(history: History, hyperprior: Hyperprior) -> Case:
 
 def _subset(recipe: Recipe) -> str:
     kept = next(name for name, readouts in SUBSETS.items() if readouts == recipe.readouts)
-    return f"{kept} ({len(recipe.readouts)} of {len(OBSERVED)})"
+    return f"{kept} ({len(recipe.readouts)} of {len(OBSERVED_READOUTS)})"

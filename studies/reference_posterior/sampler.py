@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.predict import Learnt, fly_ahead, learn
+from fieldkit.forecast.predict import FittedForecast, fly_ahead, learn
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.hyperprior import Hyperprior
@@ -117,7 +117,7 @@ def next_flight(
     """`FIGURES` of the next flight, flown on draws of a posterior; its own scatter is by the seed alone."""
     plan = case.model().part(slice(len(case.flown), None))
     rng = np.random.default_rng(seed)
-    return _figures(Learnt(plan, terms.mean(axis=0), terms, scales, len(case.flown), "field", rng))
+    return _figures(FittedForecast(plan, terms.mean(axis=0), terms, scales, len(case.flown), "field", rng))
 
 
 def said_by_fit(case: Case, draws: int, seed: int) -> Float[Array, "draw figure"]:
@@ -138,7 +138,7 @@ def _shared_figures(case: Case, terms: Float[Array, "draw term"]) -> Float[Array
     return np.concatenate([bent(plan, terms, name) for name in ("drag", "thrust", "apogee")], axis=1)
 
 
-def _figures(learnt: Learnt) -> Float[Array, "draw figure"]:
+def _figures(learnt: FittedForecast) -> Float[Array, "draw figure"]:
     (prediction,) = fly_ahead(learnt)
     apogee = np.log(np.maximum(prediction.true_apogee, 1.0))
     return np.stack([apogee, *(bent(learnt.model, learnt.values, name)[:, 0] for name in ("drag", "thrust"))], axis=-1)

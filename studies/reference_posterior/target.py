@@ -11,7 +11,7 @@ import numpy as np
 from scipy.special import ndtr, ndtri
 
 from fieldkit.inference.laplace.linearization import STEPS, Tangent
-from fieldkit.model.readout_data import OBSERVED, Data, compared
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, compared
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter, bent, shown
 from fieldkit.shapes import Array, Flags, Float
 
@@ -21,7 +21,7 @@ APART = 0.4
 """How long before and after apogee the charge fires, at least, where slopes before and after it are taken. [s]"""
 EXACT_STEP = 1e-4
 """Step of an exact force. [1] or [s]"""
-EJECTION = OBSERVED.index("apogee_to_eject")
+EJECTION = OBSERVED_READOUTS.index("apogee_to_eject")
 
 Readouts = Callable[[Array, Mapping[str, Array]], Array]
 """Compared readouts by terms [draw term] and random effects of flights [draw flight], as [draw flight readout]."""
@@ -32,7 +32,7 @@ def simulated(model: Model) -> Readouts:
 
     def read(values: Array, scatter: Mapping[str, Array]) -> Array:
         readings = shown(model, values, scatter)
-        return compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+        return compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
 
     return read
 
@@ -159,7 +159,8 @@ class Target:
 
     def _early(self, point: Point, flown: Float[Array, "draw flight readout"]) -> Flags:
         """Whether the charge fires before apogee."""
-        return np.asarray(np.nan_to_num(flown[..., EJECTION]) < bent(self.model, point.terms, OBSERVED[EJECTION]))
+        bias = bent(self.model, point.terms, OBSERVED_READOUTS[EJECTION])
+        return np.asarray(np.nan_to_num(flown[..., EJECTION]) < bias)
 
     def _bent(
         self, point: Point, score: Float[Array, "draw flight readout"], flown: Float[Array, "draw flight readout"]
@@ -210,8 +211,8 @@ class Target:
         return out
 
     def _by_term(self, term: Term, by_kind: Array, score: Array) -> Float[Array, "draw"]:
-        if term.bends in OBSERVED:
-            return np.asarray(score[..., OBSERVED.index(str(term.bends))] @ term.weight)
+        if term.bends in OBSERVED_READOUTS:
+            return np.asarray(score[..., OBSERVED_READOUTS.index(str(term.bends))] @ term.weight)
         return np.asarray(by_kind[..., self.kinds.index(str(term.bends))] @ term.weight)
 
     def _shared_rows(self) -> list[int]:
@@ -223,7 +224,7 @@ class Target:
         point, flights = self.point(at[None]), len(self.model.flights)
         nu = self.model.hyperprior.tail
         certain = np.where(self.seen, (nu + 1) / (nu + 3) / self.variance(point)[0], 0.0)
-        unit = np.eye(flights * len(OBSERVED)).reshape(-1, flights, len(OBSERVED))
+        unit = np.eye(flights * len(OBSERVED_READOUTS)).reshape(-1, flights, len(OBSERVED_READOUTS))
         repeated = [np.repeat(getattr(point, name), len(unit), axis=0) for name in Point.__dataclass_fields__]
         effects = {str(kind.bends): point.scatter[..., i] for i, kind in enumerate(self.model.scatter)}
         flown = np.repeat(self.readouts(point.terms, effects), len(unit), axis=0)
@@ -247,7 +248,7 @@ def target(
     in the fit. Raises ValueError for a model with a lean or with effects.
     """
     kinds = tuple(STEP_SIZES)
-    if any(term.bends not in (*kinds, *OBSERVED) for term in model.terms) or any(
+    if any(term.bends not in (*kinds, *OBSERVED_READOUTS) for term in model.terms) or any(
         kind.bends not in kinds for kind in model.scatter
     ):
         raise ValueError(f"found terms that bend something else, expected {', '.join(kinds)} and readouts alone")
@@ -262,8 +263,8 @@ def _delays(model: Model, exact: Readouts, at: Float[Array, "term"]) -> tuple[Fl
     step = np.full((2, len(model.flights)), 0.02) * [[0], [1]]
     here, moved = exact(np.stack([at, at]), {"delay": step})[..., EJECTION]
     with np.errstate(invalid="ignore", divide="ignore"):
-        here = here - bent(model, at[None], OBSERVED[EJECTION])[0]
-        rate = (moved - bent(model, at[None], OBSERVED[EJECTION])[0] - here) / 0.02
+        here = here - bent(model, at[None], OBSERVED_READOUTS[EJECTION])[0]
+        rate = (moved - bent(model, at[None], OBSERVED_READOUTS[EJECTION])[0] - here) / 0.02
         sides = ((np.maximum(here, APART) - here) / rate, (np.minimum(here, -APART) - here) / rate)
     return tuple(np.clip(np.nan_to_num(side, posinf=0.0, neginf=0.0), -0.5, 0.5) for side in sides)
 

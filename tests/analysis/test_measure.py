@@ -14,7 +14,7 @@ from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.compare import compare
 from fieldkit.analysis.forces import forces
 from fieldkit.analysis.measure import (
-    CLIPPED,
+    CLIPPED_NOTE,
     NO_APOGEE,
     NO_BOOST,
     NO_FLIGHT,
@@ -23,7 +23,7 @@ from fieldkit.analysis.measure import (
     NO_LIFTOFF,
     NO_PAD,
 )
-from fieldkit.analysis.records import Climb
+from fieldkit.analysis.records import MeasuredClimb
 from fieldkit.analysis.robust_statistics import local_slopes, typical_line
 from fieldkit.flight import READOUTS, Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, pressure_height
@@ -139,7 +139,7 @@ def test_an_accelerometer_at_the_end_of_its_range_tells_no_boost() -> None:
     heights, felt = log(truth, Logger(accelerometer=100), np.random.default_rng(1))
     assert felt.felt is not None
     recorded = measure((heights, replace(felt, felt=np.minimum(felt.felt, 8 * GRAVITY))))
-    assert CLIPPED in recorded.notes
+    assert CLIPPED_NOTE in recorded.notes
     for name in ("peak_accel", "top_speed", "avg_accel"):
         assert abs(off(recorded, truth, name)) < 2 * recorded.figures[name].sd
         assert "acceleration" not in recorded.figures[name].source
@@ -380,7 +380,7 @@ def test_drag_area_is_measured_in_the_coast() -> None:
 def test_above_the_air_there_is_no_drag_area() -> None:
     time, one = np.arange(0.0, 10.0), np.ones(10)
     for height, shown in ((1e3, True), (1e6, False)):
-        climb = Climb(time, height * one, one, 100 * one, one, -20 * one, one, time < 0, "pressure")
+        climb = MeasuredClimb(time, height * one, one, 100 * one, one, -20 * one, one, time < 0, "pressure")
         found = forces(climb, None, Heights(time, height * one, True, 1.0, "pressure"), 0.0, np.inf)
         assert found is not None
         assert np.all(np.isfinite(found.drag_area) == shown)

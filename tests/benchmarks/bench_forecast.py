@@ -11,7 +11,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.forecast.predict import predict
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from tests.benchmarks.timing import beside, measured, of_children, whole_process
 from tests.seasons import season
 
@@ -31,7 +31,7 @@ def numpy_import() -> float:
 
 
 @pytest.mark.parametrize("wind", [None, 3.0], ids=["still", "windy"])
-@pytest.mark.parametrize("kept", [("apogee",), OBSERVED], ids=["apogees", "all readouts"])
+@pytest.mark.parametrize("kept", [("apogee",), OBSERVED_READOUTS], ids=["apogees", "all readouts"])
 def test_from_flights_to_a_forecast(
     benchmark: BenchmarkFixture, kept: tuple[str, ...], wind: float | None, numpy_import: float
 ) -> None:

@@ -12,7 +12,7 @@ import pytest
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.ledger import Ledger
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from tests.benchmarks.timing import ROOT, beside, measured, of_children, whole_process
 from tests.seasons import season
 
@@ -70,7 +70,7 @@ def whole(tmp_path_factory: pytest.TempPathFactory) -> str:
     """A season of twenty flights with all readouts."""
     path = tmp_path_factory.mktemp("start") / "whole.db"
     with Ledger.open(path) as opened:
-        opened.add([flight for flight, _ in season(np.random.default_rng(3), OBSERVED, 20)])
+        opened.add([flight for flight, _ in season(np.random.default_rng(3), OBSERVED_READOUTS, 20)])
     return str(path)
 
 

@@ -20,14 +20,14 @@ from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Back,
+    CaptureOptions,
     Ended,
     Event,
-    Opened,
+    Instruction,
     Port,
+    PortOpened,
     Progress,
     Sample,
-    Told,
-    Wishes,
     capture,
     captures,
     logs_in,
@@ -72,7 +72,7 @@ def test_checksums_are_those_of_the_makers() -> None:
 def followed(events: Iterable[Event], wire: Wire) -> Ended:
     """How a capture ended; a unit that talks by itself begins when its port is open."""
     for event in events:
-        if isinstance(event, Opened):
+        if isinstance(event, PortOpened):
             wire.opened.set()
     assert isinstance(event, Ended)
     return event
@@ -277,7 +277,7 @@ def test_a_fault_in_a_protocol_loses_nothing(tmp_path: Path, monkeypatch: pytest
 
     monkeypatch.setattr("fieldkit.capture.protocols.micropeak.Stream.feed", faulty)
     with played(devices.talking(b"precious")) as wire, pytest.raises(ZeroDivisionError):
-        followed(capture(Port(wire.name), "micropeak", folder=tmp_path, wishes=Wishes(silence=0.5)), wire)
+        followed(capture(Port(wire.name), "micropeak", folder=tmp_path, wishes=CaptureOptions(silence=0.5)), wire)
     (file,) = captures(tmp_path)
     assert read_capture(file).raw == b"precious"
 
@@ -419,8 +419,8 @@ def test_a_port_in_use_is_said(tmp_path: Path) -> None:
 
     device: Device = quiet
     with played(device) as wire:
-        first = capture(Port(wire.name), "eggtimer", folder=tmp_path, wishes=Wishes(wait=5))
-        assert isinstance(next(first), Opened)
+        first = capture(Port(wire.name), "eggtimer", folder=tmp_path, wishes=CaptureOptions(wait=5))
+        assert isinstance(next(first), PortOpened)
         with pytest.raises(PortTrouble, match="another program"):
             next(capture(Port(wire.name), "eggtimer", folder=tmp_path))
         first.close()  # type: ignore[attr-defined]
@@ -435,12 +435,12 @@ def test_the_altitude_shows_while_telemetry_runs(monkeypatch: pytest.MonkeyPatch
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("TERM", "xterm")
     with View() as view:
-        view.show(Opened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
+        view.show(PortOpened("/dev/ttyACM0", "teledongle", tmp_path / "a.raw"))
         for height, speed in ((100.0, 80.0), (250.0, 20.0), (240.0, -9.0)):
             view.show(Progress(1000, 10, 2, 0.5, Sample(height, 1.0, speed, "coast")))
         view.heard -= 60
         view.show(Progress(1234, 10, 2, 0.5, view.last))
-        view.show(Told("\x1b[31mred [bold]"))
+        view.show(Instruction("\x1b[31mred [bold]"))
     shown = screen.getvalue()
     assert "every byte goes to" in shown
     assert "1,234 bytes, 10 samples, 2 damaged, 50%" in shown

@@ -11,23 +11,23 @@ from hypothesis import strategies as st
 
 from fieldkit.capture import (
     Back,
+    CaptureOptions,
     Ended,
     Event,
-    Listed,
+    FlightsListed,
+    Instruction,
     Lost,
-    Opened,
     Port,
+    PortOpened,
     Progress,
     Recognised,
-    Told,
-    Wishes,
     capture,
     known_devices,
     logs_in,
     read_capture,
     resume,
 )
-from fieldkit.capture.captured import Captured, Mark
+from fieldkit.capture.captured import Captured, TapeMark
 from fieldkit.capture.protocols import altimulti, altos, blue_raven, mawd, micropeak, stratologger
 from fieldkit.errors import PortTrouble
 from tests.capture import devices
@@ -35,7 +35,7 @@ from tests.capture.devices import Wire, played
 
 pytestmark = pytest.mark.skipif(not hasattr(__import__("os"), "openpty"), reason="needs pseudo-terminals")
 
-QUICK = Wishes(wait=30, silence=30, reconnect=30)
+QUICK = CaptureOptions(wait=30, silence=30, reconnect=30)
 BRIEF = replace(QUICK, silence=1.5)
 LASTING = replace(QUICK, silence=8.0)
 """For a megabyte, which a busy machine takes seconds to bring."""
@@ -65,7 +65,7 @@ def run(events: Iterable[Event], *wires: Wire) -> list[Event]:
     seen = []
     for event in events:
         seen.append(event)
-        if isinstance(event, Opened):
+        if isinstance(event, PortOpened):
             for wire in wires:
                 wire.opened.set()
     return seen
@@ -78,11 +78,15 @@ def ended(events: Sequence[Event]) -> Ended:
 
 
 def told(events: Sequence[Event]) -> str:
-    return "\n".join(event.text for event in events if isinstance(event, Told))
+    return "\n".join(event.text for event in events if isinstance(event, Instruction))
 
 
 def heard(
-    wire: Wire, device: str | None, folder: Path, wishes: Wishes = QUICK, stop: Callable[[], bool] = lambda: False
+    wire: Wire,
+    device: str | None,
+    folder: Path,
+    wishes: CaptureOptions = QUICK,
+    stop: Callable[[], bool] = lambda: False,
 ) -> list[Event]:
     return run(capture(Port(wire.name), device, folder=folder, wishes=wishes, stop=stop), wire)
 
@@ -176,7 +180,7 @@ def test_an_altimulti_gives_all_its_flights_dribbled_between_telemetry_and_noise
     assert end.about["model"] == "AltiMulti"
     (log,) = logs_in(end.file)
     assert flown(log.content) == short[0] + short[1]
-    assert next(event for event in events if isinstance(event, Listed)).chosen == (0, 1)
+    assert next(event for event in events if isinstance(event, FlightsListed)).chosen == (0, 1)
     seen = [event.sample for event in events if isinstance(event, Progress) and event.sample]
     assert seen[-1].altitude == 123
     assert seen[-1].state == "flying"
@@ -430,7 +434,7 @@ def pulled_and_back(
     unit, moved = Port(first.name, 0x1A86, 0x7523, "A1"), []
     look = [Port("/dev/other"), replace(unit, name=second.name)]
     for event in capture(unit, device, folder=folder, wishes=BRIEF, look=lambda: look, stop=stop):
-        if isinstance(event, Opened):
+        if isinstance(event, PortOpened):
             first.opened.set()
         elif isinstance(event, Back):
             second.opened.set()
@@ -633,7 +637,7 @@ def test_no_capture_is_so_torn_that_taking_logs_out_of_it_fails(
 ) -> None:
     raw, marks = b"", []
     for command, piece in pieces:
-        marks.append(Mark(max(0, len(raw) + shift), float(len(raw)), {"sent": command}))
+        marks.append(TapeMark(max(0, len(raw) + shift), float(len(raw)), {"sent": command}))
         raw += piece
     protocol = known_devices()[name]
     assert protocol.overhears(raw) in (True, False)

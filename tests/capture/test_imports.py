@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.capture import Ended, Opened, Port, Wishes, capture, logs_in
+from fieldkit.capture import CaptureOptions, Ended, Port, PortOpened, capture, logs_in
 from fieldkit.capture.protocols import altimulti, micropeak
 from fieldkit.flight import Series
 from fieldkit.importing import Reading
@@ -98,8 +98,8 @@ def test_a_captured_flight_is_the_flight_of_the_file(
     monkeypatch.setattr(altimulti, "GREETING", 0.5)
     monkeypatch.setattr(micropeak, "TAIL", 0.3)
     with played(unit(sample(name))) as wire:  # type: ignore[call-arg]
-        for event in capture(Port(wire.name), device, folder=tmp_path, wishes=Wishes(wait=30, silence=0.6)):
-            if isinstance(event, Opened):
+        for event in capture(Port(wire.name), device, folder=tmp_path, wishes=CaptureOptions(wait=30, silence=0.6)):
+            if isinstance(event, PortOpened):
                 wire.opened.set()
     assert isinstance(event, Ended)
     assert event.whole

@@ -12,10 +12,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fieldkit.capture import Port, Wishes, known_devices
+from fieldkit.capture import CaptureOptions, Port, known_devices
 from fieldkit.capture.captured import Captured
-from fieldkit.capture.commands import ALLOWED, ForbiddenCommand, allowed
-from fieldkit.capture.line import Line
+from fieldkit.capture.commands import ALLOWED_COMMANDS, ForbiddenCommand, allowed
+from fieldkit.capture.line import SerialLine
 from fieldkit.capture.link import Link, Stopped
 from fieldkit.capture.tape import Tape, begin
 from fieldkit.errors import FieldkitError
@@ -90,19 +90,19 @@ def test_a_command_that_does_more_than_read_is_refused(tape: Tape, protocol: str
     for command in FORBIDDEN:
         ear = Ear(silent)
         with pytest.raises(ForbiddenCommand):
-            Line("port", protocol, tape, ear).send(command)
+            SerialLine("port", protocol, tape, ear).send(command)
         assert not ear.written
 
 
 @given(
-    protocol=st.sampled_from([*ALLOWED, "eggtimer", ""]),
+    protocol=st.sampled_from([*ALLOWED_COMMANDS, "eggtimer", ""]),
     command=st.binary(max_size=12) | st.from_regex(r"[a-zA-Z~][ -~]{0,6}[;\n]").map(str.encode),
 )
 @settings(max_examples=50)
 def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, protocol: str, command: bytes) -> None:
     ear = Ear(silent)
     try:
-        Line("port", protocol, tape, ear).send(command)
+        SerialLine("port", protocol, tape, ear).send(command)
     except ForbiddenCommand:
         assert not ear.written
     else:
@@ -110,25 +110,25 @@ def test_whatever_bytes_are_sent_only_those_of_the_table_leave(tape: Tape, proto
         assert re.fullmatch(LETTERS[protocol], command)
 
 
-@given(data=st.data(), protocol=st.sampled_from([*ALLOWED]))
+@given(data=st.data(), protocol=st.sampled_from([*ALLOWED_COMMANDS]))
 @settings(max_examples=50)
 def test_all_that_the_table_allows_is_what_the_makers_call_reading(protocol: str, data: st.DataObject) -> None:
-    command = data.draw(st.from_regex(ALLOWED[protocol], fullmatch=True))
+    command = data.draw(st.from_regex(ALLOWED_COMMANDS[protocol], fullmatch=True))
     assert re.fullmatch(LETTERS[protocol], command)
     assert command not in FORBIDDEN
 
 
 @settings(max_examples=30)
-@given(letters=st.lists(st.from_regex(ALLOWED["mawd"], fullmatch=True)))
+@given(letters=st.lists(st.from_regex(ALLOWED_COMMANDS["mawd"], fullmatch=True)))
 def test_letters_for_a_mawd_never_make_a_command_that_fires(letters: list[bytes]) -> None:
     assert not re.search(rb"F|A|T|L|C|R", b"".join(letters))
 
 
 def test_who_only_listens_may_send_nothing() -> None:
-    for protocol in set(known_devices()) - set(ALLOWED):
+    for protocol in set(known_devices()) - set(ALLOWED_COMMANDS):
         assert not any(allowed(protocol, bytes([byte])) for byte in range(256))
-    assert set(ALLOWED) <= set(known_devices())
-    assert {"micropeak", "stratologger", "eggtimer"} == set(known_devices()) - set(ALLOWED)
+    assert set(ALLOWED_COMMANDS) <= set(known_devices())
+    assert {"micropeak", "stratologger", "eggtimer"} == set(known_devices()) - set(ALLOWED_COMMANDS)
 
 
 # --- The code itself
@@ -284,8 +284,8 @@ def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str
 
         ear = Ear(reply)
         patience = count()
-        link = Link(Line("port", name, tape, ear), lambda patience=patience: next(patience) > 5000)
-        wishes = Wishes(
+        link = Link(SerialLine("port", name, tape, ear), lambda patience=patience: next(patience) > 5000)
+        wishes = CaptureOptions(
             lambda flights: [-3, 2**40, *(f.number for f in flights)], seed % 3 == 0, 434.55e6, wait=5, silence=5
         )
         try:

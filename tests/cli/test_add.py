@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 
 from fieldkit.cli.main import main
-from fieldkit.cli.prompts import Talk, converse
+from fieldkit.cli.prompts import Conversation, converse
 from fieldkit.cli.session import MotorCheck
 from fieldkit.flight import COLUMNS, READOUTS, TEXT_COLUMNS, Flight
 from fieldkit.importing.manual_entry import QUESTIONS
@@ -66,7 +66,7 @@ def held(file: Path) -> list[Flight]:
         return ledger.flights()
 
 
-def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Talk, list[str]]:
+def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Conversation, list[str]]:
     """A conversation with somebody who gives these answers and then leaves; what they were asked."""
     asked: list[str] = []
     waiting = iter(answers)
@@ -75,7 +75,7 @@ def person(ledger: Ledger, answers: Iterable[str], **state: object) -> tuple[Tal
         asked.append(prompt)
         return next(waiting, None)
 
-    talk = Talk(ledger, listen, True, MotorCheck(), **state)
+    talk = Conversation(ledger, listen, True, MotorCheck(), **state)
     converse(talk)
     return talk, asked
 

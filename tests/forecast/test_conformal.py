@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.conformal import FEWEST, kept_surprises, stretch, stretched, surprise
+from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT, kept_surprises, stretch, stretched, surprise
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_by_earlier
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
@@ -37,8 +37,8 @@ def test_a_flight_at_the_end_of_its_interval_is_one_out() -> None:
 
 
 def test_few_forecasts_change_nothing() -> None:
-    assert stretch([3.0] * (FEWEST - 1)) is None
-    assert stretch([3.0] * FEWEST) == 3.0
+    assert stretch([3.0] * (MIN_FORECASTS_TO_CORRECT - 1)) is None
+    assert stretch([3.0] * MIN_FORECASTS_TO_CORRECT) == 3.0
 
 
 def test_an_interval_is_stretched_about_its_median_by_ratio() -> None:
@@ -54,11 +54,11 @@ def test_nine_in_ten_later_flights_come_to_lie_inside_however_wrong_the_model_is
     found = corrected_by_earlier(rows)
     own = np.mean([row.p05 <= row.flown <= row.p95 for row in found])
     assert not 0.85 < own < 0.95
-    assert 0.86 < np.mean([inside(row) for row in found[FEWEST:]]) < 0.94
+    assert 0.86 < np.mean([inside(row) for row in found[MIN_FORECASTS_TO_CORRECT:]]) < 0.94
 
 
 def test_only_flights_that_flew_before_correct_an_interval() -> None:
-    rows = [forecast(-1, 100.0, "Luna"), *(forecast(n, 200.0) for n in range(FEWEST))]
+    rows = [forecast(-1, 100.0, "Luna"), *(forecast(n, 200.0) for n in range(MIN_FORECASTS_TO_CORRECT))]
     found = {row.flight_id: row for row in corrected_by_earlier(rows)}
     assert found["-1"].corrected is None
     assert found["18"].corrected is None
@@ -75,13 +75,16 @@ def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Pa
     plan = Flight(rocket="Astra", motor="F24-4W", dry_mass=0.3, diameter=0.066)
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         (own,) = predict_plans(ledger, catalogue(), [plan], keep=False)
-        keep_forecasts(ledger, [forecast(n, 169.0) for n in range(FEWEST)])
+        keep_forecasts(ledger, [forecast(n, 169.0) for n in range(MIN_FORECASTS_TO_CORRECT)])
         (wide,) = predict_plans(ledger, catalogue(), [plan], keep=False)
     assert own.stretched_by == 1
     assert not any("earlier forecasts" in line for line in in_words(own))
     said = forecast_record(wide)["interval"]
-    assert (said["stretched_by"], said["earlier_forecasts"]) == (pytest.approx(2.0), FEWEST)
+    assert (said["stretched_by"], said["earlier_forecasts"]) == (pytest.approx(2.0), MIN_FORECASTS_TO_CORRECT)
     assert said["narrowed_by_flights"] == pytest.approx(forecast_record(own)["interval"]["narrowed_by_flights"])
-    assert any(f"2.00 times the model's own, as {FEWEST} earlier forecasts" in line for line in in_words(wide))
+    assert any(
+        f"2.00 times the model's own, as {MIN_FORECASTS_TO_CORRECT} earlier forecasts" in line
+        for line in in_words(wide)
+    )
     spans = [np.ptp(np.log(one.apogee_quantiles())) for one in (own, wide)]
     assert spans[1] == pytest.approx(2 * spans[0], rel=1e-6)

@@ -8,7 +8,7 @@ import pytest
 from fieldkit.forecast.predict import forecast_model
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.posterior import Fit, term_sds
-from fieldkit.model.readout_data import OBSERVED, compared, observe
+from fieldkit.model.readout_data import OBSERVED_READOUTS, compared, observe
 from fieldkit.model.rocket_model import Model, shown
 from fieldkit.shapes import Array
 from tests.seasons import season
@@ -35,7 +35,7 @@ def weighed(result: Fit, rng: np.random.Generator) -> Drawn:
     inside = ((terms >= low) & (terms <= high)).all(axis=1)
     terms = np.clip(terms, low, high)
     readings = shown(model, terms, {})
-    flown = compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+    flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
     usable = result.data.seen & np.isfinite(flown) & np.isfinite(result.tangent.values)
     miss = np.where(usable, result.data.values - flown, 0.0)
     misfit = np.einsum("dfo,dfop,dfp->d", miss, result.told.sharpness[which], miss)
@@ -56,7 +56,7 @@ def quantiles(values: Array, weight: Array) -> Array:
 
 @pytest.mark.parametrize(
     ("kept", "effective", "off"),
-    [(OBSERVED, 0.3, 0.05), (("apogee", "top_speed"), 0.3, 0.15), (("apogee",), 0.03, 0.25)],
+    [(OBSERVED_READOUTS, 0.3, 0.05), (("apogee", "top_speed"), 0.3, 0.15), (("apogee",), 0.03, 0.25)],
     ids=["all", "apogee and speed", "apogee"],
 )
 def test_a_forecast_is_drawn_from_what_exact_weights_make_of_the_flights(

@@ -9,7 +9,7 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.hyperprior import FROM_LOGS, learned
-from fieldkit.model.readout_data import OBSERVED
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.model.rocket_model import base_model, shown
 from fieldkit.motors import Found, catalogue
 from tests import seasons
@@ -32,7 +32,8 @@ def season(off: dict[str, float], count: int = 3) -> Flown:
     flown = []
     for row, plan in enumerate(plans):
         values = {
-            name: float(readings[name][0, row] * off.get(name, 1.0) * np.exp(0.01 * rng.normal())) for name in OBSERVED
+            name: float(readings[name][0, row] * off.get(name, 1.0) * np.exp(0.01 * rng.normal()))
+            for name in OBSERVED_READOUTS
         }
         values["apogee"] *= off.get(plan.motor, 1.0)
         flown.append((plan.with_changes(**values), found[row]))
@@ -85,7 +86,7 @@ def test_what_a_noisy_rocket_or_device_gets_wrong_scales_with_it() -> None:
     found = [catalogue().resolve("F24")]
     certain, doubtful = base_model([PLAN], found), base_model([PLAN], found, learned())
     assert {term.scaled_by for term in certain.terms} == {""}
-    assert {str(term.bends) for term in doubtful.terms if term.scaled_by == "reading"} == set(OBSERVED) - {
+    assert {str(term.bends) for term in doubtful.terms if term.scaled_by == "reading"} == set(OBSERVED_READOUTS) - {
         "apogee",
         *FROM_LOGS,
     }

@@ -125,7 +125,7 @@ def test_columns_of_a_simulation_beyond_those_counted_are_passed_over(monkeypatc
 
 
 def test_motors_in_a_file_are_counted(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(draft, "MOST", 2)
+    monkeypatch.setattr(draft, "MAX_MOTORS", 2)
     motor = b"X1 18 70 4 0.01 0.02 Me\n0.1 5\n1 0\n"
     assert len(own.read(2 * motor, "x.eng")) == 2
     with pytest.raises(DamagedLog, match="more than 2 motors"):

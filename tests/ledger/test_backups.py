@@ -35,7 +35,7 @@ def flown(file: Path) -> list[str]:
 @pytest.fixture
 def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     """Where a ledger may be that is copied before every change."""
-    monkeypatch.setattr(backups, "EVERY", 1)
+    monkeypatch.setattr(backups, "CHANGES_PER_BACKUP", 1)
     return tmp_path / "ledger.db"
 
 

@@ -12,9 +12,9 @@ from fieldkit.model.observation_noise import NOISE, SUBSETS, forget, measure
 from fieldkit.model.observations import (
     ALPHA_RANGE,
     ALPHA_SD,
-    DECLARED,
+    DECLARED_FIELDS,
+    INDEPENDENT_READOUTS,
     READOUT_NAMES,
-    SEEN,
     Observed,
     drag_area_range,
     observe,
@@ -39,7 +39,7 @@ def test_no_feature_is_missing_whatever_the_flyer_left_out(observed: Observed) -
     assert columns.shape == (len(gaps), len(FEATURES))
     assert np.isfinite(columns).all()
     bare = Observed(
-        gaps.motor, gaps.declared * np.where(np.arange(len(DECLARED)) > 0, np.nan, 1.0), gaps.readouts * np.nan
+        gaps.motor, gaps.declared * np.where(np.arange(len(DECLARED_FIELDS)) > 0, np.nan, 1.0), gaps.readouts * np.nan
     )
     assert np.isfinite(features(bare)).all()
 
@@ -57,7 +57,7 @@ def test_average_acceleration_is_no_evidence_of_its_own(observed: Observed) -> N
 
 
 def test_average_acceleration_stands_in_for_a_missing_speed(observed: Observed) -> None:
-    speed = SEEN.index("top_speed")
+    speed = INDEPENDENT_READOUTS.index("top_speed")
     moving = observed.rows(observed.readout("burn_time") >= 0.5)
     told, restored = shown(moving)[:, speed], shown(moving.without("top_speed"))[:, speed]
     assert np.median(np.abs(restored - told)) < 0.03
@@ -67,7 +67,9 @@ def test_a_burn_time_shown_to_a_tenth_is_sharpened_by_the_other_two() -> None:
     def burn_time(**readouts: float) -> float:
         flight = Flight(flight_id="1", motor="Estes C6", dry_mass=0.06, diameter=0.025, **readouts)
         seen = shown(observe([flight], [catalogue().find("Estes C6")]))
-        return float(np.exp(seen[0, SEEN.index("burn_time")]) * catalogue().find("Estes C6").motor.burn_time)
+        return float(
+            np.exp(seen[0, INDEPENDENT_READOUTS.index("burn_time")]) * catalogue().find("Estes C6").motor.burn_time
+        )
 
     assert burn_time(burn_time=1.8) == pytest.approx(1.8)
     assert burn_time(burn_time=1.8, top_speed=60.0, avg_accel=60.0 / 1.83) == pytest.approx(1.83)
@@ -94,7 +96,7 @@ def test_a_flight_of_records_and_one_of_arrays_look_the_same(observed: Observed)
 def test_without_a_diameter_the_drag_area_may_be_that_of_any_body(observed: Observed, truth: Truth) -> None:
     known = np.ptp(np.stack(drag_area_range(observed)), axis=0)
     declared = observed.declared.copy()
-    declared[:, DECLARED.index("diameter")] = np.nan
+    declared[:, DECLARED_FIELDS.index("diameter")] = np.nan
     low, high = drag_area_range(replace(observed, declared=declared))
     assert (high - low > known).all()
     assert ((np.log(truth.drag_area) > low) & (np.log(truth.drag_area) < high)).all()

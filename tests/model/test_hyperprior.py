@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedModel
-from fieldkit.model.hyperprior import CERTIFIED, START, Scale, learned, read_card
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, START, Scale, learned, read_card
 
 
 def test_a_card_reads_back_as_it_was() -> None:
@@ -53,6 +53,6 @@ def test_scales_are_weighted_by_a_log_normal() -> None:
     scale = Scale((0.5, 1.0, 2.0), 1.0, 0.7)
     assert scale.log_prior[0] == pytest.approx(scale.log_prior[2])
     assert scale.log_prior[1] == 0.0
-    scatter, reading, log_prior = replace(CERTIFIED, scatter=scale).scales()
-    assert len(scatter) == len(reading) == len(log_prior) == 3 * len(CERTIFIED.reading.grid)
+    scatter, reading, log_prior = replace(CERTIFIED_PRIOR, scatter=scale).scales()
+    assert len(scatter) == len(reading) == len(log_prior) == 3 * len(CERTIFIED_PRIOR.reading.grid)
     assert np.exp(log_prior).sum() == pytest.approx(1.0)

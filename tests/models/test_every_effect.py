@@ -13,7 +13,7 @@ from fieldkit.motors import catalogue
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
-from fieldkit.physics.state import Flown
+from fieldkit.physics.state import FlightResult
 from fieldkit.plugins import shelf_folder
 
 EFFECTS = effects()
@@ -44,7 +44,7 @@ def flown(name: str, strength: Any, flights: tuple[Flight, ...] = FLIGHTS) -> di
     area = 0.5 * np.pi / 4 * np.array([flight.diameter or 0.0 for flight in flights]) ** 2
     setup = effect.bend_setup(field_setup(flights, found, area), np.asarray(strength, float), flights)
     result = fly(setup)
-    figures = {field.name: getattr(result, field.name) for field in fields(Flown)}
+    figures = {field.name: getattr(result, field.name) for field in fields(FlightResult)}
     return figures | dict(effect.bend_reading(result.readouts(), np.asarray(strength, float)))
 
 
@@ -76,7 +76,7 @@ def test_a_force_at_zero_strength_is_none(name: str) -> None:
     found = [catalogue().resolve(flight.motor) for flight in FLIGHTS]
     setup = field_setup(FLIGHTS, found, np.full(3, 0.002))
     bent, plain = (fly(setup.with_changes(forces=((f, np.asarray(0.0)),))) for f in (force, none))
-    for field in fields(Flown):
+    for field in fields(FlightResult):
         here, there = getattr(bent, field.name), getattr(plain, field.name)
         np.testing.assert_allclose(here, there, rtol=1e-9, atol=1e-9, err_msg=field.name)
 

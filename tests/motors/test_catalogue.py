@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from pytest_benchmark.fixture import BenchmarkFixture
 
 from fieldkit.errors import AmbiguousMotor, FieldkitError, UnknownMotor
-from fieldkit.motors import PLUGGED, Catalogue, Motor, catalogue, describe, is_cluster, own
+from fieldkit.motors import PLUGGED_DELAY, Catalogue, Motor, catalogue, describe, is_cluster, own
 from fieldkit.motors.motor import impulse
 from fieldkit.planning.delay import drill_of, offered
 
@@ -37,14 +37,14 @@ UNMISTAKABLE = {
     "1/2A3-2T": ("Estes 1/2A3", 2),
     "½A3-2": ("Estes 1/2A3", 2),
     "1/2 A3-2T": ("Estes 1/2A3", 2),
-    "A10-PT": ("Estes A10", PLUGGED),
+    "A10-PT": ("Estes A10", PLUGGED_DELAY),
     "A10-3T": ("Estes A10", 3),
     "D12-3": ("Estes D12", 3),
     "H128W-14A": ("AeroTech H128W", 14),
     "I205W": ("AeroTech HP-I205W", None),
     "HP-I205W-10": ("AeroTech HP-I205W", 10),
-    "L1390G-P": ("AeroTech L1390G", PLUGGED),
-    "M1297W-P": ("AeroTech M1297W", PLUGGED),
+    "L1390G-P": ("AeroTech L1390G", PLUGGED_DELAY),
+    "M1297W-P": ("AeroTech M1297W", PLUGGED_DELAY),
     "AT H123": ("AeroTech H123W", None),
     "Pro38 H123": ("Cesaroni 232H123-14A", None),
     "29mm H123": ("Cesaroni 176H123-12A", None),

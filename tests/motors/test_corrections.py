@@ -10,7 +10,7 @@ import pytest
 
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
-from fieldkit.motors import PLUGGED, Motor, catalogue, describe
+from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue, describe
 from fieldkit.motors.corrections import CONFIDENCES, Correction, read_corrections
 from fieldkit.planning.limits import limits
 from fieldkit.planning.safety import why_high_power
@@ -87,7 +87,7 @@ def test_slips_of_the_catalogue_are_mended(name: str, figures: dict[str, float])
 def test_delays_that_are_known_are_on_record() -> None:
     assert _motor("Estes B4").delays == (2.0, 4.0, 6.0)
     assert _motor("I110-LW").delays == (5.0, 8.0, 10.0)
-    assert _motor("J234-BG").delays == _motor("Hypertek 835CC172J-J317").delays == (PLUGGED,)
+    assert _motor("J234-BG").delays == _motor("Hypertek 835CC172J-J317").delays == (PLUGGED_DELAY,)
     for name in ("H238T", "H148R", "H165R", "H242T"):
         assert _motor(name).delays == (6.0, 8.0, 10.0, 12.0, 14.0)
 

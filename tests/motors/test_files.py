@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from fieldkit.errors import DamagedLog
-from fieldkit.motors import PLUGGED, Motor, catalogue, rasp, rocksim
+from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue, rasp, rocksim
 from fieldkit.motors.own import import_file, own_motors, read
 
 ENG = b"""; two motors of my own
@@ -62,7 +62,7 @@ def test_a_rasp_file_may_hold_several_motors() -> None:
     assert first.propellant_mass == 0.019
     assert first.casing_mass == pytest.approx(0.0439)
     assert (first.time[0], first.thrust[0], first.source) == (0, 0, "mine.eng")
-    assert (second.maker, second.delays, second.impulse_class) == ("Garden Shed", (PLUGGED,), "G")
+    assert (second.maker, second.delays, second.impulse_class) == ("Garden Shed", (PLUGGED_DELAY,), "G")
     assert second.total_impulse == pytest.approx(0.05 * 100 + 140 + 5)
 
 
@@ -110,7 +110,7 @@ def test_a_header_without_samples_is_damaged() -> None:
 
 def test_a_rocksim_file_is_read_in_grams() -> None:
     [motor] = rocksim.read(RSE, "mine.rse")
-    assert (motor.maker, motor.name, motor.kind, motor.delays) == ("Estes", "C6", "SU", (0, 3, 5, PLUGGED))
+    assert (motor.maker, motor.name, motor.kind, motor.delays) == ("Estes", "C6", "SU", (0, 3, 5, PLUGGED_DELAY))
     assert motor.propellant_mass == pytest.approx(0.0108)
     assert motor.casing_mass == pytest.approx(0.0133)
     assert motor.diameter == pytest.approx(0.018)

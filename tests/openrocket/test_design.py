@@ -156,7 +156,7 @@ def test_a_damaged_file_is_named_in_one_line(what: str) -> None:
 
 @pytest.mark.parametrize("kind", ["zip", "gzip", "plain"])
 def test_what_unpacks_to_too_much_is_refused(kind: str, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(archive, "MOST", 2**20)
+    monkeypatch.setattr(archive, "MAX_UNPACKED_SIZE", 2**20)
     content = packed(" " * (2**20 + 1), kind)
     with pytest.raises(DamagedLog, match="unpacks to more than 1 MiB"):
         read_design(content, "bomb.ork")

@@ -12,7 +12,7 @@ from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import Series
 from fieldkit.importing import Mapped, Note, Reading
 from fieldkit.importing.read import read
-from fieldkit.importing.reading import Choice
+from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.recognize import claims, parsers
 from fieldkit.importing.tables import mapping
 from fieldkit.importing.tables.headings import channel, heading, stated_unit
@@ -46,7 +46,7 @@ def table(header: str, row: str, step: float = 0.05) -> bytes:
     return "\n".join([header, *lines, ""]).encode()
 
 
-def found(log: bytes, *choices: Choice) -> tuple[list[Series], str]:
+def found(log: bytes, *choices: ColumnChoice) -> tuple[list[Series], str]:
     """The series of a log, and the line that says how it was read."""
     parser = parsers()["mapped_table"]
     assert parser.mapped is not None
@@ -312,10 +312,10 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 
 def test_a_choice_is_remembered_for_its_headers_alone(home: Path) -> None:
-    first = Choice({"time": "a", "altitude": "b [m]"}, ("a", "b"))
+    first = ColumnChoice({"time": "a", "altitude": "b [m]"}, ("a", "b"))
     remember(first)
-    remember(Choice({"time": "x"}, ("x", "y")))
-    remember(Choice({"time": "b"}, ("a", "b")))
+    remember(ColumnChoice({"time": "x"}, ("x", "y")))
+    remember(ColumnChoice({"time": "b"}, ("a", "b")))
     assert [choice.channels for choice in remembered()] == [{"time": "b"}, {"time": "x"}]
     assert [file.name for file in home.iterdir()] == ["mappings.json"]
 
@@ -328,7 +328,7 @@ def test_a_damaged_memory_is_named_and_not_overwritten(home: Path, text: str) ->
     with pytest.raises(
         FieldkitError, match=r"mappings\.json: cannot be read as remembered mappings; mend or remove it"
     ):
-        remember(Choice({"time": "a"}, ("a", "b")))
+        remember(ColumnChoice({"time": "a"}, ("a", "b")))
     assert (home / "mappings.json").read_text() == text
 
 

@@ -27,9 +27,9 @@ from fieldkit.physics.atmosphere import (
     pad_air,
     station_pressure,
 )
-from fieldkit.physics.burn import Track, burn
+from fieldkit.physics.burn import AscentState, burn
 from fieldkit.physics.flight import apogees, fly
-from fieldkit.physics.state import Flown, Setup, State
+from fieldkit.physics.state import FlightResult, Setup, State
 from fieldkit.physics.thrust_steps import Curve
 from tests.physics.simulated import DENSITY, EVEN_AIR, LONG, ROUGH, STANDARD_AIR, STEADY, Push, rocket
 
@@ -189,7 +189,7 @@ def test_a_longer_rail_is_left_faster_and_changes_nothing_else() -> None:
 # Energy
 
 
-def points(setup: Setup, track: Track) -> Iterator[Any]:
+def points(setup: Setup, track: AscentState) -> Iterator[Any]:
     closed = len(track.position) == 1 and not setup.forces
     return coasting._layers(setup, track, timed=True) if closed else coasting._steps(setup, track)
 
@@ -230,7 +230,7 @@ def mixed(rows: int = 24) -> Setup:
     )
 
 
-def alone(setup: Setup, row: int, flat: tuple[int, ...]) -> Flown:
+def alone(setup: Setup, row: int, flat: tuple[int, ...]) -> FlightResult:
     return fly(setup.flat(flat).part(np.array([row])))
 
 
@@ -244,7 +244,7 @@ def test_a_batch_equals_its_members(monkeypatch: pytest.MonkeyPatch, chunk: int,
     np.testing.assert_array_equal(together.apogee, apogees(setup))
     for row in range(24):
         single = alone(setup, row, (24,))
-        for field in fields(Flown):
+        for field in fields(FlightResult):
             here, there = getattr(together, field.name)[row], getattr(single, field.name)[0]
             np.testing.assert_allclose(here, there, rtol=1e-9, atol=1e-9, err_msg=f"{field.name} of row {row}")
 
@@ -261,7 +261,7 @@ def test_an_upright_planar_flight_is_the_vertical_one() -> None:
     vertical = fly(rocket(LONG, 400, forces=((nothing, np.asarray(1.0)),), **upright))
     planar = fly(rocket(LONG, 400, rail_angle=1e-12, **upright))
     closed = fly(rocket(LONG, **upright))
-    for field in fields(Flown):
+    for field in fields(FlightResult):
         here, there = getattr(planar, field.name), getattr(vertical, field.name)
         np.testing.assert_allclose(here, there, rtol=1e-6, atol=1e-6, err_msg=field.name)
     np.testing.assert_allclose(planar.apogee, closed.apogee, atol=0.1)
@@ -294,7 +294,7 @@ def test_a_motor_that_cannot_lift_its_rocket_gives_zeros() -> None:
     flown = fly(rocket(ROUGH, dry_mass=np.array([0.4, 40.0]), delay=4.0, drag_area=np.array([0.0, 2e-3])))
     np.testing.assert_array_equal(flown.lift_off, [1, 0])
     assert flown.apogee[0] > 10
-    for field in fields(Flown):
+    for field in fields(FlightResult):
         assert getattr(flown, field.name)[1] == 0, field.name
 
 
@@ -338,7 +338,7 @@ def test_readouts_agree_with_each_other() -> None:
     setup = mixed(200)
     flown = fly(setup)
     up = flown.lift_off == 1
-    get = {field.name: getattr(flown, field.name)[up] for field in fields(Flown)}
+    get = {field.name: getattr(flown, field.name)[up] for field in fields(FlightResult)}
     np.testing.assert_allclose(get["top_speed"], get["avg_accel"] * get["burn_time"], rtol=1e-12)
     assert np.all(get["peak_accel"] >= get["avg_accel"])
     assert np.all(get["burn_time"] > 0)
@@ -368,7 +368,7 @@ def test_under_a_parachute_a_fall_takes_height_over_speed() -> None:
 @pytest.mark.parametrize("area", [0.0, 1e-9])
 def test_no_drag_is_the_limit_of_little_drag(area: float) -> None:
     flown = fly(rocket(ROUGH, drag_area=area, delay=9.0))
-    none = {field.name: float(getattr(flown, field.name)) for field in fields(Flown)}
+    none = {field.name: float(getattr(flown, field.name)) for field in fields(FlightResult)}
     assert all(np.isfinite(value) for value in none.values()), none
     wait = none["apogee_to_eject"]
     assert none["eject_altitude"] == pytest.approx(none["apogee"] - 0.5 * GRAVITY * wait**2, rel=1e-4)

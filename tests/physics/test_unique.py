@@ -7,7 +7,7 @@ import pytest
 
 from fieldkit.physics import unique
 from fieldkit.physics.flight import fly
-from fieldkit.physics.state import Flown, Setup
+from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.physics.unique import fly_alike, kinds
 from tests.physics.simulated import LONG, ROUGH, rocket
 
@@ -20,8 +20,8 @@ def doubled() -> Setup:
     return rocket([ROUGH, LONG], dry_mass=mass, wind=wind, motor=np.arange(5) % 2, delay=np.full(5, np.nan))
 
 
-def _same(one: Flown, other: Flown) -> None:
-    for entry in fields(Flown):
+def _same(one: FlightResult, other: FlightResult) -> None:
+    for entry in fields(FlightResult):
         np.testing.assert_array_equal(getattr(one, entry.name), getattr(other, entry.name), strict=True)
 
 
@@ -32,7 +32,7 @@ def test_draws_that_are_alike_come_out_as_if_each_had_flown(doubled: Setup) -> N
 def test_only_one_of_each_kind_is_flown(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
     flown: list[int] = []
 
-    def counted(setup: Setup) -> Flown:
+    def counted(setup: Setup) -> FlightResult:
         flown.append(setup.draws)
         return fly(setup)
 

@@ -17,7 +17,7 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.planning.air import air_of
 from fieldkit.planning.contest import allowed, copy_season, declared_score, outlook, score, season, seasons
 from fieldkit.planning.contest_day import Day, read_window
-from fieldkit.planning.descent import ORDINARY, WORTH, Fall, fall_of, landing_mass
+from fieldkit.planning.descent import DESCENT_PRIOR_FLIGHTS, FLIGHT_TO_FLIGHT_SD, Fall, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.units import FOOT
@@ -126,7 +126,9 @@ def test_the_pace_of_many_flights_is_found_whatever_their_mass_and_air() -> None
 def test_descent_speeds_are_covered_nine_times_in_ten(count: int) -> None:
     rng, inside, rockets = np.random.default_rng(count), 0, 300
     for _ in range(rockets):
-        spread = ORDINARY * np.sqrt(WORTH / rng.chisquare(WORTH))  # some rockets fall more alike than others
+        spread = FLIGHT_TO_FLIGHT_SD * np.sqrt(
+            DESCENT_PRIOR_FLIGHTS / rng.chisquare(DESCENT_PRIOR_FLIGHTS)
+        )  # some rockets fall more alike than others
         flights, _ = falls(count + 1, rng, float(spread))
         (flight, found), fall = flights[-1], fall_of(flights[:-1])
         density = DENSITY[count % 2]

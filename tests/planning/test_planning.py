@@ -25,7 +25,7 @@ from fieldkit.planning.descent import Fall
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, fitting, guide, mount_of
-from fieldkit.planning.safety import Line, first_thrust, safety_lines
+from fieldkit.planning.safety import SafetyCheck, first_thrust, safety_lines
 from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans
@@ -83,7 +83,7 @@ def said(rocket: Rocket, plan: Flight, motors: Catalogue) -> Prediction:
     return forecasts(rocket, [(plan, motors.resolve("F24-4W"))], draws=300)[0]
 
 
-def lines_of(said: Prediction, site: Site = ANYWHERE, **changes: object) -> dict[str, Line]:
+def lines_of(said: Prediction, site: Site = ANYWHERE, **changes: object) -> dict[str, SafetyCheck]:
     """The safety lines of a forecast whose plan says something else, by name."""
     changed = replace(said, plan=said.plan.with_changes(**changes))
     return {line.name: line for line in safety_lines(changed, site, FALL, limits())}

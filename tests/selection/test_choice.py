@@ -12,11 +12,11 @@ from hypothesis.extra.numpy import arrays
 
 from fieldkit.errors import UnknownEffect
 from fieldkit.flight import Flight
-from fieldkit.model.readout_data import OBSERVED, observe
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, base_model, shown
 from fieldkit.motors import catalogue
-from fieldkit.selection.candidates import EACH, Place, effect_candidates, effect_terms
-from fieldkit.selection.choice import MOST, may_leave, steady_evidence
+from fieldkit.selection.candidates import EACH_GROUP, Place, effect_candidates, effect_terms
+from fieldkit.selection.choice import MAX_ERROR_RATIO_ALLOWED, may_leave, steady_evidence
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import pattern_candidates
 
@@ -47,7 +47,7 @@ def test_a_surer_effect_may_leave_more_but_never_much_more() -> None:
     limits = may_leave(np.linspace(0, 50, 200))
     assert np.all(np.diff(limits) >= 0)
     assert limits[0] < 1
-    assert limits[-1] == MOST
+    assert limits[-1] == MAX_ERROR_RATIO_ALLOWED
 
 
 def season(**columns: list[Any]) -> Model:
@@ -75,9 +75,9 @@ def measured(model: Model, scatter: float = 0.01, seed: int = 3) -> Model:
     size = (1, len(model.flights))
     luck = {"thrust": scatter * rng.normal(size=size), "drag": scatter * rng.normal(size=size)}
     readings = shown(model, values, luck)
-    read = {name: readings[name][0] * (1 + 0.004 * rng.normal(size=size[1])) for name in OBSERVED}
+    read = {name: readings[name][0] * (1 + 0.004 * rng.normal(size=size[1])) for name in OBSERVED_READOUTS}
     flights = [
-        flight.with_changes(**{name: float(read[name][row]) for name in OBSERVED})
+        flight.with_changes(**{name: float(read[name][row]) for name in OBSERVED_READOUTS})
         for row, flight in enumerate(model.flights)
     ]
     return replace(model, flights=tuple(flights))
@@ -91,7 +91,7 @@ def test_hot_and_cold_days_are_air_and_move_the_altimeter_with_it() -> None:
     diagnosis = diagnose(model, observe(forgotten, [True] * 16))
     assert diagnosis.effect == "air_density"
     (trial,) = diagnosis.accepted
-    assert trial.candidate.place == Place("weather", EACH)
+    assert trial.candidate.place == Place("weather", EACH_GROUP)
     mean, sd = trial.strength()
     assert abs(mean - np.sqrt(np.mean([100, 196, 4, 484]))) < 3 * sd
     assert diagnosis.after.mae < diagnosis.before.mae
@@ -116,7 +116,7 @@ def test_an_effect_that_nobody_knows_or_no_flight_could_show_is_an_error(name: s
 
 def test_an_effect_of_each_day_has_a_strength_for_every_day_without_a_temperature() -> None:
     model = season(temperature=[290.0] * 4 + [None] * 12)
-    terms = effect_terms(Place("weather", EACH), model)
+    terms = effect_terms(Place("weather", EACH_GROUP), model)
     assert len(terms) == 3
     np.testing.assert_array_equal(sum(term.weight for term in terms), [0.0] * 4 + [1.0] * 12)
 

@@ -11,8 +11,8 @@ from fieldkit.flight import Flight
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import solve
-from fieldkit.model.hyperprior import CERTIFIED
-from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term
 from fieldkit.selection.rank_tests import kruskal, ranks, spearman, spread_p, student_p
 from fieldkit.selection.residual import associations, holm, spread_of, standardised
@@ -29,10 +29,10 @@ TERMS = 4
 def near() -> Tangent:
     """A linear rocket: four shared unknowns, two kinds of scatter."""
     rng = np.random.default_rng(3)
-    shape = (FLIGHTS, len(OBSERVED))
-    shared = np.tile(rng.normal(size=(len(OBSERVED), TERMS)), (FLIGHTS, 1, 1))
+    shape = (FLIGHTS, len(OBSERVED_READOUTS))
+    shared = np.tile(rng.normal(size=(len(OBSERVED_READOUTS), TERMS)), (FLIGHTS, 1, 1))
     shared[:, :, -1] *= (np.arange(FLIGHTS) % 2)[:, None]
-    own = np.tile(rng.normal(size=(len(OBSERVED), 2)) * 0.5, (FLIGHTS, 1, 1))
+    own = np.tile(rng.normal(size=(len(OBSERVED_READOUTS), 2)) * 0.5, (FLIGHTS, 1, 1))
     return Tangent(np.zeros(TERMS), np.zeros(shape), shared, own)
 
 
@@ -40,12 +40,12 @@ def near() -> Tangent:
 def null_residuals() -> Float[Array, "set flight readout"]:
     """Residuals of histories in which the model is right."""
     rng = np.random.default_rng(4)
-    scatter, reading, _ = (values[SCALE] for values in CERTIFIED.scales())
+    scatter, reading, _ = (values[SCALE] for values in CERTIFIED_PRIOR.scales())
     terms = tuple(Term(str(i), "drag", 0.0, 1.0, np.ones(FLIGHTS)) for i in range(TERMS))
     model, tangent = Model((Flight(),) * FLIGHTS, (), np.zeros(FLIGHTS), terms, tuple(range(FLIGHTS))), near()
     sd = np.full(tangent.values.shape, 0.3)
     seen = np.ones(sd.shape, bool)
-    scales = np.array([1.0, *[reading] * (len(OBSERVED) - 1)])
+    scales = np.array([1.0, *[reading] * (len(OBSERVED_READOUTS) - 1)])
     found = []
     for _ in range(SETS):
         values = tangent.slope @ rng.normal(size=TERMS) + rng.normal(size=sd.shape) * sd * scales

@@ -8,7 +8,7 @@ import pytest
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services import fleet
-from fieldkit.services.fleet import KEPT, fleet_prior
+from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
 from tests.seasons import season
 
 
@@ -24,7 +24,7 @@ def ledger(tmp_path: Path) -> Ledger:
 def test_what_is_kept_is_what_would_be_computed(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
     first = fleet_prior(ledger, catalogue(), "New")
     assert first is not None
-    assert ledger.draft(f"{KEPT}R0") is not None
+    assert ledger.draft(f"{MESSAGE_PREFIX}R0") is not None
     monkeypatch.setattr("fieldkit.inference.laplace.fleet.rocket_fit", None)  # nothing is fitted again
     again = fleet_prior(ledger, catalogue(), "New")
     assert again is not None

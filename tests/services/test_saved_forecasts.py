@@ -14,7 +14,7 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.provenance import digest, model_parts, plan_parts
-from fieldkit.services.saved_forecasts import Kept, by_flight, in_words, kept
+from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, kept
 
 CHECK_SHAPES = False
 
@@ -48,7 +48,7 @@ def ledger(said: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Itera
         yield ledger
 
 
-def only(ledger: Ledger) -> Kept:
+def only(ledger: Ledger) -> SavedForecast:
     (one,) = kept(ledger, catalogue())
     return one
 

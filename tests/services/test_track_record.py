@@ -37,7 +37,7 @@ def test_a_kept_prediction_is_scored_against_what_was_known_then(
     assert (row.earlier, row.rivals["flight_before"].tolist(), row.flown) == (1, [250.0], 230.0)
     assert (plan.dry_mass, plan.apogee) == (pytest.approx(0.35), None)
     assert row.rivals["scalar"][0] > 0
-    assert len(row.draws) == forecasts.LIKELY
+    assert len(row.draws) == forecasts.QUANTILE_COUNT
     assert made[0].stale
     picture = tmp_path / "score.svg"
     monkeypatch.setenv("COLUMNS", "80")

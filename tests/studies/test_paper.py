@@ -17,7 +17,7 @@ from fieldkit.physics.single import paper_flight
 from studies.paper.exact import bayes_limit, lowest, reconstructions
 from studies.paper.next_flight import leave_one_out, rules, scatter
 from studies.paper.reference import Reference, certified, heights, normalised, reference
-from studies.paper.report import Report, report
+from studies.paper.report import PaperReport, report
 from studies.paper.text import findings
 
 CHECK_SHAPES = False
@@ -29,7 +29,7 @@ def flights() -> Reference:
 
 
 @pytest.fixture(scope="module")
-def found() -> Report:
+def found() -> PaperReport:
     return report()
 
 
@@ -43,17 +43,17 @@ def test_eight_of_the_twelve_flights_are_valid(flights: Reference) -> None:
     assert [flight.flight_id for flight in flights.part(flights.valid).flights] == [*"12349", "10", "11", "12"]
 
 
-def test_the_published_errors_follow_from_the_published_apogees(found: Report) -> None:
+def test_the_published_errors_follow_from_the_published_apogees(found: PaperReport) -> None:
     own = found.published["reconstruction"]
     assert (round(own["mae_m"], 1), round(own["rmse_m"], 1), round(own["bias_m"], 1)) == (12.3, 14.0, 12.3)
 
 
-def test_the_ensemble_is_as_good_as_the_published_one_on_simulated_flights(found: Report) -> None:
+def test_the_ensemble_is_as_good_as_the_published_one_on_simulated_flights(found: PaperReport) -> None:
     assert found.synthetic["cd_mae"] == pytest.approx(0.088, abs=0.003)
     assert found.synthetic["alpha_mae"] == pytest.approx(0.071, abs=0.003)
 
 
-def test_no_ensemble_beats_the_bayes_limit_but_by_chance(found: Report) -> None:
+def test_no_ensemble_beats_the_bayes_limit_but_by_chance(found: PaperReport) -> None:
     for name in ("cd", "alpha"):
         slack = 4 * found.synthetic[f"{name}_standard_error"]
         assert found.synthetic[f"{name}_mae"] > found.bayes_limit[f"{name}_mae"] - slack
@@ -70,12 +70,12 @@ def test_the_bayes_limit_does_not_hang_on_its_grid() -> None:
     assert coarse == pytest.approx(fine, abs=2e-4)
 
 
-def test_the_spread_of_the_ensemble_covers_next_to_nothing(found: Report) -> None:
+def test_the_spread_of_the_ensemble_covers_next_to_nothing(found: PaperReport) -> None:
     assert 0.01 < found.synthetic["cd_coverage_one_sd"] < 0.10
     assert 0.01 < found.synthetic["alpha_coverage_one_sd"] < 0.10
 
 
-def test_reconstructions_land_where_recipes_of_this_kind_land(found: Report) -> None:
+def test_reconstructions_land_where_recipes_of_this_kind_land(found: PaperReport) -> None:
     assert 3 < found.reconstruction["mae_m"] < 18
     assert found.reconstruction["bias_m"] == pytest.approx(found.reconstruction["mae_m"], abs=1)
     for one in found.flights:
@@ -83,18 +83,18 @@ def test_reconstructions_land_where_recipes_of_this_kind_land(found: Report) -> 
         assert one["alpha"] == pytest.approx(one["published_alpha"], abs=0.05)
 
 
-def test_the_openrocket_column_misses_by_more_than_stated(found: Report) -> None:
+def test_the_openrocket_column_misses_by_more_than_stated(found: PaperReport) -> None:
     assert found.openrocket["mae_m"] == pytest.approx(43.6, abs=0.05)
     assert found.openrocket["rmse_m"] == pytest.approx(46.8, abs=0.05)
 
 
-def test_the_published_profile_delivers_too_much(found: Report) -> None:
+def test_the_published_profile_delivers_too_much(found: PaperReport) -> None:
     motors = found.thrust_profile["motors"]
     assert [round(motor["delivered_ns"], 1) for motor in motors] == [41.3, 64.5, 61.0]
     assert [round(motor["certified_ns"], 1) for motor in motors] == [39.4, 47.3, 49.7]
 
 
-def test_the_profile_makes_the_bias(found: Report) -> None:
+def test_the_profile_makes_the_bias(found: PaperReport) -> None:
     bias = found.thrust_profile["exact_posterior_bias_m"]
     assert bias["published"] == pytest.approx(14.3, abs=0.2)
     assert bias["impulse_normalised"] == pytest.approx(0.7, abs=0.1)
@@ -142,7 +142,7 @@ MAE = {
 """Each rule's mean absolute error, and how far the choice of integrator and of priors may move it. [m]"""
 
 
-def test_every_rule_misses_by_what_is_known(found: Report) -> None:
+def test_every_rule_misses_by_what_is_known(found: PaperReport) -> None:
     assert {rule["rule"] for rule in found.rules} == set(MAE)
     for rule in found.rules:
         expected, tolerance = MAE[rule["rule"]]
@@ -185,7 +185,7 @@ def heights_of(motor: np.ndarray, dry_mass: np.ndarray, truth: np.ndarray) -> np
     return apogees(paper.paper_setup(motor, dry_mass, truth[:, 0], truth[:, 1]))
 
 
-def test_findings_quote_the_figures(found: Report) -> None:
+def test_findings_quote_the_figures(found: PaperReport) -> None:
     said = " ".join(findings(found))
     for figure in ("12.3", "43.6", "19.9", "41.3, 64.5 and 61.0", "39.4, 47.3 and 49.7", "5 of the 8", "16.0"):
         assert figure in said
@@ -209,7 +209,7 @@ def run(capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp
 
 
 @pytest.fixture
-def computed(found: Report, monkeypatch: pytest.MonkeyPatch) -> None:
+def computed(found: PaperReport, monkeypatch: pytest.MonkeyPatch) -> None:
     """The report as already computed."""
     monkeypatch.setattr("studies.paper.report.report", lambda: found)
 

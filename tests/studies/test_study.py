@@ -18,7 +18,7 @@ from studies.histories import page as histories_page
 from studies.paper.assumption_steps import Step, step, worlds
 from studies.paper.reference import Reference, reference
 from studies.paper.study import parts_of
-from studies.paper.two_flights import LIKELY, TwoFlights, two_flights
+from studies.paper.two_flights import MAX_PRIOR_SDS, TwoFlights, two_flights
 
 CHECK_SHAPES = False
 
@@ -93,7 +93,9 @@ def test_the_lighter_rocket_should_have_flown_much_higher(pair: TwoFlights) -> N
 
 def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -> None:
     possible = [cause for cause in pair.causes if cause.possible]
-    assert {"early_ejection", "motor_thrust", "wind"} <= {cause.effect for cause in possible if cause.away < LIKELY}
+    assert {"early_ejection", "motor_thrust", "wind"} <= {
+        cause.effect for cause in possible if cause.away < MAX_PRIOR_SDS
+    }
     for cause in possible:
         assert cause.shows["apogee"] == pytest.approx(174.7, abs=3.0)
 

@@ -353,7 +353,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
     log.write_bytes((ROOT / "sample_logs" / "perfectflite__drogue_and_main.pf2").read_bytes())
     end = capture.Ended(log, "stratologger", 4000, 200, 0, "all is read", True)
     events = [
-        capture.Opened("/dev/ttyUSB0", "stratologger", log),
+        capture.PortOpened("/dev/ttyUSB0", "stratologger", log),
         capture.Progress(2000, 100, 1, 0.5, capture.Sample(123.4, 3.0, 20.0, "boost")),
         capture.Lost("/dev/ttyUSB0", "the cable was pulled"),
         capture.Back("/dev/ttyUSB1"),
@@ -374,7 +374,7 @@ async def test_a_capture_tells_what_comes_and_takes_it_into_the_ledger(file: Pat
             assert "highest 123.4 m" in seen
             await press(pilot, "enter", "y")
             assert "1 imported" in words(pilot)
-            events[1:1] = [capture.Told(f"page {number} is read") for number in range(20)]
+            events[1:1] = [capture.Instruction(f"page {number} is read") for number in range(20)]
             events[-1] = capture.Ended(log, "stratologger", 0, 0, 0, "it went silent", False)
             events.remove(next(event for event in events if isinstance(event, capture.Progress)))
             await press(pilot, "enter")

@@ -36,10 +36,10 @@ def test_what_is_knotted_is_collected_in_a_rest_where_enough_came_together(monke
     gc.collect(1)  # it is old now, and young collections pass it by
     there = weakref.ref(knot)
     del knot
-    monkeypatch.setattr(promptly, "DUE", promptly.NEVER)
+    monkeypatch.setattr(promptly, "COLLECTIONS_BEFORE_FULL", promptly.NO_AUTOMATIC_FULL)
     promptly.tidy()
     assert there() is not None
-    monkeypatch.setattr(promptly, "DUE", 0)
+    monkeypatch.setattr(promptly, "COLLECTIONS_BEFORE_FULL", 0)
     promptly.tidy()
     assert there() is None
 

@@ -140,7 +140,7 @@ async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(unused_tcp_p
 async def test_no_more_apps_run_at_once_than_a_laptop_bears(
     unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(serve, "MOST", 0)
+    monkeypatch.setattr(serve, "MAX_APPS", 0)
     runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
     try:
         async with ClientSession() as flyer:

@@ -9,15 +9,15 @@ import time
 from dataclasses import dataclass
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Listed, Sample, Stored, Told
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import NOISE, Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.events import FlightsListed, Instruction, Sample, Stored
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import NOISE, Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.capture.sentences import Sentence, sentence, sentences
 from fieldkit.errors import PortTrouble
 
-MOST = 25
-"""Flights that a unit keeps."""
+MAX_FLIGHTS = 25
+"""Flights that a unit keeps. [1]"""
 GREETINGS, GREETING = 8, 1.5
 """How often the unit is greeted, and how long it has to answer: opening the port restarts some boards. [s]"""
 ANSWER = 5.0
@@ -34,7 +34,7 @@ def overhears(heard: bytes) -> bool:
 
 
 @dataclass(frozen=True, slots=True)
-class Frame:
+class AnswerFrame:
     """An answer to one command, from its `$start;` on."""
 
     content: bytes
@@ -47,9 +47,9 @@ class Frame:
         return self.ended and not self.bad
 
 
-def frames(captured: Captured) -> dict[int, Frame]:
+def frames(captured: Captured) -> dict[int, AnswerFrame]:
     """The best answer there is for each flight that was asked for."""
-    best: dict[int, Frame] = {}
+    best: dict[int, AnswerFrame] = {}
     for answer in captured.answers():
         asked = re.fullmatch(rb"r(\d+);", answer.command)
         if asked:
@@ -59,26 +59,26 @@ def frames(captured: Captured) -> dict[int, Frame]:
     return best
 
 
-def _worth(frame: Frame) -> tuple[bool, int, bool]:
+def _worth(frame: AnswerFrame) -> tuple[bool, int, bool]:
     return frame.whole, frame.good, frame.ended
 
 
-def _frame(content: bytes) -> Frame:
+def _frame(content: bytes) -> AnswerFrame:
     start = max(content.find(b"$start;"), 0)
     end = content.find(b"$end;", start)
     content = content[start : end + len(b"$end;") if end >= 0 else None]
     data = [one for one in sentences(content) if one.fields and one.name != "telemetry"]
     good = sum(one.sound and one.name == "data" for one in data)
-    return Frame(content, good, len(data) - good, end >= 0)
+    return AnswerFrame(content, good, len(data) - good, end >= 0)
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
 
 
-def _greeted(link: Link) -> Talk[None]:
+def _greeted(link: Link) -> Dialogue[None]:
     for _ in range(GREETINGS):
         link.send(b"h;")
         while (one := (yield from _next(link, GREETING))) is not None:
@@ -89,7 +89,7 @@ def _greeted(link: Link) -> Talk[None]:
     )
 
 
-def _next(link: Link, silence: float) -> Talk[Sentence | None]:
+def _next(link: Link, silence: float) -> Dialogue[Sentence | None]:
     """The next sentence that is no telemetry, None after silence, or after a while of nothing but telemetry. [s]"""
     ends = time.monotonic() + NOISE * silence
     while time.monotonic() < ends and (piece := (yield from link.piece(b";", silence))) is not None:
@@ -117,7 +117,7 @@ def _telemetry(link: Link, one: Sentence) -> None:
     link.sample = Sample(altitude, clock / 1000, state=state)
 
 
-def _identified(link: Link) -> Talk[None]:
+def _identified(link: Link) -> Dialogue[None]:
     """Take down the settings, whose eighth field is the name of the board."""
     link.send(b"b;")
     while (one := (yield from _next(link, ANSWER))) is not None and one.name not in ("end", *REFUSALS):
@@ -127,13 +127,13 @@ def _identified(link: Link) -> Talk[None]:
             link.about["settings"] = ",".join(one.fields)
 
 
-def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def _downloaded(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     count = yield from _counted(link)
     _same_unit(link, count, captured)
-    flights = [Stored(number, f"flight {number}") for number in range(min(count, MOST))]
+    flights = [Stored(number, f"flight {number}") for number in range(min(count, MAX_FLIGHTS))]
     wanted = set(wishes.choose(flights)) if flights else set()
     chosen = [flight.number for flight in flights if flight.number in wanted]
-    yield Listed(tuple(flights), tuple(chosen))
+    yield FlightsListed(tuple(flights), tuple(chosen))
     have = {number for number, frame in frames(captured).items() if frame.whole}
     link.send(b"f;")
     try:
@@ -150,7 +150,7 @@ def _downloaded(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     return whole
 
 
-def _counted(link: Link) -> Talk[int]:
+def _counted(link: Link) -> Dialogue[int]:
     for _ in range(TRIES):
         link.send(b"n;")
         while (one := (yield from _next(link, ANSWER))) is not None and one.name != "end":
@@ -169,7 +169,7 @@ def _same_unit(link: Link, count: int, captured: Captured) -> None:
         raise PortTrouble(f"{link.line.name}: this is another unit than that of the capture; begin a new capture")
 
 
-def _flight(link: Link, number: int) -> Talk[bool]:
+def _flight(link: Link, number: int) -> Dialogue[bool]:
     """Read one flight, again where it arrived damaged."""
     for attempt in range(1, TRIES + 1):
         good, bad, ended = yield from _answer(link, number)
@@ -177,12 +177,12 @@ def _flight(link: Link, number: int) -> Talk[bool]:
             return True
         fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
         again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
-        yield Told(f"flight {number}: {fault}{again}")
+        yield Instruction(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False
 
 
-def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
+def _answer(link: Link, number: int) -> Dialogue[tuple[int, int, bool]]:
     good = bad = 0
     link.send(b"r%d;" % number)
     while (one := (yield from _next(link, ANSWER))) is not None:
@@ -199,7 +199,7 @@ def _answer(link: Link, number: int) -> Talk[tuple[int, int, bool]]:
     return good, bad, False
 
 
-def _followed(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def _followed(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     """Telemetry until it pauses, or until the flyer stops it."""
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -226,4 +226,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join([*head, *flown]) + b"\n")]
 
 
-PROTOCOL = Protocol("bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", Settings(38_400), talk, logs, overhears)
+PROTOCOL = Protocol("bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", PortSettings(38_400), talk, logs, overhears)

@@ -12,20 +12,20 @@ from dataclasses import dataclass
 
 from fieldkit.capture.altus import ANSWER, silence_echo, version
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Listed, Stored, Told
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.events import FlightsListed, Instruction, Stored
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 
 TRIES = 3
 BLOCK, ROW, LINE = 256, 8, 32
 """Bytes of a block, of a line that a unit sends, and of a line of a file. [bytes]"""
-ERASED = b"\xff" * BLOCK
+ERASED_BLOCK = b"\xff" * BLOCK
 MOST_LINES = 5000
 """No list of flights is longer."""
-MOST = 100_000
-"""No flight has more blocks; one that claims so has its line torn."""
+MAX_BLOCKS = 100_000
+"""No flight has more blocks; a line that claims more is damaged."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ class Block:
     missing: int
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from silence_echo(link)
     identity = yield from _identity(link)
     _same_unit(link, identity, captured)
@@ -55,12 +55,12 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     ]
     wanted = set(wishes.choose(listed)) if listed else set()
     chosen = [one for one in flights if one.number in wanted]
-    yield Listed(tuple(listed), tuple(one.number for one in chosen))
+    yield FlightsListed(tuple(listed), tuple(one.number for one in chosen))
     have = {number: block for number, block in blocks(captured).items() if not block.missing}
     return (yield from _downloaded(link, chosen, have))
 
 
-def _identity(link: Link) -> Talk[dict[str, str]]:
+def _identity(link: Link) -> Dialogue[dict[str, str]]:
     """What a unit says of itself. Raises PortTrouble where it says nothing."""
     for _ in range(TRIES):
         link.send(b"c s\n")
@@ -84,7 +84,7 @@ def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None
         )
 
 
-def _flights(link: Link) -> Talk[list[Extent]]:
+def _flights(link: Link) -> Dialogue[list[Extent]]:
     for _ in range(TRIES):
         link.send(b"l\n")
         lines: list[str] = []
@@ -100,12 +100,12 @@ def extents(lines: Iterable[str]) -> list[Extent]:
     found = []
     for line in lines:
         match = re.fullmatch(r"flight (\d+) start ([0-9a-fA-F]{1,6}) end ([0-9a-fA-F]{1,6})", line.strip())
-        if match and 0 < int(match[3], 16) - int(match[2], 16) <= MOST:
+        if match and 0 < int(match[3], 16) - int(match[2], 16) <= MAX_BLOCKS:
             found.append(Extent(int(match[1]), int(match[2], 16), int(match[3], 16)))
     return found
 
 
-def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -> Talk[bool]:
+def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -> Dialogue[bool]:
     total = sum(one.end - one.start for one in flights)
     done, whole = 0, True
     for one in flights:
@@ -114,14 +114,14 @@ def _downloaded(link: Link, flights: Sequence[Extent], have: dict[int, Block]) -
             block = have.get(number) or (yield from _block(link, number))
             whole = whole and not block.missing
             done += 1
-            if block.content == ERASED and not block.missing:
+            if block.content == ERASED_BLOCK and not block.missing:
                 break
         done = sum(other.end - other.start for other in flights[: flights.index(one) + 1])
     link.share = 1.0
     return whole
 
 
-def _block(link: Link, number: int) -> Talk[Block]:
+def _block(link: Link, number: int) -> Dialogue[Block]:
     """Read a block, again where lines of it are missing."""
     for attempt in range(1, TRIES + 1):
         link.send(b"e %x\n" % number)
@@ -137,14 +137,14 @@ def _block(link: Link, number: int) -> Talk[Block]:
             return block
         link.damaged += 1
         again = "; reading it again" if attempt < TRIES else "; they stay empty"
-        yield Told(f"block {number:x}: {block.missing} lines did not arrive whole{again}")
+        yield Instruction(f"block {number:x}: {block.missing} lines did not arrive whole{again}")
         yield from link.drain(0.3)
     return block
 
 
 def assembled(lines: Iterable[str]) -> Block:
     """The block that lines make up; what none of them holds is 0xff."""
-    content = bytearray(ERASED)
+    content = bytearray(ERASED_BLOCK)
     missing = set(range(0, BLOCK, ROW))
     for line in lines:
         row = _row(line)
@@ -183,7 +183,7 @@ def logs(captured: Captured) -> list[Log]:
     for one in extents(answers.get(b"l\n", [])):
         have = [number for number in range(one.start, one.end) if number in memory]
         content = b"".join(
-            memory[number].content if number in memory else ERASED
+            memory[number].content if number in memory else ERASED_BLOCK
             for number in range(one.start, max(have, default=0) + 1)
         )
         if have and content.strip(b"\xff"):
@@ -201,7 +201,7 @@ def settings(lines: Iterable[str]) -> dict[str, str | int]:
         elif match := _SETTING.match(line):
             name = re.sub(r"[^a-z0-9]+", "_", (match[1] or match[2]).lower()).strip("_")
             value = match[3].strip().strip('"')
-            found[_RENAMED.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,10}", value) else value
+            found[_RENAMED_KEYS.get(name, name)] = int(value) if re.fullmatch(r"-?\d{1,10}", value) else value
     return found
 
 
@@ -212,7 +212,9 @@ def _eeprom(told: Mapping[str, str | int], content: bytes) -> bytes:
 
 _CALIBRATION = re.compile(r"\s*Accel cal \+1g:\s*(-?\d{1,9})\s+-1g:\s*(-?\d{1,9})")
 _SETTING = re.compile(r"\s*(?:([A-Za-z][A-Za-z0-9 _-]{0,40}):\s*|([A-Za-z][A-Za-z0-9_-]{0,40})\s+)([!-~][ -~]{0,80})$")
-_RENAMED = {"serial_number": "serial", "current_flight": "last_flight"}
+_RENAMED_KEYS = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
-PROTOCOL = Protocol("Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", Settings(9600), talk, logs)
+PROTOCOL = Protocol(
+    "Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", PortSettings(9600), talk, logs
+)

@@ -9,10 +9,10 @@ import re
 import time
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Told
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.events import Instruction
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import crc_buypass
 
@@ -38,7 +38,7 @@ def overhears(heard: bytes) -> bool:
     return any(frame(line) for line in heard.splitlines()[:-1])
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     silence = SILENCE if wishes.silence is None else wishes.silence
     done = _done(captured)
     came = bool(done)
@@ -50,7 +50,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
             link.line.tape.note(done=kind)
             came = came or frames > 0
             if not frames:
-                yield Told(f"the unit sent no {'low' if kind == 'LOW' else 'high'}-rate data")
+                yield Instruction(f"the unit sent no {'low' if kind == 'LOW' else 'high'}-rate data")
     link.share = 1.0
     if not came:
         raise PortTrouble(f"{link.line.name}: no frame in answer to download l and download h from a Blue Raven")
@@ -62,7 +62,7 @@ def _done(captured: Captured) -> set[str]:
     return {str(mark.facts["done"]) for mark in captured.marks if "done" in mark.facts}
 
 
-def _downloaded(link: Link, kind: str, silence: float) -> Talk[int]:
+def _downloaded(link: Link, kind: str, silence: float) -> Dialogue[int]:
     """Count frames of one kind until there are none for so long; live status in between is no data. [s]"""
     wanted = f"@ LOG_{kind}".encode()
     last, frames = time.monotonic(), 0
@@ -92,4 +92,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content)] if b"@ " in content else []
 
 
-PROTOCOL = Protocol("Featherweight Blue Raven (USB)", Settings(115_200), talk, logs, overhears)
+PROTOCOL = Protocol("Featherweight Blue Raven (USB)", PortSettings(115_200), talk, logs, overhears)

@@ -7,9 +7,9 @@ Sources: Serial_Connection.md (broofa/eggtimer_for_mac), Eggtimer manual release
 import re
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 
 WAIT = 180.0
 """How long the flyer may take to press the button. [s]"""
@@ -19,8 +19,8 @@ SILENCE = 30.0
 _HEADER = re.compile(rb"^T[,;\t ]Alt[,;\t ]", re.MULTILINE)
 _ROW = re.compile(r"[-+]?\d[-+\d.,;\s]*")
 _MARK = re.compile(r"[,;\s]+")
-FEWEST = 3
-"""Numbers in a row at least: time, height and speed. [1]"""
+MIN_NUMBERS = 3
+"""Smallest count of numbers in a row: time, height and speed. [1]"""
 
 
 def overhears(heard: bytes) -> bool:
@@ -28,7 +28,7 @@ def overhears(heard: bytes) -> bool:
     return _HEADER.search(heard) is not None
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -40,7 +40,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
 
 def _is_row(line: str) -> bool:
     """Whether a line is a row of the table: numbers, and marks between them."""
-    return _ROW.fullmatch(line) is not None and len(_MARK.split(line)) >= FEWEST
+    return _ROW.fullmatch(line) is not None and len(_MARK.split(line)) >= MIN_NUMBERS
 
 
 def logs(captured: Captured) -> list[Log]:
@@ -51,7 +51,7 @@ def logs(captured: Captured) -> list[Log]:
 
 PROTOCOL = Protocol(
     "Eggtimer Classic, TRS (text, as printed)",
-    Settings(9600),
+    PortSettings(9600),
     talk,
     logs,
     overhears,

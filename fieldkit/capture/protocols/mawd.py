@@ -9,10 +9,10 @@ import re
 import time
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Told
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import NOISE, Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.events import Instruction
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import NOISE, Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 
 ANSWER = 3.0
@@ -25,7 +25,7 @@ _SAMPLE = re.compile(r".\d{4}")
 _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     model = yield from _lines(link, b"I", 2)
     if not model:
         raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
@@ -34,12 +34,12 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     link.about["firmware"] = " ".join(firmware)
     count = yield from _count(link)
     if not count:
-        yield Told("the unit holds no flight")
+        yield Instruction("the unit holds no flight")
         return True
     return (yield from _flight(link, count))
 
 
-def _lines(link: Link, command: bytes, wanted: int) -> Talk[list[str]]:
+def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
     """So many lines that are not blank in answer to a command; fewer, or none, where the unit does not answer."""
     found: list[str] = []
     for _ in range(TRIES):
@@ -59,7 +59,7 @@ def _lines(link: Link, command: bytes, wanted: int) -> Talk[list[str]]:
     return found
 
 
-def _count(link: Link) -> Talk[int]:
+def _count(link: Link) -> Dialogue[int]:
     """The number of samples in memory. Raises PortTrouble where the statistics cannot be read."""
     for _ in range(TRIES):
         lines = yield from _lines(link, b"S", STATISTICS)
@@ -69,7 +69,7 @@ def _count(link: Link) -> Talk[int]:
     raise PortTrouble(f"{link.line.name}: no number of samples in answer to S, expected a line such as N00512")
 
 
-def _flight(link: Link, count: int) -> Talk[bool]:
+def _flight(link: Link, count: int) -> Dialogue[bool]:
     """The interval and the samples; asked for again where they do not come to the end."""
     for attempt in range(1, TRIES + 1):
         yield from link.drain(0.2)
@@ -87,7 +87,7 @@ def _flight(link: Link, count: int) -> Talk[bool]:
         if good == count:
             return True
         again = "; reading it again" if attempt < TRIES else ""
-        yield Told(f"{good} of {count} samples arrived{again}")
+        yield Instruction(f"{good} of {count} samples arrived{again}")
     return False
 
 
@@ -101,4 +101,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content or captured.raw)] if captured.raw else []
 
 
-PROTOCOL = Protocol("PerfectFlite MAWD", Settings(38_400, xonxoff=True), talk, logs)
+PROTOCOL = Protocol("PerfectFlite MAWD", PortSettings(38_400, xonxoff=True), talk, logs)

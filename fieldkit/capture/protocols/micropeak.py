@@ -9,10 +9,10 @@ import time
 from dataclasses import dataclass, field
 
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Told
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.events import Instruction
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.importing.tables.checksums import crc_x25
 
 WAIT = 180.0
@@ -24,7 +24,7 @@ TAIL = 1.5
 MODELS = {0: "MicroPeak", 1: "MicroKite", 2: "MicroPeak 2"}
 
 _HEX = frozenset(b"0123456789abcdefABCDEF")
-_WHITE = frozenset(b" \t\r\n")
+_WHITESPACE = frozenset(b" \t\r\n")
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,7 +69,7 @@ class Stream:
                 self.digits.append(byte)
                 if len(self.digits) == self._needed and self._complete():
                     found.append(self._record(self.place + at + 1))
-            elif byte not in _WHITE:
+            elif byte not in _WHITESPACE:
                 self.start = -1
                 found.append(None)
                 continue  # it may begin another
@@ -118,7 +118,7 @@ def overhears(heard: bytes) -> bool:
     return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     stream = Stream()
     useful = time.monotonic()
     base = link.samples
@@ -132,11 +132,11 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
                 link.about["model"] = MODELS.get(record.model, "MicroPeak")
                 link.samples, link.share = base + record.count, 1.0
                 if not record.count:
-                    yield Told("the unit holds no flight")
+                    yield Instruction("the unit holds no flight")
                 yield from link.drain(TAIL)
                 return True
             link.damaged += 1
-            yield Told("the record is damaged; switch the unit on again, it sends once each time")
+            yield Instruction("the record is damaged; switch the unit on again, it sends once each time")
         if stream.start >= 0 and len(stream.digits) > before:
             useful = time.monotonic()
             link.samples = base + max(0, len(stream.digits) - 20) // 4
@@ -144,7 +144,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
         elif stream.start >= 0 and time.monotonic() - useful > PAUSE:
             stream = Stream()
             link.damaged += 1
-            yield Told("the record stopped in the middle; switch the unit on again, it sends once each time")
+            yield Instruction("the record stopped in the middle; switch the unit on again, it sends once each time")
     return False
 
 
@@ -174,7 +174,7 @@ def _end(raw: bytes, record: Record) -> int:
 
 PROTOCOL = Protocol(
     "Altus Metrum MicroPeak, MicroKite, MicroPeak 2",
-    Settings(9600),
+    PortSettings(9600),
     talk,
     logs,
     overhears,

@@ -9,9 +9,9 @@ import re
 
 from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Sample
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.units import FOOT
 
 WAIT = 3600.0
@@ -29,7 +29,7 @@ def overhears(heard: bytes) -> bool:
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -58,7 +58,7 @@ def logs(captured: Captured) -> list[Log]:
 
 PROTOCOL = Protocol(
     "PerfectFlite StratoLogger live telemetry (its memory is read by the vendor's program only)",
-    Settings(9600),
+    PortSettings(9600),
     talk,
     logs,
     overhears,

@@ -9,10 +9,10 @@ from collections.abc import Mapping
 
 from fieldkit.capture.altus import silence_echo, version
 from fieldkit.capture.captured import Captured, Log
-from fieldkit.capture.events import Sample, Told
-from fieldkit.capture.line import Settings
-from fieldkit.capture.link import Link, Talk
-from fieldkit.capture.protocol import Protocol, Wishes
+from fieldkit.capture.events import Instruction, Sample
+from fieldkit.capture.line import PortSettings
+from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import sum_256
 
@@ -52,7 +52,7 @@ def overhears(heard: bytes) -> bool:
     return any(packet(line) for line in heard.decode("latin-1").splitlines()[:-1])
 
 
-def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
+def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
     yield from silence_echo(link)
     if not (yield from version(link)):
@@ -63,7 +63,7 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
         link.send(b"c F %d\n" % round(wishes.frequency / 1000))
     link.open_ended = True
     link.send(b"m 20\n")
-    yield Told("listening for packets; stop when the rocket is down")
+    yield Instruction("listening for packets; stop when the rocket is down")
     silence = STREAM if wishes.silence is None else wishes.silence
     try:
         while (line := (yield from link.text_line(silence))) is not None:
@@ -88,4 +88,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join(lines) + b"\n")] if lines else []
 
 
-PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", Settings(9600), talk, logs, overhears)
+PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", PortSettings(9600), talk, logs, overhears)

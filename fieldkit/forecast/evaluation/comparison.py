@@ -12,11 +12,11 @@ import numpy as np
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.forecast.evaluation.rivals import BAR, LABELS
 from fieldkit.forecast.prediction import LEVELS, quantiles
-from fieldkit.scoring.bootstrap import Difference, paired
+from fieldkit.scoring.bootstrap import ScoreDifference, paired
 from fieldkit.scoring.proper_scores import Calibration, calibration, crps, interval_score, pit
 from fieldkit.shapes import Array, Flags, Float
 
-OWN = "fieldkit"
+OWN_FORECAST = "fieldkit"
 
 
 @dataclass(frozen=True, slots=True)
@@ -59,9 +59,9 @@ class Against:
     """
 
     rival: str
-    error: Difference
-    crps: Difference
-    interval_score: Difference
+    error: ScoreDifference
+    crps: ScoreDifference
+    interval_score: ScoreDifference
 
     @property
     def flights(self) -> int:
@@ -90,7 +90,7 @@ class Against:
 
 
 @dataclass(frozen=True, slots=True)
-class Report:
+class ScoreReport:
     """How good a set of forecasts was: every way by itself, against each rival, by rocket against the bar, and its
     calibration. `crps` is in metres."""
 
@@ -120,13 +120,13 @@ class Report:
         }
 
 
-def judged_report(rows: Sequence[Forecast]) -> Report:
+def judged_report(rows: Sequence[Forecast]) -> ScoreReport:
     """Everything that is reported of forecasts that were flown."""
     rockets = dict.fromkeys(row.rocket for row in rows)
     own = {rocket: against([row for row in rows if row.rocket == rocket], BAR) for rocket in rockets}
-    return Report(
+    return ScoreReport(
         tuple(rows),
-        tuple(one for name in (OWN, *LABELS) if (one := tally(rows, name)).flights),
+        tuple(one for name in (OWN_FORECAST, *LABELS) if (one := tally(rows, name)).flights),
         tuple(pair for name in LABELS if (pair := against(rows, name)).flights),
         tuple((rocket, one) for rocket, one in own.items() if one.flights and not one.error.less > 0),
         calibration([pit(row.draws, row.flown) for row in rows]),
@@ -135,11 +135,11 @@ def judged_report(rows: Sequence[Forecast]) -> Report:
 
 
 def scores(rows: Sequence[Forecast], way: str) -> Scores:
-    """Scores of the model (`OWN`) or a rival on flights that it forecast."""
+    """Scores of the model (`OWN_FORECAST`) or a rival on flights that it forecast."""
     flown = np.array([row.flown for row in rows])
-    drawn = [(row.draws if way == OWN else row.rivals[way]) / row.flown for row in rows]
+    drawn = [(row.draws if way == OWN_FORECAST else row.rivals[way]) / row.flown for row in rows]
     ends = [
-        row.interval if way == OWN else quantiles(draws * row.flown, LEVELS)
+        row.interval if way == OWN_FORECAST else quantiles(draws * row.flown, LEVELS)
         for draws, row in zip(drawn, rows, strict=True)
     ]
     low, middle, high = (np.array(ends, float).reshape(-1, 3) / flown[:, None]).T
@@ -153,7 +153,7 @@ def scores(rows: Sequence[Forecast], way: str) -> Scores:
 
 def forecast_by(rows: Sequence[Forecast], way: str) -> list[Forecast]:
     """The flights that the model or a rival forecast."""
-    return [row for row in rows if way == OWN or way in row.rivals]
+    return [row for row in rows if way == OWN_FORECAST or way in row.rivals]
 
 
 def tally(rows: Sequence[Forecast], way: str) -> Tally:
@@ -180,7 +180,7 @@ def tally(rows: Sequence[Forecast], way: str) -> Tally:
 def against(rows: Sequence[Forecast], rival: str) -> Against:
     """Fieldkit and a rival on the flights that both forecast."""
     both = forecast_by(rows, rival)
-    ours, theirs = scores(both, OWN), scores(both, rival)
+    ours, theirs = scores(both, OWN_FORECAST), scores(both, rival)
     return Against(
         rival,
         paired(ours.error, theirs.error),

@@ -7,17 +7,17 @@ from datetime import datetime
 from fieldkit.flight import Flight
 from fieldkit.forecast.conformal import stretch, stretched, surprise
 from fieldkit.forecast.evaluation.rivals import rival_draws
-from fieldkit.forecast.evaluation.stacking import STACKED, log_scores, mixed_in, weights_after
+from fieldkit.forecast.evaluation.stacking import STACKED_RIVALS, log_scores, mixed_in, weights_after
 from fieldkit.forecast.evaluation.uncalibrated import Simulated, simulate
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace.fleet import RocketFit, rocket_fit, shared_prior
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
 
-Flown = tuple[Flight, Found]
+FlownFlight = tuple[Flight, Found]
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,11 +51,11 @@ class Forecast:
 
 
 def forward(
-    flown: Sequence[Flown],
+    flown: Sequence[FlownFlight],
     rocket: str | None = None,
     *,
     hyperprior: Hyperprior | None = None,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, from the flights of all rockets before it in the order flown.
 
@@ -63,7 +63,7 @@ def forward(
     fleet is computed again when it has flown. `hyperprior` takes the place of the learned one.
     """
     known = hyperprior or learned()
-    past: dict[str, list[Flown]] = {}
+    past: dict[str, list[FlownFlight]] = {}
     fits: dict[str, tuple[int, RocketFit]] = {}
     earlier: list[Simulated] = []
     rows: list[Forecast] = []
@@ -80,7 +80,10 @@ def forward(
 
 
 def _fleet_before(
-    rocket: str, past: Mapping[str, Sequence[Flown]], fits: dict[str, tuple[int, RocketFit]], hyperprior: Hyperprior
+    rocket: str,
+    past: Mapping[str, Sequence[FlownFlight]],
+    fits: dict[str, tuple[int, RocketFit]],
+    hyperprior: Hyperprior,
 ) -> SharedPrior | None:
     """What the flights so far of all other rockets show; `fits` holds those of rockets that have not flown since."""
     found = []
@@ -95,7 +98,7 @@ def _fleet_before(
 
 
 def _forecast(
-    past: Sequence[Flown],
+    past: Sequence[FlownFlight],
     plan: Simulated,
     earlier: Sequence[Simulated],
     shared: SharedPrior | None,
@@ -148,7 +151,7 @@ def with_stacked(rows: Sequence[Forecast]) -> list[Forecast]:
 def next_weights(rows: Sequence[Forecast]) -> dict[str, float]:
     """The weights that the flight after these would be stacked with, by way. [1]"""
     weights = weights_after([log_scores(row.draws, row.rivals, row.flown) for row in rows])
-    return dict(zip(("fieldkit", *STACKED), weights.tolist(), strict=True))
+    return dict(zip(("fieldkit", *STACKED_RIVALS), weights.tolist(), strict=True))
 
 
 def corrected_by_earlier(rows: Sequence[Forecast]) -> list[Forecast]:

@@ -11,13 +11,13 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
-STACKED = ("fleet_ratio", "scalar")
-"""Rivals that are mixed in: those with a spread. A single number has no density."""
+STACKED_RIVALS = ("fleet_ratio", "scalar")
+"""Rivals that are stacked: those with a spread. A single number has no density."""
 PRIOR_FLIGHTS = 10.0
 """What the prior of the weights counts as: after as many flights, these have half the say. [1]"""
 PRIOR_OWN = 0.9
 """Prior weight of the model, the rest shared evenly by the rivals. [1]"""
-FEWEST = 10
+MIN_FORECASTS_TO_STACK = 10
 """Forecasts of earlier flights from which on forecasts are stacked. [1]"""
 ITERATIONS, TOLERANCE = 500, 1e-6
 FREEDOM = 4.0
@@ -68,25 +68,26 @@ def stacking_weights(log_scores: Float[Array, "flight way"], prior: Float[Array,
 def log_scores(
     draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], flown: float
 ) -> Float[Array, "way"]:
-    """Log density of a flight in the model's forecast and in each of `STACKED`; one that is absent gets the model's."""
+    """Log density of a flight in the model's forecast and in each of `STACKED_RIVALS`; one that is absent gets the
+    model's."""
     own = log_density(draws, flown)
-    found = [log_density(rivals[name], flown) if _spread(rivals, name) else own for name in STACKED]
+    found = [log_density(rivals[name], flown) if _spread(rivals, name) else own for name in STACKED_RIVALS]
     return np.asarray([own, *found], float)
 
 
 def weights_after(earlier: Sequence[Float[Array, "way"]]) -> Float[Array, "way"]:
-    """Weights of the model and of each of `STACKED` after the log scores of earlier flights; while few, the model's
-    alone."""
-    if len(earlier) < FEWEST:
-        return np.asarray(np.eye(1 + len(STACKED))[0])
-    return stacking_weights(np.array(earlier), prior_counts(1 + len(STACKED)))
+    """Weights of the model and of each of `STACKED_RIVALS` after the log scores of earlier flights; while few, the
+    model's alone."""
+    if len(earlier) < MIN_FORECASTS_TO_STACK:
+        return np.asarray(np.eye(1 + len(STACKED_RIVALS))[0])
+    return stacking_weights(np.array(earlier), prior_counts(1 + len(STACKED_RIVALS)))
 
 
 def mixed_in(
     draws: Float[Array, "draw"], rivals: Mapping[str, Float[Array, "_"]], weights: Float[Array, "way"]
 ) -> Float[Array, "draw"]:
     """The stacked forecast, where the weight of an absent rival goes to the model."""
-    return stacked(draws, [rivals[name] if _spread(rivals, name) else draws for name in STACKED], weights)
+    return stacked(draws, [rivals[name] if _spread(rivals, name) else draws for name in STACKED_RIVALS], weights)
 
 
 def stacked(

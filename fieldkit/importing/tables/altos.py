@@ -19,7 +19,7 @@ SEED = 0x5A
 """Where the checksums of records and of radio lines begin."""
 STEP_BACK = 100
 """A clock that goes back no more than so many ticks went back; one that goes further has wrapped. [1]"""
-NONE = 2_147_483_647
+NO_VALUE = 2_147_483_647
 """What AltOS writes for a number that it does not have."""
 STATES: Mapping[str, tuple[int, ...]] = {
     "liftoff": (3,),

@@ -29,7 +29,7 @@ OLD_RECORD = re.compile(r"([A-Z]) +([0-9a-fA-F]{1,4})((?: +[0-9a-fA-F]{1,4})+)\s
 
 
 @dataclass(frozen=True, slots=True)
-class Layout:
+class RecordLayout:
     """One log format: the bytes of a record, and where in what follows its clock a sample keeps what it measured.
 
     `counts` bytes each for the raw pressure and temperature from the start; `acceleration` and `ground` (in the
@@ -47,11 +47,11 @@ class Layout:
 MEGA = {5: "TeleMega", 10: "TeleMega 2", 15: "TeleMega 3", 19: "TeleMega 4", 21: "TeleMega 5", 22: "TeleMega 6"}
 EASY_MEGA = {16: "EasyMega 2", 24: "EasyMega 3"}
 MINI = {6: "EasyMini 1", 14: "EasyMini 2", 8: "TeleMini 2", 12: "TeleMini 3"}
-LAYOUTS: Mapping[int, Layout] = {
-    1: Layout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
-    7: Layout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
-    **{number: Layout(device, 32, acceleration=26, ground=2) for number, device in (MEGA | EASY_MEGA).items()},
-    **{number: Layout(device, 16, counts=3) for number, device in MINI.items()},
+LAYOUTS: Mapping[int, RecordLayout] = {
+    1: RecordLayout("TeleMetrum 1", 8, counts=0, acceleration=0, ground=0),
+    7: RecordLayout("TeleMetrum 2", 16, acceleration=8, ground=2, positions=True),
+    **{number: RecordLayout(device, 32, acceleration=26, ground=2) for number, device in (MEGA | EASY_MEGA).items()},
+    **{number: RecordLayout(device, 16, counts=3) for number, device in MINI.items()},
 }
 
 
@@ -64,7 +64,7 @@ class Flash:
     found: tuple[Found, ...]
 
 
-def new_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
+def new_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
     """The records of lines of hex bytes; a line that is damaged is as if it were erased."""
     damaged = Damaged()
     flash, missing = bytearray(), 0
@@ -105,7 +105,7 @@ def hex_bytes(line: str) -> bytes | None:
         return None
 
 
-def old_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
+def old_form(log: bytes, row: int, settings: str, layout: RecordLayout) -> Flash:
     """The records of lines of a letter, a clock and bytes, or of two numbers in format 1."""
     damaged = Damaged()
     records = bytearray()
@@ -121,7 +121,7 @@ def old_form(log: bytes, row: int, settings: str, layout: Layout) -> Flash:
     return Flash(settings, whole, tuple(damage(damaged, "records", log)))
 
 
-def _old_record(line: str, layout: Layout) -> bytes | None:
+def _old_record(line: str, layout: RecordLayout) -> bytes | None:
     match = OLD_RECORD.match(line)
     if not match:
         return None

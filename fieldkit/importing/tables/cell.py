@@ -7,10 +7,10 @@ from dataclasses import dataclass
 
 from fieldkit.units import Unit
 
-LARGEST = 1e30
-"""No number of a log is further from zero; what is would not survive a square. [any unit]"""
-ABSENT = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
-"""What stands in a cell, in any case, where the logger had no number."""
+MAX_CELL_VALUE = 1e30
+"""Largest magnitude accepted in a log; anything larger would overflow when squared. [any unit]"""
+ABSENT_MARKS = frozenset({"", "-", "--", "nan", "none", "null", "n/a", "na"})
+"""What a cell holds, in any letter case, where the logger had no number."""
 SI = Unit(1.0)
 
 
@@ -32,7 +32,7 @@ class Channel:
 
 def number_in(cell: str, channel: Channel) -> float | None:
     """The number of a cell, nan if it is absent and may be, None if it is no number."""
-    if cell.lower() in ABSENT:
+    if cell.lower() in ABSENT_MARKS:
         return None if channel.needed else math.nan
     if not (cell.endswith(channel.suffix) and cell.isascii() and "_" not in cell):
         return None
@@ -40,7 +40,7 @@ def number_in(cell: str, channel: Channel) -> float | None:
         value = float(cell[: len(cell) - len(channel.suffix)])
     except ValueError:
         return None
-    return value if abs(value) <= LARGEST else None
+    return value if abs(value) <= MAX_CELL_VALUE else None
 
 
 def converter(channel: Channel) -> Callable[[str], float]:
@@ -57,7 +57,7 @@ def converter(channel: Channel) -> Callable[[str], float]:
 
 def gaps(separator: str | None) -> re.Pattern[str]:
     """What finds the cells without a number in the lines of a table."""
-    words = "|".join(re.escape(word) for word in sorted(ABSENT - {"", "nan"}, key=len, reverse=True))
+    words = "|".join(re.escape(word) for word in sorted(ABSENT_MARKS - {"", "nan"}, key=len, reverse=True))
     if separator is None:
         return re.compile(rf"(?<=\s)(?:{words})(?!\S)", re.IGNORECASE)
     blank, edge = r"[^\S\n\t]*" if separator == "\t" else r"[^\S\n]*", rf"[{re.escape(separator)}\n]"

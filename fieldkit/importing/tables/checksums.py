@@ -2,7 +2,7 @@
 
 import binascii
 
-_REVERSED = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
+_REVERSED_BYTES = bytes(int(f"{byte:08b}"[::-1], 2) for byte in range(256))
 
 
 def _buypass(byte: int) -> int:
@@ -18,7 +18,7 @@ BUYPASS = tuple(map(_buypass, range(256)))
 
 def crc_x25(data: bytes) -> int:
     """CRC-16/X-25, of MicroPeak: "123456789" gives 0x906e. Bits backwards, it is the CRC that Python has."""
-    straight = binascii.crc_hqx(data.translate(_REVERSED), 0xFFFF)
+    straight = binascii.crc_hqx(data.translate(_REVERSED_BYTES), 0xFFFF)
     return int(f"{straight:016b}"[::-1], 2) ^ 0xFFFF
 
 

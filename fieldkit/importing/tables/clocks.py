@@ -9,8 +9,8 @@ from fieldkit.shapes import Array, Bool, Flags, Float, Int, Integers
 
 TWO_DAYS = 172_800.0
 """Rows further apart than this cannot be of one flight. [s]"""
-LATEST = 1e11
-"""No logger counts so far, not from 1970 either. [s]"""
+MAX_CLOCK = 1e11
+"""No logger counts so far, not even from 1970. [s]"""
 
 
 def credible(clock: Float[Array, "row"]) -> Bool[Flags, "row"]:
@@ -53,6 +53,6 @@ def in_order(*columns: Float[Array, "row"]) -> tuple[Float[Array, "row"], ...]:
     Rows without a time, or at one of no logger, are left out.
     """
     time = columns[0]
-    known = np.flatnonzero(np.abs(time) < LATEST)
+    known = np.flatnonzero(np.abs(time) < MAX_CLOCK)
     _, first = np.unique(time[known], return_index=True)
     return tuple(column[known[first]] for column in columns)

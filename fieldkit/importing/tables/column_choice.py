@@ -8,8 +8,8 @@ from itertools import pairwise
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.reading import Choice
-from fieldkit.importing.tables.columns import Table
+from fieldkit.importing.reading import ColumnChoice
+from fieldkit.importing.tables.columns import LogTable
 from fieldkit.importing.tables.headings import QUANTITIES, barometric, channel, heading, stated_unit, unit_named
 from fieldkit.importing.tables.layout import Layout
 from fieldkit.importing.tables.text import shown
@@ -17,10 +17,20 @@ from fieldkit.shapes import Array, Float
 from fieldkit.units import UNITS, Unit
 
 HEIGHTS = ("altitude", "altitude_msl", "gps_altitude_msl", "inertial_altitude")
-ENOUGH = (*HEIGHTS, "pressure", "felt_x", "felt_y", "felt_z", "felt_total", "felt", "felt?", "acceleration")
-"""Beside time, one of these makes a table worth reading."""
-VITAL = ("time", "altitude", "altitude_msl", "pressure")
-"""Channels that are never left out for want of a unit."""
+SUFFICIENT_CHANNELS = (
+    *HEIGHTS,
+    "pressure",
+    "felt_x",
+    "felt_y",
+    "felt_z",
+    "felt_total",
+    "felt",
+    "felt?",
+    "acceleration",
+)
+"""Besides time, one of these makes a table worth reading."""
+REQUIRED_CHANNELS = ("time", "altitude", "altitude_msl", "pressure")
+"""Channels that are never left out for lack of a unit."""
 LIMIT = 1e12
 """No sample is this far from zero; what is, was damaged. [any unit but of time]"""
 
@@ -74,7 +84,7 @@ def _without_clocks_of_others(picks: list[Pick]) -> list[Pick]:
     return [pick for pick in picks if pick.channel != "time" or pick is clocks[0]]
 
 
-def chosen(layout: Layout, choice: Choice, columns: Container[int] | None = None) -> list[Pick]:
+def chosen(layout: Layout, choice: ColumnChoice, columns: Container[int] | None = None) -> list[Pick]:
     """The columns that the flyer named, and what is guessed of the rest. Raises DamagedLog for one not there."""
     picks: list[Pick] = []
     for name, text in choice.channels.items():
@@ -117,10 +127,10 @@ def _folded(name: str) -> str:
 def missing_channel(channels: set[str]) -> str:
     if "time" not in channels:
         return "time"
-    return "" if channels & set(ENOUGH) else "altitude"
+    return "" if channels & set(SUFFICIENT_CHANNELS) else "altitude"
 
 
-def _column(pick: Pick, table: Table) -> Float[Array, "row"]:
+def _column(pick: Pick, table: LogTable) -> Float[Array, "row"]:
     """The numbers of a picked column, without those that no sensor gives; a clock's are in seconds."""
     if pick.unit == "clock":
         words, which = table.words[f"{pick.place}"]
@@ -143,7 +153,7 @@ def _seconds(word: str) -> float:
     return 3600.0 * int(hours or 0) + 60.0 * int(minutes) + float(seconds.replace(",", "."))
 
 
-def one_a_channel(picks: Sequence[Pick], table: Table) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
+def one_a_channel(picks: Sequence[Pick], table: LogTable) -> tuple[list[Pick], dict[str, Float[Array, "row"]]]:
     """One column for each channel. Raises DamagedLog for two that disagree and matter."""
     kept: list[Pick] = []
     values: dict[str, Float[Array, "row"]] = {}
@@ -156,7 +166,7 @@ def one_a_channel(picks: Sequence[Pick], table: Table) -> tuple[list[Pick], dict
             values[pick.channel] = column
             continue
         rival = next(one for one in kept if one.channel == pick.channel)
-        if not _agree(rival, values[pick.channel], pick, column) and pick.channel in VITAL:
+        if not _agree(rival, values[pick.channel], pick, column) and pick.channel in REQUIRED_CHANNELS:
             raise DamagedLog(
                 f"found two columns for {pick.channel} that differ, {shown(rival.name)} and {shown(pick.name)}; "
                 f"choose one with --map '{pick.channel}=its column'"

@@ -8,11 +8,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing.tables.column_choice import VITAL, Pick, to_si
+from fieldkit.importing.tables.column_choice import REQUIRED_CHANNELS, Pick, to_si
 from fieldkit.importing.tables.headings import QUANTITIES, plain, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import (
-    Settled,
+    InferredUnit,
     height_unit_by_pressure,
     rest,
     settle_felt,
@@ -50,7 +50,7 @@ def units_of(
     left_out = []
     for name, pick in by_channel.items():
         spare = name in ("altitude_msl", "pressure") and "altitude" in units
-        if name not in units and (pick.chosen or (name in VITAL and not spare)):
+        if name not in units and (pick.chosen or (name in REQUIRED_CHANNELS and not spare)):
             expected = ", ".join(list(UNITS[QUANTITIES[name]])[:6])
             found = f"the unit {shown(pick.unit)}" if pick.unit else "no unit, and nothing that settles it"
             column = pick.name.split("[")[0].split("(")[0].strip() or pick.name
@@ -90,7 +90,7 @@ def _settled(
     values: Mapping[str, Float[Array, "row"]],
     known: Mapping[str, str],
     units: Mapping[str, tuple[Unit, str, str]],
-) -> dict[str, Settled]:
+) -> dict[str, InferredUnit]:
     """Units that physics settles."""
     if "time" in units:
         values = {**values, "time": to_si(units["time"][0], values["time"])}

@@ -12,10 +12,10 @@ from fieldkit.importing.tables.cell import SI, Channel
 from fieldkit.importing.tables.columns_read import note_table
 from fieldkit.importing.tables.layout import decimal_mark, split
 from fieldkit.importing.tables.rows import Rows
-from fieldkit.importing.tables.table import Table
+from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import blocks, first_lines, is_cut
 
-__all__ = ["SI", "Channel", "Table", "read_columns"]
+__all__ = ["SI", "Channel", "LogTable", "read_columns"]
 
 FIRST_ROWS = 100
 """So many rows say what the decimal mark is. [1]"""
@@ -34,7 +34,7 @@ def read_columns(
     widths: Collection[int] | None = None,
     words: Mapping[str, int] | None = None,
     comment: str = "",
-) -> Table:
+) -> LogTable:
     """The rows of a log below row `after` (0: all), as numbers in SI and as words.
 
     `separator` None is any blank space. `widths` are the numbers of cells that a row may have, any that hold the

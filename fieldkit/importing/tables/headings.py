@@ -69,7 +69,7 @@ _WORDS = {
     "deg": "degree degrees",
     "mph": "miles/hour",
 }
-_SAME = {word: unit for unit, words in _WORDS.items() for word in words.split()}
+_UNIT_ALIASES = {word: unit for unit, words in _WORDS.items() for word in words.split()}
 
 
 @dataclass(frozen=True, slots=True)
@@ -106,7 +106,7 @@ def plain(unit: str) -> str:
     """A unit in the spelling of `fieldkit.units`: `Feet / Sec` is `ft/s`, `m/s²` and `m/s/s` are `m/s2`."""
     text = unicodedata.normalize("NFKC", unit).lower().replace("per", "/").replace("µ", "μ")
     parts = [re.sub(r"[\s^*·_.]+", "", part) for part in text.split("/")]
-    parts = [_SAME.get(part, part) for part in parts]
+    parts = [_UNIT_ALIASES.get(part, part) for part in parts]
     if len(parts) == 3 and parts[1] == parts[2]:
         parts = [parts[0], f"{parts[1]}2"]
     return re.sub(r"/(sec|s)2$|/s\^2$", "/s2", "/".join(parts))
@@ -163,7 +163,7 @@ _PRESSURE = _set(
     "pressure press pres baro barometer druck luftdruck pression presión pressione luchtdruk lufttryck tlak"
 )
 _TOTAL = _set("total magnitude norm resultant mag abs sum")
-_SINCE = _set("since from launch liftoff lift off ignition start startup boot power on begin beginning")
+_CLOCK_ORIGIN_WORDS = _set("since from launch liftoff lift off ignition start startup boot power on begin beginning")
 """Words of a clock that says where it began."""
 _SECONDS = (("sec",), ("secs",), ("seconds",))
 """A clock that has its unit for a name."""
@@ -182,7 +182,7 @@ def channel(head: Heading) -> str:
         return letter
     if words & _HEIGHT and {"above", "ground"} <= words:
         words -= {"ground"}
-    if (words & _TIME and words & {"since", "from"} and words <= _TIME | _SINCE) or head.words in _SECONDS:
+    if (words & _TIME and words & {"since", "from"} and words <= _TIME | _CLOCK_ORIGIN_WORDS) or head.words in _SECONDS:
         return "time"
     if head.unit and unit_named("acceleration", head.unit) and words and words <= {*"xyz", "axis", *_TOTAL}:
         return next((f"felt_{axis}" for axis in "xyz" if axis in words), "felt_total")
@@ -223,7 +223,7 @@ def barometric(head: Heading) -> bool:
     return bool(words & _HEIGHT and words & _PRESSURE) and not words & _NOT_A_SAMPLE
 
 
-_WARMTH = _set("temperature temp temperatur température temperatura temperatuur")
+_TEMPERATURE_WORDS = _set("temperature temp temperatur température temperatura temperatuur")
 
 
 def _others(words: set[str]) -> str:
@@ -231,7 +231,7 @@ def _others(words: set[str]) -> str:
         return "latitude"
     if words & {"lon", "lng", "long", "longitude"}:
         return "longitude"
-    if words & _WARMTH:
+    if words & _TEMPERATURE_WORDS:
         return "temperature"
     if words & {"voltage", "volts", "battery", "batt", "vbat"}:
         return "voltage"

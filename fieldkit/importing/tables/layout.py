@@ -17,7 +17,7 @@ LOOKED_AT = 400
 """Lines among which the first rows of numbers must be. [1]"""
 _NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
-_ABSENT = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
+_ABSENT_MARKS = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")
 _DECIMAL = re.compile(r"\s*[+-]?\d*,\d+([eE][+-]?\d+)?\s*")
 _THOUSANDS = re.compile(r"\s*[+-]?[1-9]\d{0,2},\d{3}\s*")
@@ -42,7 +42,7 @@ class Layout:
     def says(self, place: int) -> bool:
         """Whether the first row has a word in this column, and no number."""
         cell = self.first[place] if place < len(self.first) else ""
-        return cell.lower() not in _ABSENT and not _NUMBER.fullmatch(cell) and not _CLOCK.search(cell)
+        return cell.lower() not in _ABSENT_MARKS and not _NUMBER.fullmatch(cell) and not _CLOCK.search(cell)
 
 
 def split(line: str, separator: str | None) -> list[str]:
@@ -90,7 +90,7 @@ def _first_numbers(lines: Sequence[str], separator: str | None) -> int | None:
 
 def _numbers(cells: Sequence[str], separator: str | None) -> bool:
     """Whether most cells are numbers, and nothing but single words stands between them."""
-    said = [cell for cell in cells if cell.strip().lower() not in _ABSENT]
+    said = [cell for cell in cells if cell.strip().lower() not in _ABSENT_MARKS]
     count = sum(bool(_NUMBER.fullmatch(cell) or _CLOCK.search(cell)) for cell in said)
     return count >= 2 and count * 2 > len(said) and not (separator is None and any("," in cell for cell in cells))
 

@@ -10,15 +10,15 @@ from pathlib import Path
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.files import read_own, replace
-from fieldkit.importing.reading import Choice
+from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.paths import data_folder
 
-MOST = 500
-"""So many choices are remembered, the latest ones. [1]"""
+MAX_MAPPINGS = 500
+"""Number of choices remembered, the latest ones. [1]"""
 
 
-def read_choice(texts: Iterable[str]) -> Choice:
+def read_choice(texts: Iterable[str]) -> ColumnChoice:
     """The choice that `--map` texts make. Raises BadValue that says what to write."""
     channels: dict[str, str] = {}
     for text in texts:
@@ -30,10 +30,10 @@ def read_choice(texts: Iterable[str]) -> Choice:
         if name in channels:
             raise BadValue(f"--map: found {name} twice, expected it once")
         channels[name] = column
-    return Choice(channels)
+    return ColumnChoice(channels)
 
 
-def choice_for(headers: Sequence[str], choices: Iterable[Choice]) -> Choice | None:
+def choice_for(headers: Sequence[str], choices: Iterable[ColumnChoice]) -> ColumnChoice | None:
     """The first choice made for such a table or for any, or None."""
     return next((choice for choice in choices if choice.headers in ((), tuple(headers))), None)
 
@@ -43,14 +43,14 @@ def mapping_file() -> Path:
     return data_folder() / "mappings.json"
 
 
-def remembered() -> tuple[Choice, ...]:
+def remembered() -> tuple[ColumnChoice, ...]:
     """The choices made so far, latest first. Raises FieldkitError if their file is not what it should be."""
     import json
 
     file = mapping_file()
     try:
         entries = json.loads(read_own(file))["mappings"]
-        return tuple(Choice(_texts(entry["map"]), tuple(map(str, entry["headers"]))) for entry in entries)
+        return tuple(ColumnChoice(_texts(entry["map"]), tuple(map(str, entry["headers"]))) for entry in entries)
     except FileNotFoundError:
         return ()
     except (OSError, ValueError, RecursionError, KeyError, TypeError, AttributeError) as error:
@@ -63,7 +63,7 @@ def _texts(mapping: object) -> dict[str, str]:
     return {str(channel): str(column) for channel, column in mapping.items()}
 
 
-def remember(choice: Choice) -> None:
+def remember(choice: ColumnChoice) -> None:
     """Keep a choice for tables with its headers, in place of an earlier one; a power cut leaves one or the other.
 
     Raises FieldkitError where it cannot be written.
@@ -72,6 +72,6 @@ def remember(choice: Choice) -> None:
 
     if not choice.headers:
         return
-    kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MOST]
+    kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MAX_MAPPINGS]
     document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}
     replace(mapping_file(), json.dumps(document, indent=1).encode())

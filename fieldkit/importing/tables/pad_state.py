@@ -48,7 +48,7 @@ BOOST = 0.4
 """Over so long a mean tells a boost from the blow of a charge, which is stronger and shorter. [s]"""
 PUSHED = 2.0 * STANDARD_GRAVITY
 """The least push of a boost. [m/s^2]"""
-LEANS = (0.6, 1.2)
+ONE_G_RANGE = (0.6, 1.2)
 """How much of gravity an accelerometer on its pad shows along the thrust that follows. [g]"""
 
 
@@ -72,7 +72,7 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
     before = clock < clock[strongest] - 1.0
     if before.sum() >= 5:
         level = float(direction @ np.median(felt[:, before], axis=1)) / STANDARD_GRAVITY
-        if not LEANS[0] <= level <= LEANS[1]:
+        if not ONE_G_RANGE[0] <= level <= ONE_G_RANGE[1]:
             return None
     along: Float[Array, "row"] = direction @ axes
     return along

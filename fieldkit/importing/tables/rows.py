@@ -12,10 +12,10 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
-from fieldkit.importing.tables.cell import LARGEST, Channel, converter, gaps, number_in
+from fieldkit.importing.tables.cell import MAX_CELL_VALUE, Channel, converter, gaps, number_in
 from fieldkit.importing.tables.damage import MOST_TOLD
-from fieldkit.importing.tables.table import Table
-from fieldkit.importing.tables.text import ENDLESS, shown
+from fieldkit.importing.tables.table import LogTable
+from fieldkit.importing.tables.text import ENDLESS_LINE_MARK, shown
 from fieldkit.shapes import Array, Float, Int, Integers
 
 PATIENCE = 50
@@ -24,8 +24,8 @@ MOST_DAMAGED = 200_000
 """After so many damaged rows, and no more whole ones, what follows is no table. [1]"""
 MOST_NUMBERS = 750_000
 """A table of more numbers loses every other row, and again, until it has no more. [1]"""
-LAST = 100
-"""So many rows say how long a last cell is. [1]"""
+ROWS_TO_MEASURE = 100
+"""Number of rows from which the length of a last cell is taken. [1]"""
 MOST_WORDS = 1000
 """So many different words a column of words may hold; what comes later is empty. [1]"""
 
@@ -55,7 +55,9 @@ class Rows:
         if not lines:
             return
         self.last = rows[-1]
-        self.ends = (self.ends + [line.rpartition(self.separator or " ")[2] for line in lines[-LAST:]])[-LAST:]
+        self.ends = (self.ends + [line.rpartition(self.separator or " ")[2] for line in lines[-ROWS_TO_MEASURE:]])[
+            -ROWS_TO_MEASURE:
+        ]
         if self.widths is not None:
             wrong = [i for i, width in enumerate(self._widths(lines)) if width not in self.widths]
             for i in wrong:
@@ -126,7 +128,7 @@ class Rows:
         said = [self._load(lines, [place], "U64")[:, 0].tolist() for place in self.words.values()]
         if [len(cells) for cells in said] != [len(lines)] * len(said):
             raise ValueError("a quotation mark spans lines")
-        bad = (np.abs(numbers) > LARGEST).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
+        bad = (np.abs(numbers) > MAX_CELL_VALUE).any(axis=1) | np.isnan(numbers[:, self.needed]).any(axis=1)
         if bad.any():
             self._one_by_one([rows[i] for i in np.flatnonzero(bad)], [lines[i] for i in np.flatnonzero(bad)])
             good = np.flatnonzero(~bad)
@@ -170,7 +172,7 @@ class Rows:
 
     def _numbers(self, row: int, line: str, cells: list[str]) -> list[float] | DamagedLog:
         """The numbers of a row, or what is wrong with it: returned, for an error raised would hold on to its block."""
-        if line.startswith(ENDLESS):
+        if line.startswith(ENDLESS_LINE_MARK):
             return DamagedLog("found a line without end, or NUL, expected a row", row=row)
         if self.widths is not None and len(cells) not in self.widths:
             expected = " or ".join(map(str, sorted(self.widths)[:3]))
@@ -214,7 +216,7 @@ class Rows:
             self.columns[i] = [self._joined(column)[kept]]
         self.kept = int(kept.sum())
 
-    def table(self, *, cut: bool) -> Table:
+    def table(self, *, cut: bool) -> LogTable:
         """What was kept. Raises DamagedLog if that is nothing."""
         if not self.kept:
             raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
@@ -227,7 +229,7 @@ class Rows:
         known = zip(self.words, map(list, self.vocabulary), said, strict=True)
         words = {name: (vocabulary, which.astype(np.int64)) for name, vocabulary, which in known}
         found = tuple(self._found(cut, short))
-        return Table(values, rows.astype(np.int64), words, tuple(self.remarks), found)
+        return LogTable(values, rows.astype(np.int64), words, tuple(self.remarks), found)
 
     @staticmethod
     def _joined(column: list[np.ndarray[Any, Any]]) -> np.ndarray[Any, Any]:
@@ -238,7 +240,7 @@ class Rows:
 
     def _ends_short(self) -> bool:
         """Whether the last cell of all has fewer decimals than each of many before it, or less of anything."""
-        if min(self.kept, len(self.ends)) < LAST // 2:
+        if min(self.kept, len(self.ends)) < ROWS_TO_MEASURE // 2:
             return False
         *usual, last = [(len(cell.partition(".")[2]), len(cell)) for cell in self.ends]
         return last[0] < min(decimals for decimals, _ in usual) or last[1] < min(size for _, size in usual)

@@ -12,7 +12,7 @@ import numpy as np
 
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Reading
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.importing.tables.headings import QUANTITIES, Heading, heading, stated_unit, unit_named
 from fieldkit.importing.tables.text import shown
 from fieldkit.shapes import Array, Float
@@ -51,9 +51,20 @@ HEIGHT_WORDS = _set(
     "altitude höhe altitud altitudine quota hoogte höjd højde høyde wysokość výška высота висота "
     "yükseklik magasság korkeus 高度 고도"
 )
-_VERTICAL = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
+_VERTICAL_WORDS = ("vertik", "vertic", "pionow", "svisl", "вертик", "düşey", "függől", "垂直", "竖直", "鉛直", "수직")
 _SPEED = ("geschwind", "vitesse", "veloc", "snelheid", "hastighet", "prędko", "rychlost", "скорост", "速度", "속도")
-_PULL = ("beschleunig", "accél", "aceler", "acceler", "versnell", "przyspiesz", "zrychlen", "ускорен", "加速度", "가속")
+_PULL_WORDS = (
+    "beschleunig",
+    "accél",
+    "aceler",
+    "acceler",
+    "versnell",
+    "przyspiesz",
+    "zrychlen",
+    "ускорен",
+    "加速度",
+    "가속",
+)
 
 
 def base_words(head: Heading) -> tuple[str, ...]:
@@ -75,8 +86,8 @@ def channel_of(head: Heading) -> str:
         return "time"
     if len(words) == 1 and words[0] in HEIGHT_WORDS:
         return "altitude"
-    if any(stem in name for stem in _VERTICAL):
-        if any(stem in name for stem in _PULL):
+    if any(stem in name for stem in _VERTICAL_WORDS):
+        if any(stem in name for stem in _PULL_WORDS):
             return "acceleration"
         return "speed" * any(stem in name for stem in _SPEED)
     return ""
@@ -91,7 +102,7 @@ def read_simulation(
     separator: str | None = ",",
     comment: str = "",
     seconds: bool = False,
-) -> tuple[Table, list[Found]]:
+) -> tuple[LogTable, list[Found]]:
     """The rows of an export and what they tell: a simulation for each time that the clock starts.
 
     `seconds` says that the program's clock has no unit in its header and counts seconds. Raises DamagedLog for
@@ -131,7 +142,7 @@ def _channels(headers: Sequence[str], seconds: bool) -> list[Channel]:
     return list(channels.values())
 
 
-def _vertical(table: Table) -> Table:
+def _vertical(table: LogTable) -> LogTable:
     """The table without a speed that is not the vertical one.
 
     Raises DamagedLog if the climb is not what the speed makes it: then a unit is not what the header says.

@@ -19,7 +19,7 @@ MOST_FLIGHTS = 100
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Table:
+class LogTable:
     """The rows of a log: SI arrays by channel, and of each row its number in the file, counted from 1.
 
     `words` holds the columns of words: those there are, and for every row which of them. `remarks` are the
@@ -45,7 +45,7 @@ class Table:
         known, which = self.words[name]
         return np.flatnonzero(which == known.index(word)) if word in known else np.empty(0, np.int64)
 
-    def pick(self, rows: slice | Flags | Integers) -> "Table":
+    def pick(self, rows: slice | Flags | Integers) -> "LogTable":
         """The table with some of its rows; what was found in the file stays."""
         words = {name: (known, which[rows]) for name, (known, which) in self.words.items()}
         return replace(self, values={n: v[rows] for n, v in self.values.items()}, rows=self.rows[rows], words=words)
@@ -56,14 +56,14 @@ class Table:
         channels = {name: self.get(name) for name in names - {"time"}}
         return Series(self.values["time"], **channels)
 
-    def flights(self, clock: str = "time") -> tuple[list["Table"], list[Found]]:
+    def flights(self, clock: str = "time") -> tuple[list["LogTable"], list[Found]]:
         """The table in as many parts as its clock starts anew, each without rows out of order, and all that was found.
 
         A part that says the same as an earlier one is a repetition and left out. Raises DamagedLog for a clock that
         starts anew again and again: rows that were shuffled are no flights.
         """
         found = list(self.found)
-        parts: dict[bytes, Table] = {}
+        parts: dict[bytes, LogTable] = {}
         repeated: list[int] = []
         anew = restarts(self.values[clock]).tolist()
         if len(anew) >= MOST_FLIGHTS:
@@ -85,7 +85,7 @@ class Table:
         return list(parts.values()), found
 
 
-def _digest(table: Table) -> bytes:
+def _digest(table: LogTable) -> bytes:
     """The same bytes for the same numbers."""
     content = hashlib.blake2b()
     for values in table.values.values():

@@ -15,12 +15,12 @@ from fieldkit.errors import DamagedLog
 
 BLOCK = 1 << 19
 """How much of a log is text at one time, and the longest line there may be. [bytes]"""
-ENDLESS = "\0"
-"""Begins what stands for a line that is longer than a block."""
+ENDLESS_LINE_MARK = "\0"
+"""Start of what replaces a line longer than a block."""
 
 
-MOST = 4 << 20
-"""A table with a row for every flight, or what is read in one piece, is no longer than this. [bytes]"""
+MAX_TABLE_SIZE = 4 << 20
+"""Size limit of a table with a row for each flight, or of what is read in one piece. [byte]"""
 
 
 MOST_WIDE = 32 << 20
@@ -29,8 +29,8 @@ MOST_WIDE = 32 << 20
 
 def decode_whole(log: bytes) -> str:
     """The text of a log that is read in one piece. Raises DamagedLog for a long one, or for bytes that are no text."""
-    if len(log) > MOST:
-        found = f"found {len(log) >> 20} MB, expected at most {MOST >> 20} in a table of flights; part it"
+    if len(log) > MAX_TABLE_SIZE:
+        found = f"found {len(log) >> 20} MB, expected at most {MAX_TABLE_SIZE >> 20} in a table of flights; part it"
         raise DamagedLog(found)
     return decode(log)
 
@@ -85,7 +85,7 @@ def blocks(log: bytes, after: int = 0) -> Iterator[tuple[int, list[str]]]:
             number += text.count(end)
             continue
         *lines, rest = (rest + text).split(end)
-        rest = ENDLESS if len(rest) > BLOCK else rest
+        rest = ENDLESS_LINE_MARK if len(rest) > BLOCK else rest
         skipped = min(max(after + 1 - number, 0), len(lines))
         yield number + skipped, [line.strip("\r\ufeff") for line in lines[skipped:]]
         number += len(lines)
@@ -137,7 +137,7 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
     Such a row ends where its line ends, so that a quotation mark which is never closed costs one
     row and not the rest of the table.
     """
-    csv.field_size_limit(MOST)  # what was exported from a ledger comes back, however long its notes are
+    csv.field_size_limit(MAX_TABLE_SIZE)  # what was exported from a ledger comes back, however long its notes are
     lines = list(io.StringIO(text, newline=""))
     row, start = 0, 0
     while start < len(lines):
@@ -152,7 +152,7 @@ def rows(text: str, separator: str) -> Iterator[tuple[int, list[str] | DamagedLo
             row, start = row + 1, start + whole + 1
             found = "found a quotation mark that is not closed or not doubled, expected pairs of them"
             if "limit" in str(error):
-                found = f"found a cell without end, expected at most {MOST} characters"
+                found = f"found a cell without end, expected at most {MAX_TABLE_SIZE} characters"
             yield row, DamagedLog(found, row=row)
 
 

@@ -30,22 +30,22 @@ _LIFTS, _MOST_GRAVITIES = 1.5, 400.0
 
 
 @dataclass(frozen=True, slots=True)
-class Settled:
+class InferredUnit:
     """A unit, and the reason in a few words."""
 
     unit: str
     why: str
 
 
-def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[str, str]) -> dict[str, Settled]:
+def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[str, str]) -> dict[str, InferredUnit]:
     """Units of `time`, `altitude` and `speed` that `units` leaves open, as far as they can be settled.
 
     `raw` are columns as they stand; `pressure` among them is of any unit. What does not come back stays open.
     """
-    settled: dict[str, Settled] = {}
+    settled: dict[str, InferredUnit] = {}
     time = raw["time"]
     if "time" not in units and (epoch := epoch_unit(time)):
-        settled["time"] = Settled(epoch, "Unix time")
+        settled["time"] = InferredUnit(epoch, "Unix time")
     known = {**units, **{name: one.unit for name, one in settled.items()}}
     unsettled = [name for name in CANDIDATES if name in raw and name not in known]
     if not unsettled:
@@ -60,7 +60,7 @@ def settle_time_heights(raw: Mapping[str, Float[Array, "time"]], units: Mapping[
     for name in unsettled:
         left = {way[name] for way in ways}
         if len(left) == 1:
-            settled[name] = Settled(left.pop(), "by " + " and ".join(reasons[1:] or reasons))
+            settled[name] = InferredUnit(left.pop(), "by " + " and ".join(reasons[1:] or reasons))
     return settled
 
 
@@ -70,12 +70,12 @@ def epoch_unit(time: Float[Array, "time"]) -> str:
     return next((u for u in ("s", "ms", "us", "ns") if _EPOCH[0] < first * UNITS["time"][u].factor < _EPOCH[1]), "")
 
 
-def settle_pressure(pressure: Float[Array, "time"]) -> Settled | None:
+def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
     """The unit in which the pressure on the pad is one of this planet, if it is one alone."""
     finite = pressure[np.isfinite(pressure)]
     pad = float(np.percentile(finite, 98)) if len(finite) else float("nan")
     fits = [unit for unit, (low, high) in _PAD_PRESSURE.items() if low <= pad <= high]
-    return Settled(fits[0], "by the pressure on the pad") if len(fits) == 1 else None
+    return InferredUnit(fits[0], "by the pressure on the pad") if len(fits) == 1 else None
 
 
 def rest(acceleration: Float[Array, "time"]) -> float:
@@ -88,7 +88,7 @@ def rest(acceleration: Float[Array, "time"]) -> float:
     return float(pieces[pieces.std(axis=1).argmin()].mean())
 
 
-def settle_felt(acceleration: Float[Array, "time"]) -> Settled | None:
+def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:
     """The unit in which an accelerometer at rest feels one g, and more than at rest in a boost.
 
     A log that begins in flight has no rest: what is steadiest in it may be the thrust.
@@ -100,7 +100,7 @@ def settle_felt(acceleration: Float[Array, "time"]) -> Settled | None:
         gravity = STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
         never_left = least / gravity > 0.9 and most / gravity < 1.1
         if 0.93 < at_rest / gravity < 1.07 and (never_left or _LIFTS < most / gravity < _MOST_GRAVITIES):
-            return Settled(unit, "by one g at rest")
+            return InferredUnit(unit, "by one g at rest")
     return None
 
 

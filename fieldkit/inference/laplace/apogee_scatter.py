@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.hyperprior import CERTIFIED
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.shapes import Array, Flags, Float
 
-TAIL = CERTIFIED.tail
+TAIL = CERTIFIED_PRIOR.tail
 """Degrees of freedom of the distribution that single flights are taken to have. [1]"""
 FACTORS = np.geomspace(0.5, 3.5, 16)
 """The apogee's own scatter over what the fit says. [1]"""
@@ -20,7 +20,7 @@ _LOG_PRIOR = -0.5 * (np.log(FACTORS) / 0.4) ** 2
 
 
 @dataclass(frozen=True, slots=True)
-class Spread:
+class ScatterWeights:
     """Posterior weights of `FACTORS`, by all flights, and by all but each one."""
 
     weight: Float[Array, "factor"]
@@ -38,7 +38,7 @@ class Spread:
 
 def apogee_spread(
     error: Float[Array, "flight"], known: Float[Array, "flight"], own: Float[Array, "flight"], seen: Flags
-) -> Spread:
+) -> ScatterWeights:
     """The apogee's own scatter by how flights left out came to lie.
 
     `error` is the log of flown over forecast apogee, `known` the variance of the forecast for what is not known of
@@ -48,7 +48,7 @@ def apogee_spread(
     unit = (TAIL - 2) * variance
     likelihood = np.where(seen, -0.5 * (TAIL + 1) * np.log1p(error**2 / unit) - 0.5 * np.log(variance), 0.0)
     total = _LOG_PRIOR + likelihood.sum(axis=1)
-    return Spread(_weights(total[:, None])[:, 0], _weights(total[:, None] - likelihood))
+    return ScatterWeights(_weights(total[:, None])[:, 0], _weights(total[:, None] - likelihood))
 
 
 def _weights(log_weight: Array) -> Array:

@@ -11,20 +11,20 @@ import numpy as np
 
 from fieldkit.inference.laplace.linearization import lean_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
-from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float
 
 ROUNDS = 5
 """Times the point of linearisation is moved."""
-SETTLED = 0.03
-"""Move of a point that is none, in standard deviations of the prior: evidence is compared to tenths of a nat. [1]"""
-NEAR = 0.2
-"""The same for a forecast, in those of the posterior: what is left then is hundredths of its interval. [1]"""
-HOPELESS = 8.0
-"""Log evidence behind the best of fits made side by side, from which on one is not followed further. [nat]"""
-SAME = 1e-4
-"""Of a term, from which on two points are told apart. [1]"""
+CONVERGENCE_TOLERANCE = 0.03
+"""Convergence tolerance of a step, in prior standard deviations: evidence is compared to tenths of a nat. [1]"""
+FORECAST_TOLERANCE = 0.2
+"""Convergence tolerance for a forecast, in posterior standard deviations: hundredths of its interval. [1]"""
+MAX_LOG_EVIDENCE_BEHIND = 8.0
+"""Log evidence behind the best of the fits run together beyond which a fit is abandoned. [nat]"""
+DISTINCT_STEP = 1e-4
+"""Difference of a term from which on two points are distinct. [1]"""
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is begun. [s]"""
 ROBUST_ROUNDS = 2
@@ -99,7 +99,7 @@ def fit_lanes(
         moving = [
             i
             for i in moving
-            if (turn == 0 or _above(results[i], best[lanes[i].kind] - HOPELESS))
+            if (turn == 0 or _above(results[i], best[lanes[i].kind] - MAX_LOG_EVIDENCE_BEHIND))
             and _above(results[i], worth)
             and walks[i].goes_on(results[i], near=near)
         ]
@@ -115,7 +115,7 @@ def fit_lanes(
 def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
     """Lanes that are where an earlier one of the same terms is, each with that one: from there both go alike."""
     first: dict[tuple[object, ...], int] = {}
-    places = {i: (lanes[i].terms, lanes[i].kind, *np.round(walks[i].at / SAME).tolist()) for i in moving}
+    places = {i: (lanes[i].terms, lanes[i].kind, *np.round(walks[i].at / DISTINCT_STEP).tolist()) for i in moving}
     return {i: first[place] for i, place in places.items() if first.setdefault(place, i) != i}
 
 
@@ -152,8 +152,10 @@ class _Walk:
         best = int(np.argmax(result.log_weight))
         wanted = result.mean[best]
         target = np.clip(wanted, [term.low for term in terms], [term.high for term in terms])
-        bent = np.array([term.bends not in OBSERVED for term in terms])
-        close = NEAR * np.sqrt(np.diagonal(result.covariance[best])) if near else SETTLED * sds
+        bent = np.array([term.bends not in OBSERVED_READOUTS for term in terms])
+        close = (
+            FORECAST_TOLERANCE * np.sqrt(np.diagonal(result.covariance[best])) if near else CONVERGENCE_TOLERANCE * sds
+        )
         move = np.where(bent, np.clip(target - self.at, -2 * sds, 2 * sds), target - self.at)
         turned = np.sign(move * self._last)
         self._share = np.minimum(self._share * 2.0**turned, 1.0)

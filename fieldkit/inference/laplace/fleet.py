@@ -20,7 +20,7 @@ from fieldkit.model.shared_prior import Message, SharedPrior, combined
 from fieldkit.motors import Found
 from fieldkit.shapes import Array
 
-Flown = Sequence[tuple[Flight, Found]]
+FlownFlights = Sequence[tuple[Flight, Found]]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -32,7 +32,7 @@ class RocketFit:
     prior: SharedPrior
 
 
-def rocket_fit(flown: Flown, hyperprior: Hyperprior) -> RocketFit:
+def rocket_fit(flown: FlownFlights, hyperprior: Hyperprior) -> RocketFit:
     """Fit the clean flights of one rocket with nothing known of others."""
     flights, found = [flight for flight, _ in flown], [motor for _, motor in flown]
     model = replace(base_model(flights, found, hyperprior), coarse=True)

@@ -3,8 +3,8 @@
 The flights of several flyers are independent given the hyperprior. Each step takes every rocket's posterior given all
 flights of its flyer (its own fit, on top of the messages of the other rockets), and sets each variance to the
 posterior mean square of what it is the variance of (Dempster, Laird and Rubin, J. R. Stat. Soc. B 39, 1977). What few
-groups can tell is held near a stated start: each variance has a scaled inverse chi squared prior there, worth `WORTH`
-groups. Readouts are linear about the last fits, which are made again in every round.
+groups can tell is held near a stated start: each variance has a scaled inverse chi squared prior there, worth
+`PRIOR_GROUPS` groups. Readouts are linear about the last fits, which are made again in every round.
 """
 
 from collections.abc import Mapping, Sequence
@@ -13,7 +13,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.inference.laplace.fit import fit_robustly, standardized_squares
-from fieldkit.inference.laplace.fleet import Flown, independent_prior, joint_evidence, merged, message_of
+from fieldkit.inference.laplace.fleet import FlownFlights, independent_prior, joint_evidence, merged, message_of
 from fieldkit.inference.laplace.fleet import RocketFit as Alone
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, solve
@@ -21,13 +21,13 @@ from fieldkit.model.hyperprior import QUANTITIES, READOUTS, Hyperprior
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, base_model, fleet_term, with_shared
 from fieldkit.model.shared_prior import SharedPrior, combined
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.shapes import Array, Float
 
-Fleet = Sequence[Flown]
+Fleet = Sequence[FlownFlights]
 """The flights of one flyer, rocket by rocket."""
-WORTH = 4.0
-"""Groups that the start of a variance counts for: with three flyers what they differ by stays near it. [1]"""
+PRIOR_GROUPS = 4.0
+"""Number of groups that the initial variance counts for: with three flyers the estimate stays near it. [1]"""
 MEAN_SD = 0.2
 """How far the mean of a quantity over all flyers may lie from its start. [1]"""
 ROUNDS = 3
@@ -40,7 +40,7 @@ STEPS = 25
 class _Linear:
     """One rocket's flights, linear about its last fit."""
 
-    flown: Flown
+    flown: FlownFlights
     tangent: Tangent
     unit_scatter: Float[Array, "flight readout scatter"]
     trust: Float[Array, "flight readout"]
@@ -61,7 +61,7 @@ class _Sums:
     def variance(self, name: str, start: float) -> float:
         """Posterior mode of a variance whose prior is at `start`."""
         count = self.count.get(name, 0.0)
-        return (self.square.get(name, 0.0) + WORTH * start) / (count + WORTH)
+        return (self.square.get(name, 0.0) + PRIOR_GROUPS * start) / (count + PRIOR_GROUPS)
 
 
 def learn_hyperprior(
@@ -71,7 +71,7 @@ def learn_hyperprior(
     steps: int = STEPS,
     *,
     begin: Hyperprior | None = None,
-    tell: Tell = untold,
+    tell: ReportProgress = no_op,
 ) -> Hyperprior:
     """The hyperprior that makes the flights of some flyers most likely, near a start.
 
@@ -96,20 +96,20 @@ def _alone(result: Fit) -> Alone:
     return Alone(result.log_evidence, message_of(result), independent_prior([result.model]))
 
 
-def _model(flown: Flown, hyperprior: Hyperprior) -> Model:
+def _model(flown: FlownFlights, hyperprior: Hyperprior) -> Model:
     return replace(base_model([flight for flight, _ in flown], [found for _, found in flown], hyperprior), coarse=True)
 
 
-def _data(flown: Flown, hyperprior: Hyperprior) -> Data:
+def _data(flown: FlownFlights, hyperprior: Hyperprior) -> Data:
     flights = [flight for flight, _ in flown]
     return observe(flights, [flight.clean for flight in flights], hyperprior)
 
 
-def _fitted(flown: Flown, hyperprior: Hyperprior) -> Fit:
+def _fitted(flown: FlownFlights, hyperprior: Hyperprior) -> Fit:
     return fit_robustly(_model(flown, hyperprior), _data(flown, hyperprior))
 
 
-def _linearized(flown: Flown, hyperprior: Hyperprior) -> _Linear:
+def _linearized(flown: FlownFlights, hyperprior: Hyperprior) -> _Linear:
     result = _fitted(flown, hyperprior)
     sds = np.array([kind.sd for kind in result.model.scatter])
     return _Linear(flown, result.tangent, result.tangent.scatter_slope / sds, result.data.trust)
@@ -254,7 +254,7 @@ def _maximized(now: Hyperprior, start: Hyperprior, sums: _Sums, means: _Sums) ->
 def _factor(sums: _Sums, name: str, now: float, start: float) -> float:
     """By what a standard deviation grows, given standardized squares about it."""
     count = sums.count.get(name, 0.0)
-    return float(np.sqrt((sums.square.get(name, 0.0) + WORTH * (start / now) ** 2) / (count + WORTH)))
+    return float(np.sqrt((sums.square.get(name, 0.0) + PRIOR_GROUPS * (start / now) ** 2) / (count + PRIOR_GROUPS)))
 
 
 def _center(means: _Sums, quantity: str, now: Hyperprior, start: Hyperprior) -> float:

@@ -4,16 +4,16 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.apogee_scatter import Spread, apogee_spread
+from fieldkit.inference.laplace.apogee_scatter import ScatterWeights, apogee_spread
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.posterior import Fit, residual_variance
-from fieldkit.model.hyperprior import CERTIFIED, Hyperprior
-from fieldkit.model.readout_data import OBSERVED, reading_sd
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, Hyperprior
+from fieldkit.model.readout_data import OBSERVED_READOUTS, reading_sd
 from fieldkit.shapes import Array, Float
 
 
 @dataclass(frozen=True, slots=True)
-class LeftOut:
+class LeaveOneOut:
     """What a fit says of each flight when that flight is left out of it.
 
     For every pair of scales: mean and variance of the compared apogee, and the log weight of the pair
@@ -27,10 +27,10 @@ class LeftOut:
     log_weight: Float[Array, "scale flight"]
     distance: Float[Array, "scale flight"]
     residual: Float[Array, "scale flight readout"]
-    spread: Spread | None
+    spread: ScatterWeights | None
 
 
-def leave_one_out(result: Fit) -> LeftOut:
+def leave_one_out(result: Fit) -> LeaveOneOut:
     """Predictions of every flight from all the others, exactly as far as the readouts are linear.
 
     With a flight's slopes A, its noise N and the covariance P of the terms, G = A P A' is what all flights, itself
@@ -58,14 +58,14 @@ def leave_one_out(result: Fit) -> LeftOut:
     scattered = _own_variance(result)
     lies = _apogee_spread(result, mean, known, scattered, log_weight)
     variance = known + (1.0 if lies is None else lies.mean_square_without) * scattered
-    return LeftOut(mean, variance, log_weight, distance, residual, lies)
+    return LeaveOneOut(mean, variance, log_weight, distance, residual, lies)
 
 
 def _applied(matrix: Array, vector: Array) -> Array:
     return np.asarray((matrix @ vector[..., None])[..., 0])
 
 
-def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weight: Array) -> Spread | None:
+def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weight: Array) -> ScatterWeights | None:
     """The scatter of apogees beside what the scales make of it, by flights left out; none where the model has it."""
     if result.model.hyperprior.sd("apogee", "flight"):
         return None
@@ -95,8 +95,8 @@ def _expected_sd(result: Fit) -> Float[Array, "flight readout"]:
     return sd
 
 
-def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED) -> Float[Array, "*draw"]:
+def own_reading_sd(apogee: Float[Array, "*draw"], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Float[Array, "*draw"]:
     """Expected error of reading an apogee [m] off the altimeter, as a ratio."""
-    raw = np.full((*apogee.shape, len(OBSERVED)), 1.0)
+    raw = np.full((*apogee.shape, len(OBSERVED_READOUTS)), 1.0)
     raw[..., 0] = apogee
     return reading_sd(raw, hyperprior)[..., 0]

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.model.readout_data import OBSERVED, compared
+from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model, Term, shown
 from fieldkit.physics.effect import Effect
 from fieldkit.shapes import Array, Flags, Float
@@ -17,7 +17,7 @@ STEPS = {"drag": 0.03, "thrust": 0.025, "stretch": 0.02, "mass": 0.005, "opening
 BOTH_WAYS = {"delay": 0.08}
 """Steps taken to both sides, as far as single flights scatter: where ejection meets apogee readouts have a kink, of
 which a small step sees one side."""
-_MOVED = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_WAYS.items() for side in (1, -1)))
+_PERTURBATIONS = (*STEPS.items(), *((kind, side * step) for kind, step in BOTH_WAYS.items() for side in (1, -1)))
 """What is bent in the rows after a lane's point, and by how much."""
 
 
@@ -35,7 +35,7 @@ def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight r
     """What a lean of one unit does to the readouts, zero if the model has none; it needs the planar flight and is flown
     separately."""
     if all(kind.bends != "tilt" for kind in model.scatter):
-        return np.zeros((len(model.flights), len(OBSERVED)))
+        return np.zeros((len(model.flights), len(OBSERVED_READOUTS)))
     upright, leaning = _stacked(shown(model, np.stack([at, at]), {"tilt": _lean(model)}))
     return np.asarray(leaning - upright)
 
@@ -60,10 +60,10 @@ def tangents(
     """
     blocks = [_block(model, terms, at) for terms, at in lanes]
     count = sum(len(block.values) for block in blocks)
-    bends = {kind: np.zeros((count, len(model.flights))) for kind, _ in _MOVED}
+    bends = {kind: np.zeros((count, len(model.flights))) for kind, _ in _PERTURBATIONS}
     firsts = np.cumsum([0, *(len(block.values) for block in blocks)])
     for first in firsts[:-1]:
-        for row, (kind, step) in enumerate(_MOVED, start=first + 1):
+        for row, (kind, step) in enumerate(_PERTURBATIONS, start=first + 1):
             bends[kind][row] = step
     readings = _stacked(shown(model, np.concatenate([block.values for block in blocks]), bends))
     parts = np.split(readings, firsts[1:-1])
@@ -72,7 +72,8 @@ def tangents(
 
 @dataclass(frozen=True, slots=True)
 class _Block:
-    """Rows to fly for a lane: its point, a step in each of what is `_MOVED`, a step in the strengths of each slot.
+    """Rows to fly for a lane: its point, a step in each of what is `_PERTURBATIONS`, a step in the strengths of each
+    slot.
 
     `slots` holds the row of every term that is the strength of an effect, and its step; flights know nothing of each
     other, so that strengths which act on different flights share a row.
@@ -93,8 +94,8 @@ def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
             slot = next((k for k, taken in enumerate(acting) if not (taken & acts).any()), len(acting))
             acting[slot:] = [acts if slot == len(acting) else acting[slot] | acts, *acting[slot + 1 :]]
             step = STEP * term.sd if x + STEP * term.sd <= term.high else -STEP * term.sd
-            slots[i] = 1 + len(_MOVED) + slot, step
-    values = np.zeros((1 + len(_MOVED) + len(acting), len(model.terms)))
+            slots[i] = 1 + len(_PERTURBATIONS) + slot, step
+    values = np.zeros((1 + len(_PERTURBATIONS) + len(acting), len(model.terms)))
     values[:, list(terms)] = at
     for i, (row, step) in slots.items():
         values[row, i] += step
@@ -119,10 +120,10 @@ def _column(term: Term, per_kind: Mapping[str, Array], moved: Array, slot: tuple
     if slot is not None:
         row, step = slot
         return np.asarray(np.where(term.weight[:, None] != 0, moved[row] / step, 0.0))
-    if term.bends in OBSERVED:
-        return np.asarray(term.weight[:, None] * (np.array(OBSERVED) == term.bends))
+    if term.bends in OBSERVED_READOUTS:
+        return np.asarray(term.weight[:, None] * (np.array(OBSERVED_READOUTS) == term.bends))
     return np.asarray(term.weight[:, None] * per_kind[str(term.bends)])
 
 
 def _stacked(readings: dict[str, Array]) -> Float[Array, "draw flight readout"]:
-    return compared(np.stack([readings[name] for name in OBSERVED], axis=-1))
+    return compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))

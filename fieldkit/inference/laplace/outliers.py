@@ -12,15 +12,15 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from fieldkit.errors import DamagedModel
-from fieldkit.flight import CHECKED, Flight
-from fieldkit.model.observations import SEEN, observe
+from fieldkit.flight import CHECKED_TAG, Flight
+from fieldkit.model.observations import INDEPENDENT_READOUTS, observe
 from fieldkit.motors import Found
 
 if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
-FEWEST = 2
-"""Readouts of a flight from which on one can be foretold from the others."""
+MIN_READOUTS = 2
+"""Readouts of a flight from which on one can be predicted from the others. [1]"""
 
 
 def fitting(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Flight, ...], tuple[str, ...]]:
@@ -40,15 +40,15 @@ def fitting(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Fl
     kept, lines = list(flights), []
     for place in np.flatnonzero(which >= 0):
         row = judged[place]
-        kept[row] = flights[row].with_changes(**dict.fromkeys(told_by(SEEN[which[place]])))
+        kept[row] = flights[row].with_changes(**dict.fromkeys(told_by(INDEPENDENT_READOUTS[which[place]])))
         name = flights[row].flight_id
-        lines.append(f"flight {name}: {said[place]}; if it is right, `fieldkit tag {name} {CHECKED}`")
+        lines.append(f"flight {name}: {said[place]}; if it is right, `fieldkit tag {name} {CHECKED_TAG}`")
     return tuple(kept), tuple(lines)
 
 
 def _can_be_judged(flight: Flight) -> bool:
-    readouts = sum(flight.number(name) is not None for name in SEEN)
-    return flight.clean and CHECKED not in flight.tags and flight.dry_mass is not None and readouts >= FEWEST
+    readouts = sum(flight.number(name) is not None for name in INDEPENDENT_READOUTS)
+    return flight.clean and CHECKED_TAG not in flight.tags and flight.dry_mass is not None and readouts >= MIN_READOUTS
 
 
 @cache

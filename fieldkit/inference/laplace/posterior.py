@@ -13,16 +13,16 @@ import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float
 
-UNSEEN = 1e3
+UNOBSERVED_SD = 1e3
 """Standard deviation given to what was not observed."""
 
 
-CERTAIN = 7.0
-"""Standard deviations inside a bound from which on nothing lies beyond it, to the last digit. [1]"""
+NEGLIGIBLE_TAIL_SDS = 7.0
+"""Standard deviations inside a bound from which on the probability beyond it is numerically zero. [1]"""
 
 
 def term_sds(model: Model) -> Float[Array, "scale term"]:
@@ -58,7 +58,7 @@ def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight re
 
 
 @dataclass(frozen=True, slots=True)
-class Told:
+class FlightEvidence:
     """What each flight's readouts have to say, near a point.
 
     `slope` and `miss` are zero in what cannot be compared; `miss` is from what the prior means of the terms expect.
@@ -85,7 +85,7 @@ class Fit:
     model: Model
     data: Data
     tangent: Tangent
-    told: Told
+    told: FlightEvidence
     mean: Float[Array, "scale term"]
     precision: Float[Array, "scale term term"]
     covariance: Float[Array, "scale term term"]
@@ -122,7 +122,7 @@ def _concluded(
     model: Model,
     data: Data,
     near: Tangent,
-    told: Told,
+    told: FlightEvidence,
     information: Float[Array, "scale term term"],
     gain: Float[Array, "scale term"],
     misfit: Float[Array, "scale"],
@@ -142,13 +142,13 @@ def _concluded(
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
 
 
-def _told(model: Model, data: Data, near: Tangent) -> Told:
+def _told(model: Model, data: Data, near: Tangent) -> FlightEvidence:
     prior_mean = np.array([term.mean for term in model.terms])
     usable = data.seen & np.isfinite(near.values)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     noise = _noise(model, data, near, usable)
-    return Told(slope, miss, noise, *_inverses(noise, usable))
+    return FlightEvidence(slope, miss, noise, *_inverses(noise, usable))
 
 
 def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags) -> tuple[Array, Array]:
@@ -160,8 +160,8 @@ def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags
     sharpness = np.zeros_like(noise)
     sharpness[..., :last, :last] = part
     unseen = np.arange(last, width)
-    sharpness[..., unseen, unseen] = 1 / UNSEEN**2
-    return sharpness, log_det + 2 * (width - last) * log(UNSEEN)
+    sharpness[..., unseen, unseen] = 1 / UNOBSERVED_SD**2
+    return sharpness, log_det + 2 * (width - last) * log(UNOBSERVED_SD)
 
 
 def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Array, "scale flight readout readout"]:
@@ -169,8 +169,8 @@ def _noise(model: Model, data: Data, near: Tangent, usable: Flags) -> Float[Arra
     scatter_scale = model.hyperprior.scales()[0]
     spread = np.where(usable[..., None], near.scatter_slope, 0.0)
     noise = scatter_scale[:, None, None, None] ** 2 * (spread @ np.swapaxes(spread, 1, 2))
-    diagonal = np.arange(len(OBSERVED))
-    noise[..., diagonal, diagonal] += np.where(usable, residual_variance(model, data) / data.trust, UNSEEN**2)
+    diagonal = np.arange(len(OBSERVED_READOUTS))
+    noise[..., diagonal, diagonal] += np.where(usable, residual_variance(model, data) / data.trust, UNOBSERVED_SD**2)
     return np.asarray(noise)
 
 
@@ -181,7 +181,7 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
         if np.isfinite(term.low) or np.isfinite(term.high):
             total -= log(_mass(term.low, term.high, term.mean, term.sd))
             middle, sd = mean[:, i], np.sqrt(covariance[:, i, i])
-            near = np.minimum(middle - term.low, term.high - middle) < CERTAIN * sd
+            near = np.minimum(middle - term.low, term.high - middle) < NEGLIGIBLE_TAIL_SDS * sd
             pairs = zip(middle[near].tolist(), sd[near].tolist(), strict=True)
             total[near] += [log(max(_mass(term.low, term.high, m, s), 1e-12)) for m, s in pairs]
     return total
@@ -221,13 +221,13 @@ def _upto(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale one_m
     return np.concatenate([np.zeros_like(each[:, :1]), np.cumsum(each, axis=1)], axis=1)
 
 
-def _last_unseen(told: Told, flight: int) -> Told:
+def _last_unseen(told: FlightEvidence, flight: int) -> FlightEvidence:
     """What the flights up to one have to say, before it is seen."""
     upto = slice(flight + 1)
     slope, miss = told.slope[upto].copy(), told.miss[upto].copy()
     noise, sharpness, log_det = (each[:, upto].copy() for each in (told.noise, told.sharpness, told.log_det))
     slope[-1] = miss[-1] = 0.0
     every = np.eye(noise.shape[-1])
-    noise[:, -1], sharpness[:, -1] = every * UNSEEN**2, every / UNSEEN**2
-    log_det[:, -1] = len(every) * 2 * log(UNSEEN)
-    return Told(slope, miss, noise, sharpness, log_det)
+    noise[:, -1], sharpness[:, -1] = every * UNOBSERVED_SD**2, every / UNOBSERVED_SD**2
+    log_det[:, -1] = len(every) * 2 * log(UNOBSERVED_SD)
+    return FlightEvidence(slope, miss, noise, sharpness, log_det)

@@ -16,8 +16,8 @@ from fieldkit.model.observations import (
     ALPHA_RANGE,
     ALPHA_SD,
     CD_RANGE,
+    INDEPENDENT_READOUTS,
     READOUT_NAMES,
-    SEEN,
     Observed,
     diameter_range,
     disc,
@@ -30,8 +30,8 @@ from fieldkit.shapes import Array, Flags, Float
 if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
-HARDLY = 0.8
-"""Standard deviation after the flight over that before, above which it taught hardly anything. [1]"""
+UNINFORMATIVE_SD_RATIO = 0.8
+"""Posterior over prior standard deviation above which a flight says hardly anything about a parameter. [1]"""
 INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
 """Between what Cd and alpha lie, as a card has it. [1]"""
 STRATA = 1024
@@ -205,10 +205,10 @@ def _beyond(ensemble: "Ensemble", columns: Float[Array, "feature"]) -> list[str]
 
 def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
     """Whether the flight left drag or thrust as unknown as it was."""
-    seen = [name for name in there if name in SEEN]
+    seen = [name for name in there if name in INDEPENDENT_READOUTS]
     if not seen:
         return "no readout: Cd and alpha are as unknown as before the flight"
-    unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > HARDLY]
+    unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > UNINFORMATIVE_SD_RATIO]
     if not unknown:
         return ""
     told = "apogee alone cannot tell drag from thrust here" if seen == ["apogee"] else "these readouts tell little here"

@@ -16,8 +16,8 @@ COMPONENTS = 8
 """Gaussians of each member."""
 WIDTH = 6 * COMPONENTS
 """Outputs of a member: a weight, two means, two log precisions and a slope for each Gaussian."""
-SHARPEST = (-4.0, 7.0)
-"""Bounds of the logarithm of a precision: standard deviations of 55 to 0.0009 on the logit's line."""
+LOG_PRECISION_RANGE = (-4.0, 7.0)
+"""Bounds of the log of a precision: standard deviations of 55 to 0.0009 on the logit scale."""
 GUARD_SHARPEST = (-4.0, 6.0)
 """Bounds of the logarithm of the precision with which a readout is foretold."""
 _GRID = np.linspace(-1.0, 1.0, 161)
@@ -133,7 +133,7 @@ def mixture(
     return Mixture(
         weight.reshape(flights, -1),
         np.stack([flat[:, 1], flat[:, 2]], axis=-1),
-        np.clip(np.stack([flat[:, 3], flat[:, 4]], axis=-1), *SHARPEST),
+        np.clip(np.stack([flat[:, 3], flat[:, 4]], axis=-1), *LOG_PRECISION_RANGE),
         flat[:, 5],
         low,
         high,

@@ -9,7 +9,7 @@ from fieldkit.flight import BY_NAME
 from fieldkit.inference.network.mixture import GUARD_SHARPEST, WIDTH
 from fieldkit.inference.network.vague import excess_sd, likeliest
 from fieldkit.model.field_features import features, shown
-from fieldkit.model.observations import READOUT_NAMES, SEEN, Observed
+from fieldkit.model.observations import INDEPENDENT_READOUTS, READOUT_NAMES, Observed
 from fieldkit.shapes import Array, Flags, Float, Int
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ FALSE_ALARMS = 0.01
 
 
 @dataclass(frozen=True, slots=True)
-class Foretold:
+class PredictedReadouts:
     """Each readout as the others foretell it, on the scale of `shown`; nan where there is no readout."""
 
     shown: Float[Array, "flight seen"]
@@ -35,17 +35,19 @@ class Foretold:
         return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
 
 
-def foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
+def foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     """Each readout from the others, in one run of the graph for a block of flights."""
     blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
     parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
-    return Foretold(*(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd")))
+    return PredictedReadouts(
+        *(np.concatenate([getattr(part, name) for part in parts]) for name in ("shown", "mean", "sd"))
+    )
 
 
-def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
-    flights, seen = len(observed), len(SEEN)
+def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
+    flights, seen = len(observed), len(INDEPENDENT_READOUTS)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
-    for number, name in enumerate(SEEN):
+    for number, name in enumerate(INDEPENDENT_READOUTS):
         readouts[number][:, [READOUT_NAMES.index(one) for one in told_by(name)]] = np.nan
     every = Observed(
         np.tile(observed.motor, (seen, 1)), np.tile(observed.declared, (seen, 1)), readouts.reshape(seen * flights, -1)
@@ -54,7 +56,7 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> Foretold:
     own = np.arange(seen)
     mean, sharp = parts[own, :, :, WIDTH + own], parts[own, :, :, WIDTH + seen + own]
     variance = np.exp(-2 * np.clip(sharp, *GUARD_SHARPEST)).mean(axis=-1) + mean.var(axis=-1)
-    return Foretold(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
+    return PredictedReadouts(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
 
 
 def told_by(name: str) -> tuple[str, ...]:
@@ -72,11 +74,11 @@ def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
         at = np.nanquantile(distance, 1 - share, axis=0)
         alarms = float((distance > at).any(axis=1).mean())
         low, high = (share, high) if alarms < FALSE_ALARMS else (low, share)
-    return {name: float(limit) for name, limit in zip(SEEN, at, strict=True)}
+    return {name: float(limit) for name, limit in zip(INDEPENDENT_READOUTS, at, strict=True)}
 
 
 def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
-    """The readout that does not fit, as a place in `SEEN`, or -1.
+    """The readout that does not fit, as a place in `INDEPENDENT_READOUTS`, or -1.
 
     Of those too far from what the others foretell, it is the one without which the others agree best. One that is
     vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
@@ -84,13 +86,13 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     if (excess_sd(observed) > 0).any():
         foretold = foretell(ensemble, observed)
         observed = likeliest(observed, foretold.mean, foretold.sd)
-    limit = np.array([ensemble.card["guard"][name] for name in SEEN])
+    limit = np.array([ensemble.card["guard"][name] for name in INDEPENDENT_READOUTS])
     far: Flags = foretell(ensemble, observed).distance > limit
     odd = far.any(axis=1)
     found = np.full(len(observed), -1)
     if odd.any():
         some = observed.rows(odd)
-        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in SEEN]
+        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in INDEPENDENT_READOUTS]
         worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
         found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
     return found
@@ -99,7 +101,7 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
 def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
     """The flights without the readouts that do not fit."""
     readouts = observed.readouts.copy()
-    for number, name in enumerate(SEEN):
+    for number, name in enumerate(INDEPENDENT_READOUTS):
         for one in told_by(name):
             readouts[which == number, READOUT_NAMES.index(one)] = np.nan
     return observed.with_readouts(readouts)
@@ -113,7 +115,11 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
         foretold = foretell(ensemble, observed.rows(odd))
         for row, flight in enumerate(odd):
             seen = int(which[flight])
-            name = SEEN[seen] if np.isfinite(observed.readout(SEEN[seen])[flight]) else "avg_accel"
+            name = (
+                INDEPENDENT_READOUTS[seen]
+                if np.isfinite(observed.readout(INDEPENDENT_READOUTS[seen])[flight])
+                else "avg_accel"
+            )
             ends = foretold.mean[row, seen] + np.array([-2, 2]) * foretold.sd[row, seen]
             value = float(observed.readout(name)[flight])
             lines[flight] = _line(name, value, float(foretold.shown[row, seen]), ends)

@@ -13,7 +13,7 @@ import numpy as np
 
 from fieldkit.model.field_features import shown
 from fieldkit.model.observation_noise import expected_sd
-from fieldkit.model.observations import READOUT_NAMES, SEEN, Observed
+from fieldkit.model.observations import INDEPENDENT_READOUTS, READOUT_NAMES, Observed
 from fieldkit.physics.atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
@@ -27,8 +27,8 @@ def excess_sd(observed: Observed) -> Float[Array, "flight seen"]:
     Beyond is meant as the root of the difference of squares.
     """
     if observed.sd is None:
-        return np.zeros((len(observed), len(SEEN)))
-    columns = [READOUT_NAMES.index(name) for name in SEEN]
+        return np.zeros((len(observed), len(INDEPENDENT_READOUTS)))
+    columns = [READOUT_NAMES.index(name) for name in INDEPENDENT_READOUTS]
     beyond = np.nan_to_num(observed.sd**2 - expected_sd(observed) ** 2, nan=0.0)[:, columns]
     return np.asarray(np.sqrt(np.maximum(beyond, 0.0)) * _slope(observed))
 
@@ -41,7 +41,7 @@ def plausible(observed: Observed, mean: Float[Array, "flight seen"], sd: Float[A
     middle, spread = _combined(observed, mean, sd)
     rng = np.random.default_rng(0)
     normal = np.array([NormalDist().inv_cdf((number + 0.5) / DRAWS) for number in range(DRAWS)])
-    steps = np.stack([rng.permutation(normal) for _ in SEEN], axis=-1)
+    steps = np.stack([rng.permutation(normal) for _ in INDEPENDENT_READOUTS], axis=-1)
     return [_moved(observed, middle + step * spread) for step in steps]
 
 
@@ -62,10 +62,10 @@ def _combined(observed: Observed, mean: Array, sd: Array) -> tuple[Array, Array]
 def _slope(observed: Observed) -> Float[Array, "flight seen"]:
     """The derivative of `shown` by each readout; 0 where there is none."""
     with np.errstate(invalid="ignore", divide="ignore"):
-        slopes = {name: 1 / observed.readout(name) for name in SEEN}
+        slopes = {name: 1 / observed.readout(name) for name in INDEPENDENT_READOUTS}
         slopes["peak_accel"] = 1 / (observed.readout("peak_accel") + GRAVITY)
         slopes["apogee_to_eject"] = 2 / np.hypot(1.0, 2 * observed.readout("apogee_to_eject"))
-        stacked = np.stack([slopes[name] for name in SEEN], axis=-1)
+        stacked = np.stack([slopes[name] for name in INDEPENDENT_READOUTS], axis=-1)
     return np.where(np.isfinite(stacked), stacked, 0.0)
 
 
@@ -73,7 +73,7 @@ def _moved(observed: Observed, to: Float[Array, "flight seen"]) -> Observed:
     """The flights with the readouts that `to` has on the scale of `shown` in place of theirs."""
     readouts = observed.readouts.copy()
     change = to - shown(observed)
-    for number, name in enumerate(SEEN):
+    for number, name in enumerate(INDEPENDENT_READOUTS):
         moved = np.isfinite(change[:, number])
         column = readouts[:, READOUT_NAMES.index(name)]
         factor = np.exp(change[moved, number])

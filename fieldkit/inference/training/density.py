@@ -13,17 +13,17 @@ import torch
 from torch import Tensor, nn
 from torch.optim.lr_scheduler import OneCycleLR
 
-from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, SHARPEST, WIDTH
+from fieldkit.inference.network.mixture import COMPONENTS, GUARD_SHARPEST, LOG_PRECISION_RANGE, WIDTH
 from fieldkit.inference.training.fit import Progress
 
 MEMBERS = 5
-HIDDEN = 128
+HIDDEN_UNITS = 128
 LAYERS = 3
 GUARD_SHARE = 0.1
 """Weight of the guard's loss against the posterior's. [1]"""
-FARTHEST = 8.0
+MAX_FEATURE_SDS = 8.0
 """Standard deviations from its mean to which a feature is clipped. [1]"""
-STEEPEST = 5.0
+MAX_GRADIENT_NORM = 5.0
 """Largest norm of a step's gradient."""
 Scale = np.ndarray[Any, np.dtype[np.float64]]
 """One number a feature."""
@@ -36,7 +36,7 @@ class Members(nn.Module):  # type: ignore[misc]
     and the log precision with which the guard foretells it.
     """
 
-    def __init__(self, inputs: int, seen: int, members: int = MEMBERS, hidden: int = HIDDEN) -> None:
+    def __init__(self, inputs: int, seen: int, members: int = MEMBERS, hidden: int = HIDDEN_UNITS) -> None:
         super().__init__()
         sizes = [inputs, *[hidden] * LAYERS, WIDTH + 2 * seen]
         self.seen = seen
@@ -61,7 +61,7 @@ class Members(nn.Module):  # type: ignore[misc]
 def log_density(outputs: Tensor, target: Tensor) -> Tensor:
     """Log density of the logits [... 2] under each member's mixture."""
     parts = outputs[..., :WIDTH].unflatten(-1, (6, COMPONENTS)).unbind(-2)
-    sharp_x, sharp_y = (part.clamp(*SHARPEST) for part in parts[3:5])
+    sharp_x, sharp_y = (part.clamp(*LOG_PRECISION_RANGE) for part in parts[3:5])
     z_x = (target[..., :1] - parts[1]) * sharp_x.exp()
     z_y = (target[..., 1:] - parts[2]) * sharp_y.exp() - parts[5] * z_x
     log_parts = parts[0].log_softmax(-1) + sharp_x + sharp_y - 0.5 * (z_x.square() + z_y.square())
@@ -87,7 +87,7 @@ class Batch:
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class TrainingPlan:
     """How long and how fast: passes over fresh observations of the same flights, batch, peak rate."""
 
     epochs: int
@@ -95,7 +95,9 @@ class Plan:
     rate: float = 3e-3
 
 
-def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = None) -> tuple[Members, Scale, Scale]:
+def fit(
+    observe: Callable[[], Batch], plan: TrainingPlan, progress: Progress | None = None
+) -> tuple[Members, Scale, Scale]:
     """Members trained by one cycle of Adam, and the mean and standard deviation that scale their features.
 
     `observe()` gives the same flights as observed afresh. Each member sees them in another order.
@@ -108,7 +110,7 @@ def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = No
     rate = OneCycleLR(optimiser, plan.rate, total_steps=plan.epochs * (count // plan.batch), pct_start=0.15)
     for epoch in range(1, plan.epochs + 1):
         batch = observe() if epoch > 1 else batch
-        scaled = ((batch.features - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+        scaled = ((batch.features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
         tensors = [torch.from_numpy(array) for array in (scaled, batch.target, batch.shown)]
         losses = []
         for rows in _orders(count, plan.batch):
@@ -117,7 +119,7 @@ def fit(observe: Callable[[], Batch], plan: Plan, progress: Progress | None = No
             loss = -log_density(found, target).mean()
             optimiser.zero_grad()
             (loss + GUARD_SHARE * guard_loss(found, shown)).backward()
-            nn.utils.clip_grad_norm_(members.parameters(), STEEPEST)
+            nn.utils.clip_grad_norm_(members.parameters(), MAX_GRADIENT_NORM)
             optimiser.step()
             rate.step()
             losses.append(loss.item())

@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 from onnx import TensorProto, checker, helper, numpy_helper
 
-from fieldkit.inference.training.density import FARTHEST, LAYERS, Members
+from fieldkit.inference.training.density import LAYERS, MAX_FEATURE_SDS, Members
 from fieldkit.shapes import Array, Float
 
 
@@ -27,7 +27,10 @@ def density_graph(members: Members, mean: Float[Array, "feature"], sd: Float[Arr
 
     value = node("Sub", ["features", constant("mean", mean.astype(np.float64))], "centred")
     value = node("Div", [value, constant("sd", sd.astype(np.float64))], "scaled")
-    limits = [constant(name, np.array(limit, np.float64)) for name, limit in (("least", -FARTHEST), ("most", FARTHEST))]
+    limits = [
+        constant(name, np.array(limit, np.float64))
+        for name, limit in (("least", -MAX_FEATURE_SDS), ("most", MAX_FEATURE_SDS))
+    ]
     value = node("Clip", [value, *limits], "clipped")
     value = node("Cast", [value], "small", to=TensorProto.FLOAT)
     for number in range(LAYERS + 1):

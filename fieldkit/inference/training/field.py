@@ -13,7 +13,7 @@ from fieldkit.inference.network import outliers
 from fieldkit.inference.network.ensemble import from_parts
 from fieldkit.inference.network.field_ensemble import INTERVALS, intervals
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, logits
-from fieldkit.inference.training.density import HIDDEN, LAYERS, MEMBERS, Batch, Plan, fit
+from fieldkit.inference.training.density import HIDDEN_UNITS, LAYERS, MEMBERS, Batch, TrainingPlan, fit
 from fieldkit.inference.training.density_graph import density_graph
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.training.parts import drop_parts, simulate_parts
@@ -23,16 +23,16 @@ from fieldkit.inference.validation.calibration import judge
 from fieldkit.inference.validation.restricted import BURN_SD
 from fieldkit.model.field_features import FEATURES, features, shown
 from fieldkit.model.observation_noise import GAIN, NOISE, OFFSET, forget, measure
-from fieldkit.model.observations import SEEN, Observed
+from fieldkit.model.observations import INDEPENDENT_READOUTS, Observed
 from fieldkit.model.prior_predictive import HELD_OUT, PRIORS, TAIL, Truth, motors_apart, simulate
 from fieldkit.model.random_effects import known_effects, priors
 from fieldkit.motors import Motor
 from fieldkit.parallel import workers
 from fieldkit.shapes import Array, Float
 
-PLANS = {"quick": Plan(epochs=2), "published": Plan(epochs=20)}
+PLANS = {"quick": TrainingPlan(epochs=2), "published": TrainingPlan(epochs=20)}
 """A first look, and what is shipped."""
-JUDGED = 20_000
+EVALUATION_FLIGHTS = 20_000
 """Fresh flights the ensemble is judged on, and as many of the maker held out."""
 REACH = ("log_thrust_to_weight", "log_impulse", "log_burn_time", "log_mass", "log_drag_area", "mach")
 """Features whose bounds in training are kept: beyond them a flyer is warned."""
@@ -84,9 +84,9 @@ def train_field(
     }
     card["guard"] = outliers.limits(from_parts(exported, card, out), _fresh(streams[3], known, effects))
     ensemble = from_parts(exported, card, out)
-    card["test"] = judge(ensemble, streams[4], known, JUDGED, effects)
-    card["test_held_out"] = judge(ensemble, streams[4], others, JUDGED, effects)
-    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), JUDGED, effects)
+    card["test"] = judge(ensemble, streams[4], known, EVALUATION_FLIGHTS, effects)
+    card["test_held_out"] = judge(ensemble, streams[4], others, EVALUATION_FLIGHTS, effects)
+    card["test_peers"] = judge(ensemble, streams[4], _peers(known, others), EVALUATION_FLIGHTS, effects)
     if schedule == "published":
         card["restricted"] = train_restricted(seed=seed)
         card["restricted_burn_uncertain"] = train_restricted(seed=seed, burn_sd=BURN_SD)
@@ -120,7 +120,7 @@ def batch(rng: np.random.Generator, truth: Truth) -> Batch:
 
 def _fresh(rng: np.random.Generator, motors: list[Motor], effects: Sequence[str]) -> Observed:
     """Flights that nothing was learnt from, with gaps."""
-    return forget(rng, measure(rng, simulate(rng, motors, 4 * JUDGED, effects)))
+    return forget(rng, measure(rng, simulate(rng, motors, 4 * EVALUATION_FLIGHTS, effects)))
 
 
 def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
@@ -129,7 +129,9 @@ def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
     return {name: [float(bound) for bound in bounds[:, FEATURES.index(name)]] for name in REACH}
 
 
-def _card(seed: int, n_train: int, schedule: str, plan: Plan, effects: Sequence[str], apart: bool) -> dict[str, Any]:
+def _card(
+    seed: int, n_train: int, schedule: str, plan: TrainingPlan, effects: Sequence[str], apart: bool
+) -> dict[str, Any]:
     """What is known before training."""
     named = (f" --effects {','.join(effects)}" if effects else "") + (" --cluster local" if apart else "")
     options = f"--schedule {schedule} --seed {seed} --n-train {n_train}{named}"
@@ -149,9 +151,14 @@ def _card(seed: int, n_train: int, schedule: str, plan: Plan, effects: Sequence[
         "held_out": HELD_OUT,
         "features": list(FEATURES),
         "outputs": ["log_drag_area", "alpha"],
-        "parts": [MEMBERS, WIDTH + 2 * len(SEEN)],
-        "guarded": list(SEEN),
-        "network": {"members": MEMBERS, "hidden": [HIDDEN] * LAYERS, "layer": "linear, SiLU", "gaussians": COMPONENTS},
+        "parts": [MEMBERS, WIDTH + 2 * len(INDEPENDENT_READOUTS)],
+        "guarded": list(INDEPENDENT_READOUTS),
+        "network": {
+            "members": MEMBERS,
+            "hidden": [HIDDEN_UNITS] * LAYERS,
+            "layer": "linear, SiLU",
+            "gaussians": COMPONENTS,
+        },
         "training": {"optimiser": "Adam, one cycle", "batch": plan.batch, "epochs": plan.epochs, "rate": plan.rate},
         "made_with": {name: version(name) for name in ("torch", "onnx", "numpy")},
     }

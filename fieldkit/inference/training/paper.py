@@ -24,7 +24,7 @@ from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, APOGEE_NOISE, CD_
 from fieldkit.shapes import Array, Float
 
 MEMBERS = 5
-HIDDEN = (128, 256, 128)
+HIDDEN_UNITS = (128, 256, 128)
 DROPOUT = 0.1
 OUTPUTS = {"cd": (0.2, 1.5), "alpha": (0.5, 1.5)}
 """What comes out, and the range it is squashed into. [1]"""
@@ -51,7 +51,7 @@ def train_paper(
         return torch.tensor(whitened, dtype=torch.float32), torch.tensor(draws.truth, dtype=torch.float32)
 
     with one_thread(seed):
-        model = network(MEMBERS, (len(PAPER_FEATURES), *HIDDEN), np.array(list(OUTPUTS.values())), DROPOUT)
+        model = network(MEMBERS, (len(PAPER_FEATURES), *HIDDEN_UNITS), np.array(list(OUTPUTS.values())), DROPOUT)
         fit(model, *tensors(train), tensors(validation), plan, progress)
     seconds = round(time.perf_counter() - began, 1)
     card = _card(plan, seed, n_train) | {"ranges": _ranges(train.features), "seconds": seconds}
@@ -112,7 +112,7 @@ def _card(plan: Schedule, seed: int, n_train: int) -> dict[str, Any]:
         "output_ranges": {name: list(ends) for name, ends in OUTPUTS.items()},
         "network": {
             "members": MEMBERS,
-            "hidden": list(HIDDEN),
+            "hidden": list(HIDDEN_UNITS),
             "layer": "linear, batch norm, ReLU, dropout",
             "dropout": DROPOUT,
         },

@@ -13,7 +13,7 @@ from pathlib import Path
 import numpy as np
 
 from fieldkit import __version__, parallel
-from fieldkit.model.observations import DECLARED, FIGURES, READOUT_NAMES
+from fieldkit.model.observations import DECLARED_FIELDS, FIGURES, READOUT_NAMES
 from fieldkit.model.prior_predictive import Truth, motors_apart, simulate
 from fieldkit.shapes import Array, Float
 
@@ -21,14 +21,14 @@ SIZE = 50_000
 """Flights of a part: seconds of work, and 20 MB. [1]"""
 FOLDER = "parts"
 """Where parts are kept beside the ensemble that is going to be made of them."""
-WIDTHS = (len(FIGURES), len(DECLARED), len(READOUT_NAMES), 1, 1)
+WIDTHS = (len(FIGURES), len(DECLARED_FIELDS), len(READOUT_NAMES), 1, 1)
 """Columns of each of a truth's arrays. [1]"""
-Told = Callable[[int, int], None]
+ReportPart = Callable[[int, int], None]
 """Told how many parts there are by now, and of how many."""
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class SimulationPart:
     """What decides a part's flights: the seed of the whole, its number, how many flights, which effects act."""
 
     seed: int
@@ -38,11 +38,11 @@ class Part:
 
 
 def simulate_parts(
-    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, told: Told | None = None
+    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, told: ReportPart | None = None
 ) -> Truth:
     """About as many flights as asked for, with the parts that an earlier run left beside `out`'s ensemble."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
-    items = {f"{n:05d}.npy": Part(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
+    items = {f"{n:05d}.npy": SimulationPart(seed, n, size, tuple(effects)) for n, size in enumerate(counts)}
     found: dict[str, Truth] = {}
     for name, content in parallel.done(fly_part, items, out / FOLDER / _digest(items), pool):
         found[name] = unpacked(content)
@@ -57,7 +57,7 @@ def drop_parts(out: Path) -> None:
     shutil.rmtree(out / FOLDER, ignore_errors=True)
 
 
-def fly_part(part: Part) -> bytes:
+def fly_part(part: SimulationPart) -> bytes:
     """The flights of a part, as bytes; its random numbers are its own, whoever draws them."""
     stream = np.random.SeedSequence(part.seed, spawn_key=(0, part.number))
     known, _ = motors_apart()
@@ -80,7 +80,7 @@ def unpacked(content: bytes) -> Truth:
     return Truth(motor, declared, readouts, area[:, 0], alpha[:, 0])
 
 
-def _digest(items: dict[str, Part]) -> str:
+def _digest(items: dict[str, SimulationPart]) -> str:
     """Of what the parts are made from: those of another seed, recipe or fieldkit are never taken for them."""
     motors = [motor.name for motor in motors_apart()[0]]
     said = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])

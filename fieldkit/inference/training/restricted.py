@@ -5,7 +5,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.inference.network.mixture import logits, mixture
-from fieldkit.inference.training.density import FARTHEST, Batch, Members, Plan, Scale, fit
+from fieldkit.inference.training.density import MAX_FEATURE_SDS, Batch, Members, Scale, TrainingPlan, fit
 from fieldkit.inference.training.fit import Progress, one_thread
 from fieldkit.inference.validation.restricted import (
     SUBSETS,
@@ -20,7 +20,7 @@ from fieldkit.model.field_features import features, shown
 from fieldkit.model.observations import READOUT_NAMES, Observed
 from fieldkit.shapes import Array, Float
 
-PLAN = Plan(epochs=20)
+PLAN = TrainingPlan(epochs=20)
 CELLS_UNCERTAIN = 150
 """Along each axis of the grid where the burn time is integrated over."""
 
@@ -29,7 +29,7 @@ def train_restricted(
     *,
     seed: int = 1,
     n_train: int = 200_000,
-    plan: Plan = PLAN,
+    plan: TrainingPlan = PLAN,
     judged: int = 500,
     burn_sd: float = 0.0,
     progress: Progress | None = None,
@@ -64,7 +64,7 @@ def _batch(rng: np.random.Generator, flights: Restricted, clean: Float[Array, "f
 def _run(members: Members, mean: Scale, sd: Scale, observed: Observed) -> Float[Array, "flight member part"]:
     import torch
 
-    scaled = ((features(observed) - mean) / sd).clip(-FARTHEST, FARTHEST).astype(np.float32)
+    scaled = ((features(observed) - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)
     with torch.no_grad():
         found: Array = members(torch.from_numpy(scaled).expand(len(members.weights[0]), -1, -1)).numpy()
     return found.swapaxes(0, 1).astype(float)

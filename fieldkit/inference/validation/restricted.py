@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 
 from fieldkit.inference.network.mixture import Mixture
-from fieldkit.model.observations import DECLARED, READOUT_NAMES, Observed, disc
+from fieldkit.model.observations import DECLARED_FIELDS, READOUT_NAMES, Observed, disc
 from fieldkit.model.paper_prior_predictive import ALPHA_RANGE, CD_RANGE
 from fieldkit.physics import paper
 from fieldkit.physics.flight import fly
@@ -85,7 +85,7 @@ def measured(
         column = READOUT_NAMES.index(name)
         spread = floor + share * clean[:, column]
         readouts[:, column] = clean[:, column] + spread * rng.normal(size=len(clean))
-    declared = np.full((len(clean), len(DECLARED)), np.nan)
+    declared = np.full((len(clean), len(DECLARED_FIELDS)), np.nan)
     declared[:, 0], declared[:, 1] = _MASSES[config], paper.DIAMETER
     return Observed(np.stack([_figures(one) for one in paper.MOTORS])[motor], declared, readouts)
 

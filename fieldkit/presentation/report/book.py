@@ -13,13 +13,13 @@ from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
 from fieldkit.presentation.report.card import Card, cards, totals
-from fieldkit.progress import Tell, part
+from fieldkit.progress import ReportProgress, part
 from fieldkit.services.close_loop import look
 from fieldkit.services.findings import Findings
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Book:
+class FlightReport:
     """A report: the cards in the order flown, and the loop's findings by rocket where it is of more than a flight."""
 
     title: str
@@ -59,7 +59,7 @@ def loop_words(found: Findings) -> list[str]:
     return lines
 
 
-def book(ledger: Ledger, motors: Catalogue, what: str, tell: Tell) -> Book:
+def book(ledger: Ledger, motors: Catalogue, what: str, tell: ReportProgress) -> FlightReport:
     """The report of what a text means: a day as 2026-05-01, a flight's id, or a rocket's name, in that order.
 
     Raises LedgerError for one that means nothing, with near names.
@@ -76,7 +76,7 @@ def book(ledger: Ledger, motors: Catalogue, what: str, tell: Tell) -> Book:
         flights = ledger.flights(what)
         return _of_several(ledger, motors, what, _span(flights), flights, [what], tell)
     (card,) = cards(ledger, motors, [flight], tell)
-    return Book(f"Flight {card.id}", " ".join((flight.rocket, flight.config)).strip(), (card,))
+    return FlightReport(f"Flight {card.id}", " ".join((flight.rocket, flight.config)).strip(), (card,))
 
 
 def _of_several(
@@ -86,15 +86,15 @@ def _of_several(
     subtitle: str,
     flights: Sequence[Flight],
     rockets: Sequence[str],
-    tell: Tell,
-) -> Book:
+    tell: ReportProgress,
+) -> FlightReport:
     made = cards(ledger, motors, flights, part(tell, 0.0, 0.4))
     loops = []
     for place, rocket in enumerate(rockets):
         own = part(part(tell, 0.4, 0.6), place / len(rockets), 1 / len(rockets))
         with suppress(NoFlights):  # too few flights to close it
             loops.append(look(ledger, motors, rocket, own))
-    return Book(title, subtitle, tuple(made), tuple(loops), summary=True)
+    return FlightReport(title, subtitle, tuple(made), tuple(loops), summary=True)
 
 
 def _of_day(ledger: Ledger, what: str) -> list[Flight]:
@@ -110,7 +110,7 @@ def _span(flights: Sequence[Flight]) -> str:
     return f"{min(dates):%Y-%m-%d} to {max(dates):%Y-%m-%d}" if dates else ""
 
 
-def table(found: Book) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
+def table(found: FlightReport) -> tuple[tuple[str, ...], list[tuple[str, ...]]]:
     """The flights of a report as a table: headers, and a row for each."""
     headers = ("flight", "rocket", "motor", "mass g", "wind m/s", "predicted m", "flown m", "miss m", "")
     rows: list[tuple[str, ...]] = []

@@ -9,7 +9,7 @@ from fieldkit.errors import FieldkitError
 from fieldkit.flight import CONDITIONS, READOUTS, SETUP, Column, Flight
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue
-from fieldkit.progress import Tell
+from fieldkit.progress import ReportProgress
 from fieldkit.quantities import measure
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import recording_of
@@ -21,7 +21,7 @@ Rows = tuple[tuple[str, str, str], ...]
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Foretold:
+class CardForecast:
     """An apogee as draws and at 5, 50 and 95 % [m]: whether said before the flight, by what, and what had changed."""
 
     draws: Float[Array, "draw"]
@@ -32,7 +32,7 @@ class Foretold:
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Trace:
+class HeightTrace:
     """Height [m] and, where it is known, vertical speed [m/s] against time [s], and the events on that clock."""
 
     device: str
@@ -51,8 +51,8 @@ class Card:
     readouts: Rows
     circumstances: Rows
     learned: Rows
-    foretold: Foretold | None
-    trace: Trace | None
+    foretold: CardForecast | None
+    trace: HeightTrace | None
     record: Float[Array, "flight"]
     clean: Flags
     place: int
@@ -65,7 +65,7 @@ class Card:
         return self.flight.apogee - self.foretold.interval[1]
 
 
-def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: Tell) -> list[Card]:
+def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: ReportProgress) -> list[Card]:
     """A card for each of these flights of the ledger."""
     said = {rocket: by_flight(kept(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []
@@ -76,14 +76,14 @@ def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: Te
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)
             when = f"{one.made.at.astimezone():%Y-%m-%d %H:%M}"
             words = f"predicted {when} by model {one.made.payload.get('model', '')}"
-            foretold: Foretold | None = Foretold(likely, one.interval, True, words, one.changes)
+            foretold: CardForecast | None = CardForecast(likely, one.interval, True, words, one.changes)
         else:
             foretold = _afterwards(ledger, motors, flight)
         found.append(_card(ledger, motors, id, flight, foretold))
     return found
 
 
-def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> Foretold | None:
+def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForecast | None:
     """What the other flights say this one should have shown, where none was said before it."""
     try:
         made = forecast_from_others(ledger, motors, flight)
@@ -91,10 +91,10 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> Foretold |
         return None
     low, middle, high = (float(x) for x in made.apogee_quantiles())
     words = f"no prediction was kept; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
-    return Foretold(made.apogee, (low, middle, high), False, words)
+    return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
-def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, foretold: Foretold | None) -> Card:
+def _card(ledger: Ledger, motors: Catalogue, id: str, flight: Flight, foretold: CardForecast | None) -> Card:
     own = [one for one in ledger.flights(flight.rocket) if one.apogee is not None]
     names = [one.flight_id for one in own]
     return Card(
@@ -137,7 +137,7 @@ def _learned(flight: Flight, motors: Catalogue) -> Rows:
     return tuple(rows)
 
 
-def _trace(ledger: Ledger, id: str) -> Trace | None:
+def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
     """The log of a flight, None where there are no samples of height or they cannot be read again."""
     try:
         found = recording_of(ledger, id)
@@ -149,8 +149,8 @@ def _trace(ledger: Ledger, id: str) -> Trace | None:
     climb = found.recorded.climb
     for clock in found.reading.clocks:
         if clock.altitude is not None and np.isfinite(clock.altitude).sum() > 1:
-            return Trace(found.kind, clock.time, clock.altitude, clock.speed, events)
-    return Trace(found.kind, climb.time, climb.height, climb.speed, events) if climb is not None else None
+            return HeightTrace(found.kind, clock.time, clock.altitude, clock.speed, events)
+    return HeightTrace(found.kind, climb.time, climb.height, climb.speed, events) if climb is not None else None
 
 
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:

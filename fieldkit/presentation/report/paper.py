@@ -5,11 +5,11 @@ from textwrap import wrap
 from typing import TYPE_CHECKING
 
 from fieldkit import __version__
-from fieldkit.presentation.report.book import Book, table
+from fieldkit.presentation.report.book import FlightReport, table
 from fieldkit.presentation.report.card import Card, Rows
 from fieldkit.presentation.report.loop.pictures import PICTURES
 from fieldkit.presentation.report.pictures import forecast, foretold_flown, log
-from fieldkit.presentation.report.style import A4, FAINT, GRID, INK, shortened
+from fieldkit.presentation.report.style import A4, FAINT_COLOR, GRID_COLOR, INK_COLOR, shortened
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 MARGIN = 0.085
 """On either side of a page, of the width between. [1]"""
-LEFT, RIGHT = 0.0, 1.0
+LEFT_EDGE, RIGHT_EDGE = 0.0, 1.0
 """Of what is written, in the width between the margins. [1]"""
 PER_PAGE = 34
 """Flights in the table of a page."""
@@ -27,7 +27,7 @@ ON_THE_LOOPS_PAGE = ("residuals", "forward", "ladder")
 """Pictures of the loop that fit on a page of paper."""
 
 
-def pages(book: Book) -> Iterator["Figure"]:
+def pages(book: FlightReport) -> Iterator["Figure"]:
     """The pages of a report."""
     if book.summary:
         yield from _summary(book)
@@ -48,17 +48,19 @@ def _page(title: str, subtitle: str, ratios: Sequence[float]) -> tuple["Figure",
     )
     parts = [page.add_subfigure(grid[row, 1]) for row in range(len(ratios) + 2)]
     head, foot = parts[0], parts[-1]
-    head.text(LEFT, 0.52, shortened(title, 44), fontsize=21, weight="bold", va="center")
-    head.text(LEFT, 0.14, shortened(subtitle, 100), fontsize=10.5, color=FAINT, va="center")
+    head.text(LEFT_EDGE, 0.52, shortened(title, 44), fontsize=21, weight="bold", va="center")
+    head.text(LEFT_EDGE, 0.14, shortened(subtitle, 100), fontsize=10.5, color=FAINT_COLOR, va="center")
     _rule(head, 0.0)
-    foot.text(LEFT, 0.5, FOOT_LINE, fontsize=7.5, color=FAINT, va="center")
+    foot.text(LEFT_EDGE, 0.5, FOOT_LINE, fontsize=7.5, color=FAINT_COLOR, va="center")
     return page, parts[1:-1]
 
 
-def _rule(part: "SubFigure", height: float, colour: str = INK) -> None:
+def _rule(part: "SubFigure", height: float, colour: str = INK_COLOR) -> None:
     from matplotlib.lines import Line2D
 
-    part.add_artist(Line2D([LEFT, RIGHT], [height, height], color=colour, linewidth=0.9, transform=part.transSubfigure))
+    part.add_artist(
+        Line2D([LEFT_EDGE, RIGHT_EDGE], [height, height], color=colour, linewidth=0.9, transform=part.transSubfigure)
+    )
 
 
 def _card(card: Card) -> "Figure":
@@ -114,39 +116,39 @@ def remarks(card: Card) -> list[str]:
 
 def _figures(part: "SubFigure", rows: Sequence[tuple[str, str]]) -> None:
     """Figures in large type beside each other, what they are below."""
-    step = (RIGHT - LEFT) / max(len(rows), 4)
+    step = (RIGHT_EDGE - LEFT_EDGE) / max(len(rows), 4)
     for place, (value, what) in enumerate(rows):
-        part.text(LEFT + step * place, 0.62, value, fontsize=17, weight="bold", va="center")
-        part.text(LEFT + step * place, 0.18, what, fontsize=8.5, color=FAINT, va="center")
+        part.text(LEFT_EDGE + step * place, 0.62, value, fontsize=17, weight="bold", va="center")
+        part.text(LEFT_EDGE + step * place, 0.18, what, fontsize=8.5, color=FAINT_COLOR, va="center")
 
 
 def _columns(part: "SubFigure", columns: Sequence[tuple[str, Rows]]) -> None:
     """Two lists of figures beside each other."""
     most = max((len(rows) for _, rows in columns), default=1)
     step = min(0.085, 0.86 / max(most + 1, 1))
-    half = (RIGHT - LEFT) / 2
+    half = (RIGHT_EDGE - LEFT_EDGE) / 2
     for place, (title, rows) in enumerate(columns):
-        left = LEFT + place * (half + 0.02)
+        left = LEFT_EDGE + place * (half + 0.02)
         right = left + half - 0.02
         part.text(left, 0.96, title, fontsize=10, weight="bold", va="center")
         for number, (name, metric, other) in enumerate(rows, start=1):
             height = 0.96 - number * step
             part.text(left, height, name, fontsize=9, va="center")
             part.text(right - 0.115, height, metric, fontsize=9, va="center", ha="right")
-            part.text(right, height, other, fontsize=9, va="center", ha="right", color=FAINT)
+            part.text(right, height, other, fontsize=9, va="center", ha="right", color=FAINT_COLOR)
 
 
 def _remarks(part: "SubFigure", lines: Sequence[str]) -> None:
     """Sentences, as many as there is room for."""
-    _rule(part, 0.98, GRID)
+    _rule(part, 0.98, GRID_COLOR)
     fitted = [piece for line in lines for piece in wrap(line, 116)]
     if len(fitted) > 6:
         fitted = [*fitted[:5], fitted[5][:112] + " …"]
     for number, line in enumerate(fitted):
-        part.text(LEFT, 0.82 - 0.16 * number, line, fontsize=8.5, va="center")
+        part.text(LEFT_EDGE, 0.82 - 0.16 * number, line, fontsize=8.5, va="center")
 
 
-def _summary(book: Book) -> Iterator["Figure"]:
+def _summary(book: FlightReport) -> Iterator["Figure"]:
     headers, rows = table(book)
     for start in range(0, max(len(rows), 1), PER_PAGE):
         some, cards = rows[start : start + PER_PAGE], book.cards[start : start + PER_PAGE]
@@ -161,7 +163,7 @@ def _summary(book: Book) -> Iterator["Figure"]:
         foretold_flown(picture, cards)
         _table(grid, headers, some)
         for number, line in enumerate(sentences):
-            words.text(LEFT, 1 - (number + 1) / (len(sentences) + 1), line, fontsize=9, va="center")
+            words.text(LEFT_EDGE, 1 - (number + 1) / (len(sentences) + 1), line, fontsize=9, va="center")
         yield page
 
 
@@ -174,13 +176,14 @@ def _table(part: "SubFigure", headers: Sequence[str], rows: Sequence[tuple[str, 
         height = 1 - (number + 0.5) * step
         for column, cell in enumerate(row):
             part.text(
-                LEFT + places[column] * (RIGHT - LEFT), height, shortened(cell, 18), fontsize=8.2, va="center",
+                LEFT_EDGE + places[column] * (RIGHT_EDGE - LEFT_EDGE), height, shortened(cell, 18),
+                fontsize=8.2, va="center",
                 ha="right" if column in right else "left", weight="bold" if number == 0 else "normal",
             )  # fmt: skip
-        _rule(part, height - step / 2, INK if number == 0 else GRID)
+        _rule(part, height - step / 2, INK_COLOR if number == 0 else GRID_COLOR)
 
 
-def _loop(book: Book, found: Findings) -> "Figure":
+def _loop(book: FlightReport, found: Findings) -> "Figure":
     """The loop's pictures of one rocket."""
     sizes = [PICTURES[name][1][1] for name in ON_THE_LOOPS_PAGE]
     page, parts = _page(f"What the loop finds: {shortened(found.rocket, 20)}", book.title, [s / 12.5 for s in sizes])

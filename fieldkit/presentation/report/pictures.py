@@ -5,8 +5,16 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from fieldkit.presentation.report.card import Card, Foretold
-from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, shortened, styled
+from fieldkit.presentation.report.card import Card, CardForecast
+from fieldkit.presentation.report.style import (
+    AFTER_COLOR,
+    BEFORE_COLOR,
+    FAINT_COLOR,
+    INK_COLOR,
+    drawn,
+    shortened,
+    styled,
+)
 from fieldkit.units import FOOT
 
 if TYPE_CHECKING:
@@ -27,17 +35,17 @@ def forecast(figure: "Figure | SubFigure", card: Card) -> None:
     if card.foretold is not None:
         _hill(panel, card.foretold)
     if card.flight.apogee is not None:
-        panel.axvline(card.flight.apogee, color=BEFORE, linewidth=2.2)
+        panel.axvline(card.flight.apogee, color=BEFORE_COLOR, linewidth=2.2)
         label = f"flown {card.flight.apogee:.1f} m"
         panel.annotate(
             label, (card.flight.apogee, 1.0), (5, -2), xycoords=("data", "axes fraction"), va="top",
-            textcoords="offset points", color=BEFORE, weight="bold", fontsize=9,
+            textcoords="offset points", color=BEFORE_COLOR, weight="bold", fontsize=9,
         )  # fmt: skip
     panel.margins(x=0.14)
     feet = panel.secondary_xaxis("top", functions=(_feet, _metres))
-    feet.tick_params(labelsize=7, colors=FAINT)
+    feet.tick_params(labelsize=7, colors=FAINT_COLOR)
     feet.spines["top"].set_visible(False)
-    feet.set_xlabel("ft", fontsize=7, color=FAINT, loc="right", labelpad=2)
+    feet.set_xlabel("ft", fontsize=7, color=FAINT_COLOR, loc="right", labelpad=2)
 
 
 def _feet(height: Any) -> Any:
@@ -48,7 +56,7 @@ def _metres(height: Any) -> Any:
     return np.asarray(height) * FOOT
 
 
-def _hill(panel: "Axes", foretold: Foretold) -> None:
+def _hill(panel: "Axes", foretold: CardForecast) -> None:
     """The density of the draws, by a normal kernel in the logarithm; hatched between 5 and 95 %."""
     draws = foretold.draws[foretold.draws > 0]
     if len(draws) < 3 or np.ptp(draws) == 0:
@@ -59,14 +67,14 @@ def _hill(panel: "Axes", foretold: Foretold) -> None:
     density = np.exp(-0.5 * ((grid[:, None] - logs) / width) ** 2).sum(axis=1) / np.exp(grid)
     height, place = density / density.max(), np.exp(grid)
     low, middle, high = foretold.interval
-    panel.plot(place, height, color=AFTER, linewidth=1.6)
+    panel.plot(place, height, color=AFTER_COLOR, linewidth=1.6)
     inside = (place >= low) & (place <= high)
-    panel.fill_between(place[inside], height[inside], color=AFTER, alpha=0.22, linewidth=0)
-    panel.plot([middle, middle], [0, np.interp(middle, place, height)], color=AFTER, linewidth=1.4)
+    panel.fill_between(place[inside], height[inside], color=AFTER_COLOR, alpha=0.22, linewidth=0)
+    panel.plot([middle, middle], [0, np.interp(middle, place, height)], color=AFTER_COLOR, linewidth=1.4)
     for end, side in ((low, "right"), (high, "left")):
         panel.annotate(
             f"{end:.0f} m", (end, np.interp(end, place, height)), (-4 if side == "right" else 4, 5),
-            textcoords="offset points", ha=side, fontsize=8, color=AFTER,
+            textcoords="offset points", ha=side, fontsize=8, color=AFTER_COLOR,
         )  # fmt: skip
     panel.set_ylim(0, 1.25)
 
@@ -80,12 +88,12 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
     tall, low = figure.subplots(2, 1, sharex=True, height_ratios=(2, 1)) if trace.speed is not None else (
         figure.subplots(), None,
     )  # fmt: skip
-    tall.plot(trace.time, trace.height, color=AFTER, linewidth=1.4)
+    tall.plot(trace.time, trace.height, color=AFTER_COLOR, linewidth=1.4)
     tall.set_ylabel("height [m]")
     tall.set_title(f"The log: {shortened(trace.device, 40)}")
     if low is not None and trace.speed is not None:
-        low.plot(trace.time, trace.speed, color=INK, linewidth=1.1)
-        low.axhline(0, color=FAINT, linewidth=0.8)
+        low.plot(trace.time, trace.speed, color=INK_COLOR, linewidth=1.1)
+        low.axhline(0, color=FAINT_COLOR, linewidth=0.8)
         low.set_ylabel("speed [m/s]")
     bottom = tall if low is None else low
     bottom.set_xlabel("time [s]")
@@ -94,12 +102,12 @@ def log(figure: "Figure | SubFigure", card: Card) -> None:
     for name, time in sorted(trace.events.items(), key=lambda one: one[1]):
         for panel in (tall, low):
             if panel is not None:
-                panel.axvline(time, color=FAINT, linewidth=0.9, linestyle=(0, (4, 2)))
+                panel.axvline(time, color=FAINT_COLOR, linewidth=0.9, linestyle=(0, (4, 2)))
         step = step + 1 if time - last < 0.09 * span else 0
         last = time
         tall.annotate(
             f" {name} {time:.2f} s", (time, 0.98 - 0.08 * step), xycoords=("data", "axes fraction"), va="top",
-            fontsize=7.5, color=INK,
+            fontsize=7.5, color=INK_COLOR,
         )  # fmt: skip
     tall.margins(y=0.22)
 
@@ -108,12 +116,16 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
     """Every apogee of the rocket in the order flown, this flight filled in."""
     panel = figure.subplots()
     place = np.arange(1, len(card.record) + 1)
-    panel.plot(place[card.clean], card.record[card.clean], "o", color=FAINT, markersize=5, mfc="white", label="clean")
+    panel.plot(
+        place[card.clean], card.record[card.clean], "o", color=FAINT_COLOR, markersize=5, mfc="white", label="clean"
+    )
     odd = ~card.clean
     if odd.any():
-        panel.plot(place[odd], card.record[odd], "x", color=FAINT, markersize=6, label="tagged: does not teach")
+        panel.plot(place[odd], card.record[odd], "x", color=FAINT_COLOR, markersize=6, label="tagged: does not teach")
     if card.place >= 0:
-        panel.plot(place[card.place], card.record[card.place], "o", color=BEFORE, markersize=8, label="this flight")
+        panel.plot(
+            place[card.place], card.record[card.place], "o", color=BEFORE_COLOR, markersize=8, label="this flight"
+        )
     panel.set_title("The flights of this rocket so far")
     panel.set_xlabel("flight, in the order flown")
     panel.set_ylabel("apogee [m]")
@@ -131,11 +143,11 @@ def foretold_flown(figure: "Figure | SubFigure", cards: Sequence[Card]) -> None:
         if card.foretold is not None:
             low, middle, high = card.foretold.interval
             bar = "-" if card.foretold.kept else (0, (2, 1.2))
-            panel.plot([low, high], [row, row], color=AFTER, linewidth=4, alpha=0.45, linestyle=bar)
-            panel.plot(middle, row, "|", color=AFTER, markersize=11, mew=2)
+            panel.plot([low, high], [row, row], color=AFTER_COLOR, linewidth=4, alpha=0.45, linestyle=bar)
+            panel.plot(middle, row, "|", color=AFTER_COLOR, markersize=11, mew=2)
         if card.flight.apogee is not None:
-            face = BEFORE if card.flight.clean else "white"
-            panel.plot(card.flight.apogee, row, "o", color=BEFORE, mfc=face, markersize=6)
+            face = BEFORE_COLOR if card.flight.clean else "white"
+            panel.plot(card.flight.apogee, row, "o", color=BEFORE_COLOR, mfc=face, markersize=6)
     panel.set_yticks(range(len(cards)), names)
     panel.set_ylim(len(cards) - 0.4, -0.6)
     panel.set_xlabel("apogee [m]: bars are 90 % intervals (broken: worked out afterwards), dots what was flown")

@@ -8,9 +8,9 @@ import numpy as np
 
 from fieldkit.errors import BadValue
 from fieldkit.files import write
-from fieldkit.forecast.evaluation.comparison import Report
+from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.rivals import LABELS
-from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, styled
+from fieldkit.presentation.report.style import AFTER_COLOR, BEFORE_COLOR, FAINT_COLOR, INK_COLOR, drawn, styled
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
 
 if TYPE_CHECKING:
@@ -28,7 +28,7 @@ def check_picture(path: Path) -> None:
         raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_picture(reports: Mapping[str, Report | None], path: Path, *, force: bool = False) -> None:
+def write_picture(reports: Mapping[str, ScoreReport | None], path: Path, *, force: bool = False) -> None:
     """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
 
     Raises FieldkitError, where the file is there already too, unless with `force`.
@@ -46,7 +46,7 @@ def write_picture(reports: Mapping[str, Report | None], path: Path, *, force: bo
         write(path, drawn(figure, path.suffix.lower()[1:]), force=force)
 
 
-def draw(figure: "Figure | SubFigure", report: Report) -> None:
+def draw(figure: "Figure | SubFigure", report: ScoreReport) -> None:
     """The three pictures of one report."""
     place, held, rivals = figure.subplots(1, 3, width_ratios=(1, 1, 1.15))
     _pits(place, report)
@@ -54,12 +54,12 @@ def draw(figure: "Figure | SubFigure", report: Report) -> None:
     _rivals(rivals, report)
 
 
-def _pits(panel: "Axes", report: Report) -> None:
+def _pits(panel: "Axes", report: ScoreReport) -> None:
     found = report.calibration
     even = sum(found.counts) / BINS
-    panel.axhspan(*found.expected, color=FAINT, alpha=0.18, linewidth=0, label="by chance")
-    panel.axhline(even, color=INK, linewidth=1)
-    panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER)
+    panel.axhspan(*found.expected, color=FAINT_COLOR, alpha=0.18, linewidth=0, label="by chance")
+    panel.axhline(even, color=INK_COLOR, linewidth=1)
+    panel.bar((np.arange(BINS) + 0.5) / BINS, found.counts, width=0.9 / BINS, color=AFTER_COLOR)
     panel.set_title("where flights lay")
     panel.set_xlabel("share of the forecast below")
     panel.set_ylabel("flights")
@@ -68,13 +68,13 @@ def _pits(panel: "Axes", report: Report) -> None:
     panel.legend(loc="upper right", fontsize=7)
 
 
-def _reliability(panel: "Axes", report: Report) -> None:
+def _reliability(panel: "Axes", report: ScoreReport) -> None:
     pits = [pit(row.draws, row.flown) for row in report.rows]
     curve = calibration(pits, CURVE).intervals
     low, high = np.array([one.expected for one in curve]).T
-    panel.fill_between(CURVE, low, high, color=FAINT, alpha=0.18, linewidth=0)
-    panel.plot([0, 1], [0, 1], color=INK, linewidth=1)
-    panel.plot(CURVE, [one.held for one in curve], "o-", color=AFTER, markersize=3.5, linewidth=1.5)
+    panel.fill_between(CURVE, low, high, color=FAINT_COLOR, alpha=0.18, linewidth=0)
+    panel.plot([0, 1], [0, 1], color=INK_COLOR, linewidth=1)
+    panel.plot(CURVE, [one.held for one in curve], "o-", color=AFTER_COLOR, markersize=3.5, linewidth=1.5)
     panel.set_title("how often intervals held")
     panel.set_xlabel("share they are to hold")
     panel.set_ylabel("share held")
@@ -82,17 +82,17 @@ def _reliability(panel: "Axes", report: Report) -> None:
     panel.set_ylim(0, 1.02)
 
 
-def _rivals(panel: "Axes", report: Report) -> None:
+def _rivals(panel: "Axes", report: ScoreReport) -> None:
     rows = range(len(report.against))
     for row, one in zip(rows, report.against, strict=True):
         low, high = (100 * end for end in one.error.interval)
-        colour = {"better": AFTER, "worse": BEFORE}.get(one.verdict, FAINT)
+        colour = {"better": AFTER_COLOR, "worse": BEFORE_COLOR}.get(one.verdict, FAINT_COLOR)
         panel.plot([low, high], [row, row], color=colour, linewidth=4, alpha=0.5, solid_capstyle="butt")
         panel.plot(100 * one.error.less, row, "o", color=colour, markersize=6)
         panel.annotate(
             one.verdict, (100 * one.error.less, row), (0, 8), textcoords="offset points", ha="center", fontsize=8
         )
-    panel.axvline(0, color=INK, linewidth=1)
+    panel.axvline(0, color=INK_COLOR, linewidth=1)
     panel.set_yticks(list(rows), [LABELS[one.rival] for one in report.against])
     panel.set_ylim(len(report.against) - 0.5, -0.6)
     panel.margins(x=0.15)

@@ -14,24 +14,24 @@ from fieldkit.safe_text import printable
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-INK, FAINT, GRID = "#1b1f24", "#6b7280", "#e5e7eb"
-BEFORE, AFTER, EXTRA = "#d55e00", "#0072b2", "#009e73"
+INK_COLOR, FAINT_COLOR, GRID_COLOR = "#1b1f24", "#6b7280", "#e5e7eb"
+BEFORE_COLOR, AFTER_COLOR, EXTRA_COLOR = "#d55e00", "#0072b2", "#009e73"
 STYLE: Any = {
     "font.size": 9,
     "axes.titlesize": 10,
     "axes.titleweight": "bold",
     "axes.titlelocation": "left",
-    "axes.edgecolor": FAINT,
-    "axes.labelcolor": INK,
+    "axes.edgecolor": FAINT_COLOR,
+    "axes.labelcolor": INK_COLOR,
     "axes.spines.top": False,
     "axes.spines.right": False,
     "axes.grid": True,
-    "grid.color": GRID,
+    "grid.color": GRID_COLOR,
     "grid.linewidth": 0.8,
     "axes.axisbelow": True,
-    "text.color": INK,
-    "xtick.color": INK,
-    "ytick.color": INK,
+    "text.color": INK_COLOR,
+    "xtick.color": INK_COLOR,
+    "ytick.color": INK_COLOR,
     "text.parse_math": False,
     "legend.frameon": False,
     "svg.hashsalt": "fieldkit",

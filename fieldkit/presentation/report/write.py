@@ -7,21 +7,21 @@ from typing import Any, TypeVar
 
 from fieldkit.errors import BadValue
 from fieldkit.files import write_all
-from fieldkit.presentation.report.book import Book, table
+from fieldkit.presentation.report.book import FlightReport, table
 from fieldkit.presentation.report.card import Card
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import svg
 from fieldkit.presentation.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
 from fieldkit.presentation.report.pictures import forecast, foretold_flown, log, picture
 from fieldkit.presentation.report.style import bound, drawn, styled
-from fieldkit.progress import Tell, untold
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
 
 SUFFIXES = (".html", ".htm", ".pdf", ".png", ".md")
 NUMBERS = (3, 4, 5, 6, 7)
 """Columns of the table of flights that are numbers."""
-WIDE = 7.2
-"""Of pictures on a page. [inch]"""
+PICTURE_WIDTH = 7.2
+"""Width of pictures on a page. [inch]"""
 T = TypeVar("T")
 
 
@@ -31,7 +31,7 @@ def check_report(path: Path) -> None:
         raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_report(book: Book, path: Path, tell: Tell = untold, *, force: bool = False) -> list[Path]:
+def write_report(book: FlightReport, path: Path, tell: ReportProgress = no_op, *, force: bool = False) -> list[Path]:
     """Write a report as the kind that its file's name says, all of it or nothing; the files written.
 
     Raises FieldkitError, where one is there already too, unless with `force`.
@@ -42,7 +42,7 @@ def write_report(book: Book, path: Path, tell: Tell = untold, *, force: bool = F
     return list(files)
 
 
-def _files(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
+def _files(book: FlightReport, path: Path, tell: ReportProgress) -> Iterator[tuple[Path, bytes]]:
     kind = path.suffix.lower()
     if kind == ".md":
         yield from _markdown(book, path, tell)
@@ -58,14 +58,14 @@ def _files(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
                 yield name, drawn(sheet, "png")
 
 
-def _told(pages: Sequence[T], tell: Tell) -> Iterator[T]:
+def _told(pages: Sequence[T], tell: ReportProgress) -> Iterator[T]:
     """Pages one after the other, each told of before it is drawn."""
     for number, page in enumerate(pages):
         tell(f"page {number + 1} of {len(pages)}", number / len(pages))
         yield page
 
 
-def content(book: Book, tell: Tell = untold) -> dict[str, Any]:
+def content(book: FlightReport, tell: ReportProgress = no_op) -> dict[str, Any]:
     """Everything that the page shows, as text and pictures."""
     headers, rows = table(book)
     return {
@@ -93,18 +93,18 @@ def _card(card: Card) -> dict[str, Any]:
         "title": title,
         "subtitle": subtitle,
         "figures": headline(card),
-        "forecast": embedded(picture(partial(forecast, card=card), (WIDE, 2.2), "svg")),
-        "log": embedded(picture(partial(log, card=card), (WIDE, 3.1), "svg")),
+        "forecast": embedded(picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "svg")),
+        "log": embedded(picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "svg")),
         "columns": [("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)],
         "remarks": remarks(card),
     }
 
 
-def _overview(book: Book, kind: str) -> bytes:
-    return picture(partial(foretold_flown, cards=book.cards), (WIDE, 1.0 + 0.26 * len(book.cards)), kind)
+def _overview(book: FlightReport, kind: str) -> bytes:
+    return picture(partial(foretold_flown, cards=book.cards), (PICTURE_WIDTH, 1.0 + 0.26 * len(book.cards)), kind)
 
 
-def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]]:
+def _markdown(book: FlightReport, path: Path, tell: ReportProgress) -> Iterator[tuple[Path, bytes]]:
     """The report as Markdown, its pictures as PNG files that bear its name."""
     lines: list[str] = []
 
@@ -124,9 +124,11 @@ def _markdown(book: Book, path: Path, tell: Tell) -> Iterator[tuple[Path, bytes]
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]
-        yield beside(f"{number}-forecast", picture(partial(forecast, card=card), (WIDE, 2.2), "png"), "Predicted")
+        yield beside(
+            f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Predicted"
+        )
         told = "The log" if card.trace else "The flights of this rocket so far"
-        yield beside(f"{number}-log", picture(partial(log, card=card), (WIDE, 3.1), "png"), told)
+        yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)
         for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, "SI", "US"), figures), ""]

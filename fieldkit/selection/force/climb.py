@@ -18,7 +18,7 @@ STEP = 0.001
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Track:
+class ClimbTrack:
     """A measured climb, straight up, on one clock in SI units.
 
     `push` is thrust less drag over mass, as an axial accelerometer feels it, with its standard deviation; heights are
@@ -33,22 +33,22 @@ class Track:
     burning: Flags
     window: float = 0.0
 
-    def part(self, rows: Flags) -> "Track":
+    def part(self, rows: Flags) -> "ClimbTrack":
         """Some of its samples."""
-        return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED})
+        return replace(self, **{name: getattr(self, name)[rows] for name in SAMPLED_FIELDS})
 
 
-SAMPLED = tuple(name for name in Track.__dataclass_fields__ if name != "window")
-"""What a climb has one of at every sample."""
+SAMPLED_FIELDS = tuple(name for name in ClimbTrack.__dataclass_fields__ if name != "window")
+"""Fields of a climb that have one value per sample."""
 
 
-def track_of(measured: Forces) -> Track:
+def track_of(measured: Forces) -> ClimbTrack:
     """The climb of which forces were measured."""
-    return Track(**{name: getattr(measured, name) for name in SAMPLED}, window=measured.window or 0.0)
+    return ClimbTrack(**{name: getattr(measured, name) for name in SAMPLED_FIELDS}, window=measured.window or 0.0)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Rocket:
+class RocketInputs:
     """What the model flies: motor, mass without it [kg], Cd times area [m^2], the air, the rail [m]."""
 
     motor: Motor
@@ -66,8 +66,8 @@ class Missing:
     `burning` is true until the motor's curve ends, which is after top speed where thrust dies away slowly.
     """
 
-    track: Track
-    rocket: Rocket
+    track: ClimbTrack
+    rocket: RocketInputs
     force: Float[Array, "time"]
     thrust: Float[Array, "time"]
     steepness: Float[Array, "time"]
@@ -76,7 +76,7 @@ class Missing:
     burning: Flags
 
 
-def beside_model(track: Track, rocket: Rocket) -> Missing:
+def beside_model(track: ClimbTrack, rocket: RocketInputs) -> Missing:
     """Every sample beside the model's thrust and drag there."""
     thrust, steepness, mass, burning = _thrust(track.time_from_liftoff, rocket, track.window)
     density = rocket.air.density * rocket.air.thinning(track.height)
@@ -85,7 +85,7 @@ def beside_model(track: Track, rocket: Rocket) -> Missing:
 
 
 def _thrust(
-    time: Float[Array, "time"], rocket: Rocket, window: float
+    time: Float[Array, "time"], rocket: RocketInputs, window: float
 ) -> tuple[Float[Array, "time"], Float[Array, "time"], Float[Array, "time"], Flags]:
     """Thrust per mass [m/s^2], its rate of change [m/s^3], mass [kg] and whether it burns, at times from lift-off.
 

@@ -9,15 +9,15 @@ from fieldkit.flight import Flight
 from fieldkit.motors.motor import Motor
 from fieldkit.physics.atmosphere import pad_air
 from fieldkit.physics.setups import RAIL_LENGTH, recorded
-from fieldkit.selection.force.climb import Missing, Rocket, Track, track_of
-from fieldkit.selection.force.one_flight import SLOWEST, Law, law, missing_force
+from fieldkit.selection.force.climb import ClimbTrack, Missing, RocketInputs, track_of
+from fieldkit.selection.force.one_flight import MIN_SPEED, Law, law, missing_force
 from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.terms import library
 from fieldkit.shapes import Flags
 
 FELT_GUARD, SMOOTHED_GUARD = 0.1, 0.5
 """Left out on either side of burnout: with an accelerometer, and where heights were smoothed. [s]"""
-FREE = ("drag",)
+FREE_TERMS = ("drag",)
 """Terms that every flight has for itself: how much drag there is on the whole is the plain model's own unknown, which
 readouts that lack something have pulled from its place."""
 FEWEST_SAMPLES = 30
@@ -53,37 +53,37 @@ class FlightForce:
     points: tuple[Point, ...]
 
 
-def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> Rocket:
+def rocket_of(flight: Flight, motor: Motor, drag_area: float) -> RocketInputs:
     """A flight as the model has it: motor as certified, mass as weighed, the air of the day; area in m^2."""
     conditions = ("site_elevation", "temperature", "pressure", "humidity")
     air = pad_air(*(np.asarray(recorded([flight], name)[0]) for name in conditions))
     assert flight.dry_mass is not None
     rail = RAIL_LENGTH if flight.rail_length is None else flight.rail_length
-    return Rocket(motor, flight.dry_mass, drag_area, air, rail)
+    return RocketInputs(motor, flight.dry_mass, drag_area, air, rail)
 
 
-def flight_force(flight_id: str, said: Recorded, rocket: Rocket) -> FlightForce | str:
+def flight_force(flight_id: str, said: Recorded, rocket: RocketInputs) -> FlightForce | str:
     """The missing force of one flight, or why its log does not show it."""
     if said.forces is None:
         return "; ".join(said.notes) or TOO_SHORT
     track = _told(said.forces)
-    if (track.speed > SLOWEST).sum() < FEWEST_SAMPLES:
+    if (track.speed > MIN_SPEED).sum() < FEWEST_SAMPLES:
         return TOO_SHORT
     missing = missing_force(track, rocket, FELT_GUARD)
     if len(missing.force) < FEWEST_SAMPLES:
         return TOO_SHORT
-    found = law(missing, FREE)
+    found = law(missing, FREE_TERMS)
     return FlightForce(
         flight_id,
         said.forces.source,
         missing,
-        regression(missing, library(), FREE),
+        regression(missing, library(), FREE_TERMS),
         found,
         _points(missing, found.worth),
     )
 
 
-def _told(forces: Forces) -> Track:
+def _told(forces: Forces) -> ClimbTrack:
     """The part of a climb that tells: all of it as an accelerometer felt it, the coast alone by smoothed heights."""
     track = track_of(forces)
     if forces.window is not None:

@@ -10,16 +10,16 @@ from fieldkit.analysis import Recorded
 from fieldkit.model.rocket_model import bent
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.force.flights import FlightForce, flight_force, rocket_of
-from fieldkit.selection.force.one_flight import Found
-from fieldkit.selection.force.several_flights import FEWEST, Common, common_law
+from fieldkit.selection.force.one_flight import FoundTerm
+from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common, common_law
 from fieldkit.selection.force.terms import library
 
-Says = Literal["", "agrees", "more", "another effect", "cannot tell", "nothing of it"]
+LogVerdict = Literal["", "agrees", "more", "another effect", "cannot tell", "nothing of it"]
 """How the law of the climbs stands to the verdict, `more` where that names no effect; empty where it has no say."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
-class Witness:
+class LogEvidence:
     """The missing force of the flights whose logs show it, the law that they share, and what it says of the verdict.
 
     `silent` are the flights whose logs do not show it, each with the reason.
@@ -28,7 +28,7 @@ class Witness:
     flights: tuple[FlightForce, ...]
     silent: tuple[tuple[str, str], ...]
     law: tuple[Common, ...]
-    says: Says
+    says: LogVerdict
 
     @property
     def effects(self) -> tuple[str, ...]:
@@ -36,7 +36,7 @@ class Witness:
         return tuple(dict.fromkeys(found.term.effect for found in self.law if found.term.effect))
 
 
-def testify(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> Witness:
+def testify(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> LogEvidence:
     """What the logs of clean flights say, by flight id; in place of a log there may be why it cannot be read.
 
     The model beside which they are put is the plain one, its drag as fitted to the readouts of all flights.
@@ -56,12 +56,12 @@ def testify(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> Witness
         else:
             flights.append(shown)
     law = common_law([one.regression for one in flights], library())
-    return Witness(tuple(flights), tuple(silent), law, _says(diagnosis.effect, law, len(flights)))
+    return LogEvidence(tuple(flights), tuple(silent), law, _says(diagnosis.effect, law, len(flights)))
 
 
-def _says(verdict: str, law: tuple[Common, ...], flights: int) -> Says:
+def _says(verdict: str, law: tuple[Common, ...], flights: int) -> LogVerdict:
     """How a law stands to a verdict."""
-    if flights < FEWEST:
+    if flights < MIN_CLIMBS:
         return ""
     wanted = set(verdict.split("+")) - {"none", "unexplained"}
     found = {one.term.effect for one in law} - {""}
@@ -75,7 +75,7 @@ def _says(verdict: str, law: tuple[Common, ...], flights: int) -> Says:
     return "nothing of it" if wanted & set(effects.values()) else ""
 
 
-def document(said: Witness) -> dict[str, Any]:
+def document(said: LogEvidence) -> dict[str, Any]:
     """A testimony as JSON has it; lists are empty where no log shows a missing force."""
     return {
         "flights": [_flight(one) for one in said.flights],
@@ -105,7 +105,7 @@ def _flight(one: FlightForce) -> dict[str, Any]:
     }
 
 
-def _term(one: Found | Common) -> dict[str, Any]:
+def _term(one: FoundTerm | Common) -> dict[str, Any]:
     return {
         "term": one.term.name,
         "effect": one.term.effect or None,

@@ -5,22 +5,22 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.selection.force.climb import Missing, Rocket, Track, beside_model
+from fieldkit.selection.force.climb import ClimbTrack, Missing, RocketInputs, beside_model
 from fieldkit.selection.force.regression import forward, price, regression
-from fieldkit.selection.force.terms import Term, library
+from fieldkit.selection.force.terms import ForceTerm, library
 
 SHIFTS = tuple(sorted(np.linspace(-0.15, 0.15, 13).tolist(), key=abs))
 """Of the clock that are tried, the smallest first. [s]"""
-SLOWEST = 5.0
-"""Below this speed a climb is over and its direction unknown. [m/s]"""
+MIN_SPEED = 5.0
+"""Speed below which a climb is over and its direction unknown. [m/s]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundTerm:
     """A term that is there, with its coefficient; `gain` is what it takes off the criterion. `also` are terms that
     would have done nearly as well in its place."""
 
-    term: Term
+    term: ForceTerm
     value: float
     sd: float
     gain: float
@@ -35,7 +35,7 @@ class Law:
     the record is worth.
     """
 
-    terms: tuple[Found, ...]
+    terms: tuple[FoundTerm, ...]
     explained: float
     left: float
     worth: float
@@ -46,7 +46,7 @@ class Law:
         return tuple(found.term.effect for found in self.terms if found.term.effect)
 
 
-def missing_force(track: Track, rocket: Rocket, guard: float = 0.0) -> Missing:
+def missing_force(track: ClimbTrack, rocket: RocketInputs, guard: float = 0.0) -> Missing:
     """Measured less modelled push at every sample that flies upward, the clock set by the thrust curve.
 
     Samples within `guard` [s] of burnout are left out: where acceleration was made from heights, smoothing has
@@ -54,11 +54,11 @@ def missing_force(track: Track, rocket: Rocket, guard: float = 0.0) -> Missing:
     """
     time = track.time_from_liftoff
     burnout = float(time[track.burning].max(initial=-np.inf))
-    flown = (track.speed > SLOWEST) & (np.abs(time - burnout) >= guard)
+    flown = (track.speed > MIN_SPEED) & (np.abs(time - burnout) >= guard)
     return beside_model(_on_time(track.part(flown), rocket), rocket)
 
 
-def _on_time(track: Track, rocket: Rocket) -> Track:
+def _on_time(track: ClimbTrack, rocket: RocketInputs) -> ClimbTrack:
     """The same with its clock shifted to where thrust rises and ends: a lift-off is detected late or early."""
     if track.burning.sum() < 4:
         return track
@@ -86,7 +86,7 @@ def law(missing: Missing, free: Collection[str] = ()) -> Law:
     values, sds = whole.solve(names)
     left = whole.left(names)
     found = tuple(
-        Found(known[one.name], float(value), float(sd), one.gain, one.also)
+        FoundTerm(known[one.name], float(value), float(sd), one.gain, one.also)
         for one, value, sd in zip(chosen, values, sds, strict=True)
     )
     explained = 1 - float(left @ left) / float(whole.wanted @ whole.wanted)

@@ -12,23 +12,23 @@ from math import log
 import numpy as np
 
 from fieldkit.selection.force.climb import Missing
-from fieldkit.selection.force.terms import Term
+from fieldkit.selection.force.terms import ForceTerm
 from fieldkit.shapes import Array, Float
 
-STRICT = 1.0
+CANDIDATE_COUNT_WEIGHT = 1.0
 """Weight of the number of candidates in the extended criterion. [1]"""
-MOST = 4
-"""Terms at most."""
-SEEN = 1e-3
-"""Share of a term that must be left beside what is free, for the climb to show it. [1]"""
+MAX_TERMS = 4
+"""Largest number of terms. [1]"""
+MIN_RESIDUAL_FRACTION = 1e-3
+"""Fraction of a term that must remain after the free terms are projected out. [1]"""
 LEAST_DRAG = 0.1
 """Of the model's drag: a climb that shows less shows nothing of it. [1]"""
-NEARLY = 4.0
-"""Of the criterion, within which another term is named beside the chosen one. [1]"""
+CRITERION_TIE = 4.0
+"""Difference of the criterion within which another term is named beside the chosen one. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
-class Chosen:
+class ChosenTerm:
     """A term's name, what it takes off the criterion, and the terms that would have done nearly as well."""
 
     name: str
@@ -107,7 +107,7 @@ class FreeDrag:
         return np.array([factor if name in self.shares else 1.0 for name in names])
 
 
-def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = ()) -> Regression:
+def regression(missing: Missing, terms: Sequence[ForceTerm], free: Collection[str] = ()) -> Regression:
     """The regression of a missing force on those terms that act somewhere along its climb.
 
     Terms named in `free` are taken out beforehand rather than put to the test.
@@ -120,7 +120,9 @@ def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = 
     acting = {name: column for name, column in whole.items() if np.linalg.norm(column) > 1e-9}
     columns = {name: _left(column, given) for name, column in acting.items()}
     columns = {
-        name: left for name, left in columns.items() if np.linalg.norm(left) > SEEN * np.linalg.norm(acting[name])
+        name: left
+        for name, left in columns.items()
+        if np.linalg.norm(left) > MIN_RESIDUAL_FRACTION * np.linalg.norm(acting[name])
     }
     drag = None
     if "drag" in free:
@@ -130,24 +132,24 @@ def regression(missing: Missing, terms: Sequence[Term], free: Collection[str] = 
     return Regression(wanted, columns, _worth(wanted, list(columns.values())), len(given), drag)
 
 
-def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[Chosen, ...]:
+def forward(candidates: Collection[str], gain: Callable[[list[str], str], float]) -> tuple[ChosenTerm, ...]:
     """Terms added one by one while the best of the others gains anything beside those chosen before."""
-    chosen: list[Chosen] = []
-    while len(chosen) < min(MOST, len(candidates)):
+    chosen: list[ChosenTerm] = []
+    while len(chosen) < min(MAX_TERMS, len(candidates)):
         before = [one.name for one in chosen]
         gains = {name: gain(before, name) for name in candidates if name not in before}
         best = max(gains, key=lambda name: gains[name])
         if gains[best] <= 0:
             break
-        least = max(gains[best] - NEARLY, 0.0)
+        least = max(gains[best] - CRITERION_TIE, 0.0)
         also = tuple(name for name in gains if name != best and gains[name] > least)
-        chosen.append(Chosen(best, gains[best], also))
+        chosen.append(ChosenTerm(best, gains[best], also))
     return tuple(chosen)
 
 
 def price(terms: int, candidates: int) -> float:
     """What the criterion asks for one more beside so many terms: by how much more ways there are to choose them."""
-    return 2 * STRICT * log((candidates - terms) / (terms + 1))
+    return 2 * CANDIDATE_COUNT_WEIGHT * log((candidates - terms) / (terms + 1))
 
 
 def _left(wanted: Array, basis: Sequence[Array]) -> Array:

@@ -13,13 +13,13 @@ from functools import partial
 import numpy as np
 
 from fieldkit.selection.force.regression import Regression, forward, price
-from fieldkit.selection.force.terms import Term
+from fieldkit.selection.force.terms import ForceTerm
 from fieldkit.shapes import Array, Float
 
-FEWEST = 2
-"""Climbs from which on a law is asked for."""
-SURE = 0.98
-"""Of the interval of a term's mean over the flights that must leave out zero. [1]"""
+MIN_CLIMBS = 2
+"""Climbs from which on a law is fitted. [1]"""
+INTERVAL_LEVEL = 0.98
+"""Level of the interval of a term's mean over the flights, which must exclude zero. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,7 +30,7 @@ class Common:
     those `seen` that could show it. `also` are terms that would have done nearly as well in its place.
     """
 
-    term: Term
+    term: ForceTerm
     value: float
     sd: float
     gain: float
@@ -59,7 +59,7 @@ class Mean:
         do to the best of so many candidates (Bonferroni)."""
         from scipy.special import ndtri, stdtrit
 
-        unsure = (1 - SURE) / 2
+        unsure = (1 - INTERVAL_LEVEL) / 2
         least = max(
             stdtrit(self.flights - 1, 1 - unsure) * self.shown,
             ndtri(1 - unsure / candidates) * self.lucky,
@@ -67,13 +67,13 @@ class Mean:
         return bool(abs(self.value) > least)
 
 
-def common_law(climbs: Sequence[Regression], terms: Sequence[Term]) -> tuple[Common, ...]:
+def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tuple[Common, ...]:
     """The fewest terms that come back in the missing force of several climbs, the most telling first."""
-    if len(climbs) < FEWEST:
+    if len(climbs) < MIN_CLIMBS:
         return ()
     known = {term.name: term for term in terms}
     lucks = {term.name: term.luck for term in terms if term.luck}
-    candidates = [name for name in known if sum(name in climb.columns for climb in climbs) >= FEWEST]
+    candidates = [name for name in known if sum(name in climb.columns for climb in climbs) >= MIN_CLIMBS]
     chosen = forward(candidates, partial(_steady_gain, climbs, lucks, len(candidates)))
     names = [one.name for one in chosen]
     law = []

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.model.hyperprior import certified
-from fieldkit.physics.effect import Climb, LoggedForce, effects
+from fieldkit.physics.effect import ClimbForces, LoggedForce, effects
 from fieldkit.physics.state import Force, State
 from fieldkit.selection.force.climb import Missing
 from fieldkit.shapes import Array, Float
@@ -16,7 +16,7 @@ Column = Callable[[Missing], Float[Array, "time"]]
 
 
 @dataclass(frozen=True, slots=True)
-class Term:
+class ForceTerm:
     """One physical term of the library: what it is, the effect it stands for (empty for none), and its unit.
 
     `luck` is the standard deviation by which single flights differ in it anyway, in its unit.
@@ -29,21 +29,21 @@ class Term:
     luck: float = 0.0
 
 
-def library() -> list[Term]:
+def library() -> list[ForceTerm]:
     """Terms that a climb could show: those below, and the effects that act as a force or show as one in a log."""
     luck = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
     return [
-        Term("drag", "", "share of Cd", lambda m: -m.drag, luck["drag"]),
+        ForceTerm("drag", "", "share of Cd", lambda m: -m.drag, luck["drag"]),
         *(
-            Term(effect.logged.name, name, effect.unit, _seen(effect.logged), luck.get(effect.logged.scatter, 0.0))
+            ForceTerm(effect.logged.name, name, effect.unit, _seen(effect.logged), luck.get(effect.logged.scatter, 0.0))
             for name, effect in effects().items()
             if effect.logged is not None
         ),
-        Term("constant", "", "m/s^2", lambda m: np.ones(len(m.force))),
-        Term("linear in speed", "", "1/s", lambda m: -m.track.speed),
-        Term("gain of the accelerometer", "", "share of the push", lambda m: m.thrust - m.drag),
+        ForceTerm("constant", "", "m/s^2", lambda m: np.ones(len(m.force))),
+        ForceTerm("linear in speed", "", "1/s", lambda m: -m.track.speed),
+        ForceTerm("gain of the accelerometer", "", "share of the push", lambda m: m.thrust - m.drag),
         *(
-            Term(effect.title, name, effect.unit, _pushed(effect.acceleration))
+            ForceTerm(effect.title, name, effect.unit, _pushed(effect.acceleration))
             for name, effect in effects().items()
             if effect.acceleration is not None
         ),
@@ -56,7 +56,7 @@ def _seen(logged: LoggedForce) -> Column:
     def column(at: Missing) -> Float[Array, "time"]:
         track = at.track
         return logged.per_mass(
-            Climb(track.time_from_liftoff, track.height, at.thrust, at.steepness, at.rocket.rail_length)
+            ClimbForces(track.time_from_liftoff, track.height, at.thrust, at.steepness, at.rocket.rail_length)
         )
 
     return column

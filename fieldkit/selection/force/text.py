@@ -2,11 +2,11 @@
 
 from collections.abc import Iterator
 
-from fieldkit.selection.force.log_evidence import Witness
-from fieldkit.selection.force.one_flight import Found
-from fieldkit.selection.force.several_flights import FEWEST, Common
+from fieldkit.selection.force.log_evidence import LogEvidence
+from fieldkit.selection.force.one_flight import FoundTerm
+from fieldkit.selection.force.several_flights import MIN_CLIMBS, Common
 
-BESIDE = {
+COMPARISON_TEXTS = {
     "agrees": "this speaks for {effects}, as the verdict from the readouts does",
     "more": "this speaks for {effects}, which the readouts alone do not show",
     "another effect": "this speaks for {effects}, which is not the verdict from the readouts",
@@ -15,12 +15,12 @@ BESIDE = {
 }
 
 
-def climbs_in_words(said: Witness) -> Iterator[str]:
+def climbs_in_words(said: LogEvidence) -> Iterator[str]:
     """Nothing where no flight has a log; else what the climbs lack, and how that stands to the verdict."""
     if said.flights:
         yield f"missing force, {_counted(len(said.flights))}: {_law(said)}"
         if said.says:
-            yield BESIDE[said.says].format(effects="+".join(said.effects))
+            yield COMPARISON_TEXTS[said.says].format(effects="+".join(said.effects))
     reasons: dict[str, list[str]] = {}
     for flight_id, why in said.silent:
         reasons.setdefault(why, []).append(flight_id)
@@ -29,15 +29,15 @@ def climbs_in_words(said: Witness) -> Iterator[str]:
         yield f"{_counted(len(ids))} without a missing force, {ids[0]}{others}: {why}"
 
 
-def _law(said: Witness) -> str:
-    if len(said.flights) < FEWEST:
+def _law(said: LogEvidence) -> str:
+    if len(said.flights) < MIN_CLIMBS:
         alone = ", ".join(map(_term, said.flights[0].law.terms)) or "none"
         return f"{alone}; one flight alone decides nothing"
     terms = [f"{_term(one)} (in {one.flights} of {one.seen})" for one in said.law]
     return ", ".join(terms) or "nothing that comes back from flight to flight"
 
 
-def _term(one: Found | Common) -> str:
+def _term(one: FoundTerm | Common) -> str:
     also = f", or {', '.join(one.also)}," if one.also else ""
     return f"{one.term.name}{also} {one.value:.3g} +/- {one.sd:.2g} {one.term.unit}"
 

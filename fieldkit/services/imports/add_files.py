@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog
-from fieldkit.importing import Choice, Mapped, Rejected
+from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import Arrival
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.motors import Catalogue
@@ -43,7 +43,7 @@ def bring_in(
     *,
     format: str | None = None,
     defaults: Mapping[str, object] | None = None,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:
@@ -56,7 +56,7 @@ def take_in(
     ledger: "Ledger",
     gathered: Gathered,
     *,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
     dry_run: bool = False,
     motors: Catalogue | None = None,
 ) -> Receipt:

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import DamagedLog, LedgerError, UnknownFormat
 from fieldkit.flight import Flight
-from fieldkit.importing import Choice
+from fieldkit.importing import ColumnChoice
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import Arrival, Original
 from fieldkit.importing.read import read_kept
@@ -39,7 +39,7 @@ class Sorting:
     notes: list[str] = field(default_factory=list)
 
 
-def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[Choice] = ()) -> Sorting:
+def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[ColumnChoice] = ()) -> Sorting:
     """Which arrivals are flights of their own, and which are further files of a flight of the ledger."""
     sorting = Sorting()
     for arrival in arrivals:
@@ -116,7 +116,7 @@ def _maybe(there: Flight, arrival: Arrival) -> bool:
     return len(days) <= 1 and not timed
 
 
-def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[Choice]) -> None:
+def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices: Sequence[ColumnChoice]) -> None:
     """Add the files of an arrival to a flight, or leave it where its files are a flight of their own after all."""
     from fieldkit.ledger import Renewal
 

@@ -9,14 +9,14 @@ from fieldkit import files
 from fieldkit.capture import is_capture, logs_in
 from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
 from fieldkit.flight import FIELDS, MEASURED, Flight
-from fieldkit.importing import Choice, Mapped, Rejected
+from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
 from fieldkit.importing.read import read, read_together
 from fieldkit.importing.to_flights import CheckMotor
 from fieldkit.services.imports.view import FileView, file_view
 
-BESIDE = ("sd", "source")
-"""Fields of a flight that say something of its readouts."""
+READOUT_FIELDS = ("sd", "source")
+"""Fields of a flight that describe its readouts."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,7 +36,7 @@ def gather(
     *,
     format: str | None = None,
     defaults: Mapping[str, object] | None = None,
-    choices: Sequence[Choice] = (),
+    choices: Sequence[ColumnChoice] = (),
 ) -> Gathered:
     """Read files for one import; `defaults` are fields for flights that leave them open.
 
@@ -96,9 +96,9 @@ def _name(path: Path) -> str:
 def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
     """Defaults for the fields that a flight leaves open, and for what stands beside its readouts."""
     empty = (None, "", ())
-    given = {f: v for f, v in defaults.items() if f not in BESIDE and getattr(flight, f) in empty}
+    given = {f: v for f, v in defaults.items() if f not in READOUT_FIELDS and getattr(flight, f) in empty}
     readouts = flight.with_changes(**given).readouts()
-    for part in BESIDE:
+    for part in READOUT_FIELDS:
         there, default = getattr(flight, part), defaults.get(part, {})
         known = (
             {name: value for name, value in default.items() if name in readouts} if isinstance(default, dict) else {}
@@ -159,6 +159,6 @@ def _filled(flight: Flight, found: Iterable[Flight]) -> Flight:
     told, own = found[0], flight.readouts()
     known = {
         part: {name: value for name, value in getattr(told, part).items() if name not in own} | getattr(flight, part)
-        for part in BESIDE
+        for part in READOUT_FIELDS
     }
     return flight.with_changes(**(told.readouts() | own), **known, extra={**told.extra, **flight.extra})

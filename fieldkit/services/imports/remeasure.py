@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from fieldkit.errors import LedgerError
 from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, Column, Flight
-from fieldkit.importing import Choice, Reading
+from fieldkit.importing import ColumnChoice, Reading
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
 from fieldkit.importing.read import read_kept, read_recordings
@@ -51,7 +51,7 @@ class Remeasured:
         return (*found, *(name for name in {**old, **new} if old.get(name) != new.get(name)))
 
 
-def remeasured(ledger: "Ledger", id: str, choices: Sequence[Choice] = ()) -> Remeasured | None:
+def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> Remeasured | None:
     """A flight of the ledger with its files read again; None where it has none with samples.
 
     `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an id that means
@@ -69,7 +69,7 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[Choice] = ()) -> Rem
     return Remeasured(id, flight, entered, renewed(flight, entered, read), again, kept)
 
 
-def recordings_of(ledger: "Ledger", id: str, choices: Sequence[Choice] = ()) -> list[Reading]:
+def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> list[Reading]:
     """The readings of all files of a flight of the ledger, its own among them; none where it has no file.
 
     Raises as `remeasured` does.

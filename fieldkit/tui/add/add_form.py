@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity
-from fieldkit.importing.manual_entry import NOTHING, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
 from fieldkit.quantities import measure, spelled
 
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, and offered from the last flight."""
 BY_NAME = {question.name: question for question in QUESTIONS}
 READ = tuple(column.name for column in READOUTS)
-MORE = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
-OTHER = {"SI": "US", "US": "SI", "mixed": "SI"}
+MORE_FIELDS = tuple(name for name in BY_NAME if name not in (*SETUP, *READ))
+OTHER_SYSTEM = {"SI": "US", "US": "SI", "mixed": "SI"}
 """The system in which a figure is repeated beside it."""
 
 
@@ -34,7 +34,7 @@ class Answered:
 
 
 @dataclass(frozen=True, slots=True)
-class Begun:
+class FormStart:
     """What the form begins with: what was typed halfway, the units typed last, what the last flight suggests."""
 
     draft: Mapping[str, str]
@@ -58,7 +58,7 @@ def answered(texts: Mapping[str, str], units: Mapping[str, str], usual: Mapping[
     flight, wrong = Flight(), dict[str, str]()
     for name, text in texts.items():
         try:
-            value = read_answer(name, "" if text == NOTHING else text, units.get(name, ""))
+            value = read_answer(name, "" if text == NOT_RECORDED else text, units.get(name, ""))
             flight = flight.with_changes(**{name: value})
         except BadValue as error:
             wrong[name] = str(error)
@@ -75,7 +75,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
     value = said.flight.number(question.name) if column else None
     if column is None or value is None:
         return spelled(unit)
-    figures = [measure(column, value, one) for one in (system, OTHER[system])]
+    figures = [measure(column, value, one) for one in (system, OTHER_SYSTEM[system])]
     others = [figure for figure in dict.fromkeys(figures) if not figure.endswith(f" {spelled(unit)}")]
     return f"{spelled(unit)}  = {others[0]}" if others else spelled(unit)
 
@@ -120,13 +120,13 @@ class Draft:
         self.shown = False
         """Whether what the ledger held when the form was opened stands in it; until then it is kept as well."""
 
-    def begin(self) -> Begun:
+    def begin(self) -> FormStart:
         """Take up what was typed halfway."""
         from fieldkit.services.manual_entry import DRAFT, UNITS
 
         ledger = self._desk.ledger
         draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
-        return Begun(draft, self._units, self.offers(draft))
+        return FormStart(draft, self._units, self.offers(draft))
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
         """What the last flight suggests, given what was answered."""

@@ -6,7 +6,7 @@ from textual.containers import Container, Vertical, VerticalScroll
 from textual.widget import Widget
 from textual.widgets import Button, Input
 
-from fieldkit.tui.add.add_form import BY_NAME, MORE, READ, SETUP
+from fieldkit.tui.add.add_form import BY_NAME, MORE_FIELDS, READ, SETUP
 from fieldkit.tui.add.add_hand import Hand
 from fieldkit.tui.add.fields import Field
 from fieldkit.tui.page import PageScreen
@@ -32,7 +32,7 @@ class Sheet:
                     yield Field(BY_NAME[name])
                 yield SaveButton(self.touched)
             with Vertical(id="more"):
-                for name in MORE:
+                for name in MORE_FIELDS:
                     yield Field(BY_NAME[name])
 
     def field(self, name: str) -> Field:

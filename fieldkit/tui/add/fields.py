@@ -12,7 +12,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Label, Static
 
 from fieldkit.errors import BadValue
-from fieldkit.importing.manual_entry import NOTHING, Question, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, Question, read_answer
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.widgets.bars import KeyBar
@@ -149,7 +149,7 @@ class Form(ModalScreen[dict[str, object] | None]):
         name, text = field.question.name, field.answer
         unit = self._units.get(name, "")
         try:
-            return self._value(name, "" if text == NOTHING else text, unit), spelled(unit)
+            return self._value(name, "" if text == NOT_RECORDED else text, unit), spelled(unit)
         except BadValue as error:
             return None, f"✗ {error}"
 

@@ -17,7 +17,7 @@ from fieldkit.tui.flights.log_plot import Drawn, draw_trace
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 
-MOST = 120
+MAX_DRAWN_FLIGHTS = 120
 """Flights of a build that are drawn, the newest: more than the card has columns."""
 
 
@@ -42,7 +42,7 @@ class FlightCard(VerticalScroll):
         """A flight, and the flights of its build in the order flown; None for no flight."""
         for name, blocks in (("card", _figures), ("setup", _setup)):
             self.query_one(f"#{name}", Static).update(stacked(blocks(row, system)) if row is not None else "")
-        known = [one for one in build if one.drag is not None][-MOST:]
+        known = [one for one in build if one.drag is not None][-MAX_DRAWN_FLIGHTS:]
         if row is not None and len(known) > 1:
             name = " ".join(part for part in (row.flight.rocket, row.flight.config) if part)
             self._plot("course", f"Cd of {name}, flight by flight", partial(_draw_course, row, known))

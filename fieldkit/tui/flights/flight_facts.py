@@ -18,7 +18,7 @@ DRAWS = 4000
 
 
 @dataclass(frozen=True, slots=True)
-class Said:
+class DragFacts:
     """A flight's Cd (or drag area, where the diameter is not known) and thrust factor, and doubts about them."""
 
     drag: Float[Array, "draw"]
@@ -28,7 +28,7 @@ class Said:
 
 
 @dataclass(frozen=True, slots=True)
-class Foretold:
+class ForecastFacts:
     """The apogee as it was forecast, at 5, 50 and 95 % [m], and by whom and when."""
 
     low: float
@@ -37,7 +37,7 @@ class Foretold:
     by: str
 
 
-def said_by(flight: Flight, motors: "Catalogue") -> Said:
+def said_by(flight: Flight, motors: "Catalogue") -> DragFacts:
     """The posterior of a flight. Raises FieldkitError where it can have none."""
     import numpy as np
 
@@ -53,11 +53,11 @@ def said_by(flight: Flight, motors: "Catalogue") -> Said:
     found = infer_field([flight], [motor])
     area, thrust = (one[:, 0] for one in found.draws(np.random.default_rng(0), DRAWS))
     if flight.diameter:
-        return Said(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
-    return Said(area * 1e4, "drag area cm²", thrust, found.warnings[0])
+        return DragFacts(area / (np.pi / 4 * flight.diameter**2), "Cd", thrust, found.warnings[0])
+    return DragFacts(area * 1e4, "drag area cm²", thrust, found.warnings[0])
 
 
-def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
+def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
     """The forecast that was made for a flight, else the one that the other flights make now.
 
     Raises FieldkitError where there can be none.
@@ -69,12 +69,12 @@ def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> Foretold:
     kept = of_flight(ledger, motors, flight)
     if kept is not None:
         by = f"forecast of {kept.made.at.astimezone():%Y-%m-%d %H:%M}, model {kept.made.payload.get('model', '')}"
-        return Foretold(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
+        return ForecastFacts(*kept.interval, "\n".join([by, *(f"stale: {change}" for change in kept.changes)]))
     if not flight.motor:
         raise ImpossibleFlight("the flight names no motor; e names it: motor=F24-4W")
     made = forecast_from_others(ledger, motors, flight)
     low, middle, high = (float(one) for one in made.apogee_quantiles())
-    return Foretold(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
+    return ForecastFacts(low, middle, high, f"none was made; from the {made.rests_on} other clean flights, it would be")
 
 
 def or_why(work: Callable[[], T]) -> Callable[[], T | str]:

@@ -15,7 +15,7 @@ from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.quantities import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
-from fieldkit.tui.flights.flight_facts import Foretold, foretold, or_why, said_by
+from fieldkit.tui.flights.flight_facts import ForecastFacts, foretold, or_why, said_by
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
 from fieldkit.tui.help import Help
@@ -200,7 +200,7 @@ class FlightScreen(PageScreen):
         doubts.set_class(not said.warnings, "-none")
         doubts.update(hanging(f"! {line}" for line in said.warnings))
 
-    def _have_forecast(self, said: Foretold | str) -> None:
+    def _have_forecast(self, said: ForecastFacts | str) -> None:
         place = self.query_one("#forecast", Static)
         if isinstance(said, str) or self._flight is None:
             place.update(Content(f"no forecast: {printable(str(said))}"))

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True, slots=True)
-class Trace:
+class ChannelTrace:
     """One channel of a log, thinned to what a screen can show, in the units it is drawn in."""
 
     title: str
@@ -24,7 +24,7 @@ class Drawn:
     """A log as it is drawn: its channels, and its events by name and time from the start of the clock. [s]"""
 
     device: str
-    traces: dict[str, Trace]
+    traces: dict[str, ChannelTrace]
     events: dict[str, float]
 
     @property
@@ -53,7 +53,7 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
         return "no log with samples is kept with this flight"
     columns = {"altitude": BY_NAME["apogee"], "speed": BY_NAME["top_speed"], "acceleration": BY_NAME["peak_accel"]}
     climb = found.recorded.climb
-    traces: dict[str, Trace] = {}
+    traces: dict[str, ChannelTrace] = {}
     for name, column in columns.items():
         clock = next((one for one in found.reading.clocks if getattr(one, name) is not None), None)
         if clock is not None:
@@ -67,7 +67,7 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
         unit = unit_of(column, system)
         scale = units.unit(column.quantity, unit)
         measured = "" if clock is not None else ", from the heights"
-        traces[name] = Trace(
+        traces[name] = ChannelTrace(
             f"{name} [{spelled(unit)}]{measured}",
             time[good][::every].tolist(),
             [scale.from_si(value) for value in values[good][::every].tolist()],
@@ -75,7 +75,7 @@ def drawn(ledger: "Ledger", id: str, system: str) -> Drawn | str:
     return Drawn(found.kind, traces, {name: event.time for name, event in found.recorded.events.items()})
 
 
-def draw_trace(trace: Trace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
+def draw_trace(trace: ChannelTrace, events: dict[str, float], span: tuple[float, float], plt: Any, ink: Any) -> None:
     """A channel against the time of the whole log, with a line at each event; its name stands below."""
     plt.plot(trace.time, trace.values, marker="braille", color=ink.line)
     first, last = span

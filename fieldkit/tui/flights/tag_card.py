@@ -17,10 +17,10 @@ from fieldkit.tui.widgets import cards
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
 
-OWN = "another ..."
+OWN_TAG_ROW = "another ..."
 """The row for a tag of one's own."""
-NAMED = 12
-"""Flights that bear a tag which are named one by one."""
+MAX_NAMED_FLIGHTS = 12
+"""Tagged flights that are named one by one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,15 +66,15 @@ class TagCard(VerticalScroll):
 
     def show_tag(self, tag: str, there: bool, bearers: Sequence[str]) -> None:
         """What a tag means, whether the flight bears it, and which flights of the rocket do."""
-        more = f" and {len(bearers) - NAMED} more" if len(bearers) > NAMED else ""
+        more = f" and {len(bearers) - MAX_NAMED_FLIGHTS} more" if len(bearers) > MAX_NAMED_FLIGHTS else ""
         pairs = [
             ("means", meaning(tag)),
             (
                 "does",
                 "a flight with it teaches the model no more" if tag in TAGS else "the flight still teaches the model",
             ),
-            ("here", "" if tag == OWN else "this flight bears it" if there else "this flight does not bear it"),
-            ("borne by", ", ".join(bearers[:NAMED]) + more if bearers else ""),
+            ("here", "" if tag == OWN_TAG_ROW else "this flight bears it" if there else "this flight does not bear it"),
+            ("borne by", ", ".join(bearers[:MAX_NAMED_FLIGHTS]) + more if bearers else ""),
         ]
         self.query_one("#card-tag", Static).update(cards.lines(tag, pairs, 9))
 
@@ -104,5 +104,5 @@ class TagCard(VerticalScroll):
 
 def meaning(tag: str) -> str:
     """What a tag means, in words."""
-    own = "type a tag of your own, such as windy" if tag == OWN else "your own: it is kept"
+    own = "type a tag of your own, such as windy" if tag == OWN_TAG_ROW else "your own: it is kept"
     return KNOWN_TAGS.get(tag, own)

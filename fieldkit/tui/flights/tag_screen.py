@@ -13,7 +13,7 @@ from textual.widgets import Static
 
 from fieldkit.flight import KNOWN_TAGS, Flight
 from fieldkit.safe_text import printable
-from fieldkit.tui.flights.tag_card import OWN, Shift, TagCard, meaning
+from fieldkit.tui.flights.tag_card import OWN_TAG_ROW, Shift, TagCard, meaning
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.widgets import cards
@@ -95,8 +95,8 @@ class TagScreen(PageScreen):
         self.query_one("#which", Static).update(Content(cards.heading(flight, self._flight_id)))
         own = [tag for tag in flight.tags if tag not in KNOWN_TAGS]
         rows = {
-            tag: ("" if tag == OWN else "[x]" if tag in flight.tags else "[ ]", tag, meaning(tag))
-            for tag in (*KNOWN_TAGS, *own, OWN)
+            tag: ("" if tag == OWN_TAG_ROW else "[x]" if tag in flight.tags else "[ ]", tag, meaning(tag))
+            for tag in (*KNOWN_TAGS, *own, OWN_TAG_ROW)
         }
         self.query_one(Table).show([Head("on", 3), Head("tag", 15), Head("means", 0)], list(rows), rows.__getitem__)
         self._moved()
@@ -142,7 +142,7 @@ class TagScreen(PageScreen):
     def action_toggle_tag(self) -> None:
         """Put the tag under the cursor on the flight, or take it off."""
         tag = self.query_one(Table).current
-        if tag == OWN:
+        if tag == OWN_TAG_ROW:
             self.app.push_screen(AskText("A tag of your own", "", "One word, such as windy."), self._own)
         else:
             self._change(tag)

@@ -19,14 +19,14 @@ from fieldkit.tui.widgets.hanging import Hanging
 
 if TYPE_CHECKING:
     from fieldkit.flight.start import Start
-    from fieldkit.importing.reading import Choice
+    from fieldkit.importing.reading import ColumnChoice
     from fieldkit.services.imports import Receipt
     from fieldkit.tui.next.desk import Desk
 
 Parts = list[str | tuple[str, str]]
-MOST, NOTES = 200, 6
-"""Flights or rejected rows, and notes, that are listed."""
-WIDE = 44
+MAX_LISTED, MAX_NOTES = 200, 6
+"""Number of flights or rejected rows, and of notes, that are listed. [1]"""
+NAME_WIDTH = 44
 """Cells for the names of flights, before their apogees."""
 UP = Path("..")
 """The row that leads to the folder above."""
@@ -50,7 +50,7 @@ class Look:
 
 
 @dataclass(frozen=True, slots=True)
-class Reading:
+class ReadOptions:
     """How files are read: the parser by name, None for the one that recognises it; what they leave open; what the
     columns of a table are, as typed (`altitude=Alt (ft)`)."""
 
@@ -70,7 +70,7 @@ class Reading:
 
         return read_changes(Flight(), self.given)
 
-    def named(self) -> "list[Choice]":
+    def named(self) -> "list[ColumnChoice]":
         """The columns as they are named here. Raises BadValue."""
         from fieldkit.importing.tables.mapping import read_choice
 
@@ -91,7 +91,7 @@ def listed(folder: Path) -> list[Path]:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
 
-def look_at(desk: "Desk", path: Path, reading: Reading) -> Look:
+def look_at(desk: "Desk", path: Path, reading: ReadOptions) -> Look:
     """What a file would bring; nothing is stored."""
     try:
         if path.suffix.lower() == SUFFIX:
@@ -115,7 +115,7 @@ def _by_key(options: re.Match[str]) -> str:
     return "m, then " + "; ".join(part for part in options.groups() if part)
 
 
-def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
+def store(desk: "Desk", path: Path, reading: ReadOptions) -> "Receipt":
     """Put what a file brings into the ledger, and remember how its columns were named."""
     from fieldkit.importing.tables.mapping import remember
 
@@ -126,7 +126,7 @@ def store(desk: "Desk", path: Path, reading: Reading) -> "Receipt":
     return receipt
 
 
-def _bring_in(desk: "Desk", path: Path, reading: Reading, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
+def _bring_in(desk: "Desk", path: Path, reading: ReadOptions, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
     """What became of a file, and the flights in it."""
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.imports import gather, take_in
@@ -157,9 +157,9 @@ def what_it_brings(look: Look, given: Mapping[str, str]) -> Content:
     parts += ["\n", ("would bring    ", "$text-muted"), (_counted(len(receipt.ids)), "b")]
     parts += [f", {receipt.duplicates} there already, {len(receipt.rejected)} rejected"]
     parts += ["\n", ("set            ", "$text-muted"), (printable(in_a_line(given)), "b")] if given else []
-    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:NOTES]]
-    if len(receipt.notes) > NOTES:
-        parts.append(f"\n  and {len(receipt.notes) - NOTES} more notes")
+    parts += [f"\n! {printable(shortened(by_keys(note)))}" for note in receipt.notes[:MAX_NOTES]]
+    if len(receipt.notes) > MAX_NOTES:
+        parts.append(f"\n  and {len(receipt.notes) - MAX_NOTES} more notes")
     if receipt.ids:
         parts.append(("\nEnter stores it", "b"))
     return Content.assemble(*parts)
@@ -172,9 +172,9 @@ def what_it_holds(look: Look, system: str) -> Hanging:
         figures = [*cards.readouts(flight, system), *cards.circumstances(flight, system)]
         figures += logged.beside(flight.extra, system)
         return cards.lines(cards.heading(flight, flight.flight_id) or "One flight", figures, 20)
-    named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MOST]]
-    width = min(max((len(name) for name, _ in named), default=0), WIDE)
-    more = [("", f"and {len(look.flights) - MOST} more")] if len(look.flights) > MOST else []
+    named = [(cards.heading(one, one.flight_id), cards.apogee(one, system)) for one in look.flights[:MAX_LISTED]]
+    width = min(max((len(name) for name, _ in named), default=0), NAME_WIDTH)
+    more = [("", f"and {len(look.flights) - MAX_LISTED} more")] if len(look.flights) > MAX_LISTED else []
     return cards.lines("Flights, and the apogee of each" if named else "", [*named, *more], width)
 
 
@@ -182,11 +182,11 @@ def left_out(look: Look) -> Hanging:
     """Each row that would be left out: where it is, and why."""
     rejected = look.receipt.rejected if look.receipt else ()
     lines = [Content.assemble(("Left out, and why", "b $primary"))] if rejected else []
-    for one in rejected[:MOST]:
+    for one in rejected[:MAX_LISTED]:
         place = ", ".join(part for part in (f"row {one.row}" if one.row else "", one.column or "") if part)
         lines.append(Content.assemble((f"✗ {printable(place)}", "b"), f": {printable(one.error)}"))
-    if len(rejected) > MOST:
-        lines.append(Content(f"and {len(rejected) - MOST} more; fieldkit import --dry-run lists all"))
+    if len(rejected) > MAX_LISTED:
+        lines.append(Content(f"and {len(rejected) - MAX_LISTED} more; fieldkit import --dry-run lists all"))
     return Hanging(tuple((2, line) for line in lines))
 
 

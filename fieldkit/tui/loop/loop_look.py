@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from fieldkit.flight import Flight
-from fieldkit.progress import Tell
+from fieldkit.progress import ReportProgress
 
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
@@ -14,8 +14,8 @@ if TYPE_CHECKING:
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
 """What the page shows, one at a time or all at once."""
-PLAIN = 0
-"""The number of the model without anything added."""
+PLAIN_MODEL = 0
+"""The index of the model without any effect added."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,12 +30,12 @@ class Standing:
     @property
     def plain(self) -> bool:
         """Whether the rocket is predicted with the plain model."""
-        return self.used == PLAIN
+        return self.used == PLAIN_MODEL
 
     @property
     def used(self) -> int:
         """The number of the model that predicts."""
-        return next((version.number for version in self.versions if version.active), PLAIN)
+        return next((version.number for version in self.versions if version.active), PLAIN_MODEL)
 
 
 def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
@@ -50,7 +50,7 @@ def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
 
 
-def look(desk: "Desk", rocket: str, tell: Tell) -> "Findings":
+def look(desk: "Desk", rocket: str, tell: ReportProgress) -> "Findings":
     """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
 
     Raises NoFlights for too few flights.

@@ -26,7 +26,7 @@ from fieldkit.tui.widgets.table import Head, Table
 if TYPE_CHECKING:
     from fieldkit.services.findings import Findings
 
-BEFORE = {
+TEXT_BEFORE_RUN = {
     "verdict": "l looks for what the model lacks: each flight is forecast from the others, and what is left over is "
     "compared with what known effects would do. It takes some seconds and changes nothing.",
     "against": "Once l has looked: each flight less its forecast, against whatever c chooses.",
@@ -74,12 +74,12 @@ class Panels(Container):
             self.query_one(f"#p-{name}").border_title = name
         self.forget()
 
-    def forget(self, why: str = BEFORE["verdict"]) -> None:
+    def forget(self, why: str = TEXT_BEFORE_RUN["verdict"]) -> None:
         """Nothing has been looked for, or it holds no longer."""
         from fieldkit.tui.widgets.plots import Plot
 
         self.found = None
-        for name, text in (BEFORE | {"verdict": why, "at-length": ""}).items():
+        for name, text in (TEXT_BEFORE_RUN | {"verdict": why, "at-length": ""}).items():
             self.query_one(f"#{name}", Static).update(text)
         self.query_one(Plot).show(None)
         self.query_one("#ranking", Table).show((), (), lambda _: ())

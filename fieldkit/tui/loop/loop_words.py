@@ -9,7 +9,7 @@ from textual.content import Content
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure
 from fieldkit.safe_text import printable
-from fieldkit.tui.loop.loop_look import PLAIN
+from fieldkit.tui.loop.loop_look import PLAIN_MODEL
 from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
@@ -18,8 +18,8 @@ if TYPE_CHECKING:
     from fieldkit.selection.diagnose import Diagnosis
     from fieldkit.services.findings import Compared, Findings
 
-EVEN = 0.5
-"""A log Bayes factor below which nobody would bet. [1]"""
+EVEN_LOG_BAYES_FACTOR = 0.5
+"""A log Bayes factor below which the evidence is even. [1]"""
 Parts = list[str | tuple[str, str]]
 
 
@@ -83,7 +83,7 @@ def residual_points(found: "Findings", turn: int) -> tuple[str, list[tuple[float
     pattern = next((row for row in found.patterns if row.against == name), None)
     tested = "too few values to test"
     if pattern is not None:
-        seen = "they go together" if pattern.p < TELLING else "no pattern"
+        seen = "they go together" if pattern.p < PATTERN_P_VALUE else "no pattern"
         tested = f"{seen}, p {pattern.p:.2f}"
     ticks = [] if name in numbers else list(dict.fromkeys(kinds[name]))
     places = numbers[name] if name in numbers else [float(ticks.index(kind)) for kind in kinds[name]]
@@ -149,7 +149,7 @@ def effect_at_length(diagnosis: "Diagnosis", row: str) -> Content:
 
 def _odds(log_bayes: float) -> str:
     """A log Bayes factor as a flyer would bet: `20 to 1 for it`."""
-    if abs(log_bayes) < EVEN:
+    if abs(log_bayes) < EVEN_LOG_BAYES_FACTOR:
         return "these flights say nothing either way"
     odds = math.exp(min(abs(log_bayes), 20.0))
     said = "more than 1000" if odds > 1000 else f"{odds:.2g}" if odds < 10 else f"{odds:.0f}"
@@ -159,7 +159,7 @@ def _odds(log_bayes: float) -> str:
 def version_rows(versions: "Sequence[Version]", system: str) -> dict[int, tuple[str, ...]]:
     """Models by their number, the plain one first: when it was made, what it added, and which is in use."""
     used = any(version.active for version in versions)
-    rows: dict[int, tuple[str, ...]] = {PLAIN: ("0", "", "plain", "", "" if used else "in use ✓")}
+    rows: dict[int, tuple[str, ...]] = {PLAIN_MODEL: ("0", "", "plain", "", "" if used else "in use ✓")}
     return rows | {version.number: _version(version, system) for version in versions}
 
 
@@ -189,8 +189,8 @@ def draw_points(points: Sequence[tuple[float, float]], ticks: Sequence[str], plt
         plt.xticks(list(range(first, last + 1, max(1, math.ceil((last - first) / TICKS)))))
 
 
-TELLING = 0.05
-"""A corrected p below which a pattern is spoken of. [1]"""
+PATTERN_P_VALUE = 0.05
+"""A corrected p-value below which a pattern is reported. [1]"""
 TICKS = 6
 """Labels below an axis of whole numbers, at most but one. [1]"""
 

@@ -11,11 +11,11 @@ from fieldkit.tui.widgets import cards
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.forward_in_time import Forecast
     from fieldkit.planning.delay import Delays
-    from fieldkit.services.saved_forecasts import Kept
+    from fieldkit.services.saved_forecasts import SavedForecast
     from fieldkit.shapes import Array, Float
     from fieldkit.tui.next.answer import Answer
 
-MOST = 24
+MAX_DRAWN_FORECASTS = 24
 """Forecasts that are drawn, the newest."""
 
 
@@ -51,20 +51,20 @@ def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
     return replace(answer, title="Points of a flight, fewer are better; lines are 5 %, middle and 95 %", draw=draw)
 
 
-def of_kept(answer: "Answer", found: "Sequence[Kept]", system: str) -> "Answer":
+def of_kept(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":
     """The forecasts that were kept, the newest first, and what was flown."""
-    from fieldkit.services.saved_forecasts import STANDING
+    from fieldkit.services.saved_forecasts import LISTED_STATES
 
     rows = tuple(
         Interval(f"{one.made.at.astimezone():%m-%d} {one.made.payload.get('motor', '')}", *one.interval, one.flown)
-        for one in reversed([one for one in found if one.state in STANDING][-MOST:])
+        for one in reversed([one for one in found if one.state in LISTED_STATES][-MAX_DRAWN_FORECASTS:])
     )
     return _against_flown(answer, rows, system)
 
 
 def of_forecasts(answer: "Answer", rows: "Sequence[Forecast]", system: str) -> "Answer":
     """Each flight beside its forecast from those before it, the newest first."""
-    last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MOST:])]
+    last = [(one, one.corrected or (one.p05, one.p95)) for one in reversed(rows[-MAX_DRAWN_FORECASTS:])]
     drawn = tuple(Interval(f"{one.flight_id} {one.motor}", low, one.p50, high, one.flown) for one, (low, high) in last)
     return _against_flown(answer, drawn, system)
 

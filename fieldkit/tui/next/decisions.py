@@ -13,7 +13,7 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.flight.site import Site
-    from fieldkit.forecast.evaluation.comparison import Report
+    from fieldkit.forecast.evaluation.comparison import ScoreReport
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Motor
@@ -21,15 +21,15 @@ if TYPE_CHECKING:
     from fieldkit.planning.contest_day import Day
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import Line
+    from fieldkit.planning.safety import SafetyCheck
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
 """What ballast is solved for, as the command has it: the band, the mean miss, the points of a season."""
-WITHIN = 10 * 0.3048
-"""The band about a target, as the command has it without being told. [m]"""
-SCORED = 6
-"""Flights whose points are told, the newest."""
+TARGET_BAND = 10 * 0.3048
+"""The default band about a target, the same as the command's. [m]"""
+MAX_SCORED_FLIGHTS = 6
+"""Flights whose points are listed, the newest."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,7 +68,7 @@ class Decision:
         wanted = rule.target if rule else target
         if wanted is None:
             return Answer(("No target yet: g on the page Next sets one.",))
-        goal = Goal(wanted, WITHIN, aim, rule)
+        goal = Goal(wanted, TARGET_BAND, aim, rule)
         best = ballast(self.rocket, self.plan, Found(self.motor, None), goal)
         said = best.forecast
         more = allowed(rule, said.plan, said.found, day.length) if rule else ()
@@ -91,13 +91,13 @@ class Decision:
 
     def kept(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
-        from fieldkit.services.saved_forecasts import STANDING, in_words, kept, standing
+        from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, kept, standing
 
         found = kept(ledger, motors, self.plan.rocket)
         if not found:
             return Answer(("No forecast of this rocket is kept yet: Enter on the page Next keeps one.",))
         words = [standing(found)]
-        for one in reversed([one for one in found if one.state in STANDING]):
+        for one in reversed([one for one in found if one.state in LISTED_STATES]):
             said = one.made.payload
             words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one)]
@@ -125,7 +125,7 @@ class Decision:
         scored = score(rule, ledger.flights(self.plan.rocket))
         if not scored:
             return
-        last = scored[-SCORED:]
+        last = scored[-MAX_SCORED_FLIGHTS:]
         alone = [one.flight_id for one, _ in last if one.duration is None]
         yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in last)}"
         if alone:
@@ -138,7 +138,7 @@ class Decision:
         except BadValue as error:
             yield f"  declared  {error}"
 
-    def _beside(self, said: "Prediction", more: "Iterable[Line]" = ()) -> tuple[str, ...]:
+    def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
         from fieldkit.planning.descent import fall_of
         from fieldkit.planning.safety import safety_lines, told
@@ -148,7 +148,7 @@ class Decision:
         return (*conditions_in_words(said.plan, self.rocket.starts), "", *told([*lines, *more]))
 
 
-def _missed(found: "Report", system: str) -> Iterator[str]:
+def _missed(found: "ScoreReport", system: str) -> Iterator[str]:
     """What each way of forecasting missed by, and the share of flights in the intervals, as a table."""
     yield f"{'median':>6}{'mean':>7}{'mean':>9}  missed by"
     for way in found.ways:

@@ -16,7 +16,7 @@ from fieldkit.tui.widgets.hanging import hanging, stacked
 
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
-    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.motor_guide import MotorChoice
     from fieldkit.tui.next.next_plan import Plan
 
 
@@ -41,7 +41,7 @@ class ForecastCard(VerticalScroll):
         yield Plot(id="hill")
         yield Static("", id="more")
 
-    def show(self, plan: "Plan", one: "Choice", settings: Settings) -> None:
+    def show(self, plan: "Plan", one: "MotorChoice", settings: Settings) -> None:
         """The forecast of a plan on a motor."""
         system = settings.units
         title, text = next_words.title(plan, one), next_words.interval(one.prediction, system)

@@ -10,13 +10,13 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.motors import Catalogue, Motor
-    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.motor_guide import MotorChoice
     from fieldkit.tui.next.next_plan import Plan
 
 AT_ONCE = 40
 """Motors forecast together: the first are in sight before the others are worked out."""
-MOST = 200
-"""Motors that a search forecasts; a longer word narrows it."""
+MAX_FORECAST_MOTORS = 200
+"""Motors that a search forecasts; a longer word narrows the search."""
 
 
 @dataclass(slots=True)
@@ -26,7 +26,7 @@ class MotorList:
 
     plan: "Plan | None" = None
     found: "Sequence[Motor]" = ()
-    known: "dict[Motor, Choice]" = field(default_factory=dict)
+    known: "dict[Motor, MotorChoice]" = field(default_factory=dict)
     fitting: bool = True
 
     def find(self, motors: "Catalogue", text: str) -> "list[Motor]":
@@ -40,7 +40,7 @@ class MotorList:
 
     def waiting(self) -> "list[Motor]":
         """The next few motors without a forecast, in the order found."""
-        return [motor for motor in self.found[:MOST] if motor not in self.known][:AT_ONCE]
+        return [motor for motor in self.found[:MAX_FORECAST_MOTORS] if motor not in self.known][:AT_ONCE]
 
     def fits(self, motor: "Motor") -> bool:
         """Whether the rocket can fly on it."""
@@ -57,7 +57,7 @@ class MotorList:
     def counted(self, system: str) -> str:
         """How many motors there are, how many fit, and how many forecasts are still to come: `12 of 57 fit · m`."""
         fit = sum(map(self.fits, self.found))
-        left = min(len(self.found), MOST) - sum(motor in self.known for motor in self.found)
+        left = min(len(self.found), MAX_FORECAST_MOTORS) - sum(motor in self.known for motor in self.found)
         every = "" if fit == len(self.found) else f" of {len(self.found)}"
         unit = spelled(unit_of(cards.APOGEE, system))
         return f"{fit}{every} fit" + (f", {left} to do" if left > 0 else "") + f" · {unit}"

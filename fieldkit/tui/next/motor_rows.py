@@ -15,7 +15,7 @@ from fieldkit.tui.widgets.table import Cells, Head
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
-    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.motor_guide import MotorChoice
 
 NAME = 22
 """Cells for a motor's name where all the others are told."""
@@ -24,12 +24,12 @@ LEAST_BAR = 20
 
 
 @dataclass(frozen=True, slots=True)
-class Column:
+class MotorColumn:
     """A figure of a motor's forecast: heading, width, and its text."""
 
     title: str
     width: int
-    text: "Callable[[Choice], str]"
+    text: "Callable[[MotorChoice], str]"
 
 
 def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) -> tuple[list[Head], Cells]:
@@ -53,77 +53,77 @@ def listed(motors: MotorList, settings: Settings, width: int, *, brief: bool) ->
     return heads, cells
 
 
-def _brief(settings: Settings) -> list[Column]:
+def _brief(settings: Settings) -> list[MotorColumn]:
     return [_apogee(settings), _off(settings), _eject("eject")]
 
 
-def _narrow(settings: Settings) -> list[Column]:
+def _narrow(settings: Settings) -> list[MotorColumn]:
     return [_apogee(settings), _range(settings), _off(settings), _eject("eject"), _rail(settings, wide=False)]
 
 
-def _every(settings: Settings, wide: bool) -> list[Column]:
+def _every(settings: Settings, wide: bool) -> list[MotorColumn]:
     """All figures; where there is room, headings name their units and a few more stand beside them."""
     return [
-        Column("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
-        Column("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
+        MotorColumn("mm", 3, lambda one: f"{one.motor.diameter * 1e3:.0f}"),
+        MotorColumn("N s", 6, lambda one: f"{one.motor.total_impulse:.1f}"),
         _apogee(settings),
         _range(settings),
         _off(settings),
-        Column("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
+        MotorColumn("delay", 5, lambda one: "" if one.delay is None else f"{one.delay:g} s"),
         _eject("eject s" if wide else "eject"),
         _rail(settings, wide=wide),
-        Column("T:W", 4, lambda one: f"{one.average_thrust:.1f}"),
+        MotorColumn("T:W", 4, lambda one: f"{one.average_thrust:.1f}"),
     ]
 
 
-def _apogee(settings: Settings) -> Column:
-    return Column("apogee", 6, lambda one: number(cards.APOGEE, one.apogee, settings.units))
+def _apogee(settings: Settings) -> MotorColumn:
+    return MotorColumn("apogee", 6, lambda one: number(cards.APOGEE, one.apogee, settings.units))
 
 
-def _range(settings: Settings) -> Column:
-    def text(one: "Choice") -> str:
+def _range(settings: Settings) -> MotorColumn:
+    def text(one: "MotorChoice") -> str:
         low, _, high = (whole(float(x), settings.units) for x in one.prediction.apogee_quantiles())
         return f"{low}-{high}"
 
-    return Column("90 %", 9, text)
+    return MotorColumn("90 %", 9, text)
 
 
-def _off(settings: Settings) -> Column:
-    return Column("off", 5, partial(off, settings=settings))
+def _off(settings: Settings) -> MotorColumn:
+    return MotorColumn("off", 5, partial(off, settings=settings))
 
 
-def _eject(title: str) -> Column:
-    return Column(title, len(title), lambda one: signed(one.prediction.median_eject))
+def _eject(title: str) -> MotorColumn:
+    return MotorColumn(title, len(title), lambda one: signed(one.prediction.median_eject))
 
 
-def _rail(settings: Settings, *, wide: bool) -> Column:
+def _rail(settings: Settings, *, wide: bool) -> MotorColumn:
     column = BY_NAME["top_speed"]
     title = f"rail {spelled(unit_of(column, settings.units))}" if wide else "rail"
 
-    def text(one: "Choice") -> str:
+    def text(one: "MotorChoice") -> str:
         from fieldkit.forecast.prediction import median
 
         speed = median(one.prediction.rail_speed)
         return "" if speed is None else number(column, speed, settings.units)
 
-    return Column(title, max(5, len(title)), text)
+    return MotorColumn(title, max(5, len(title)), text)
 
 
-def _bar(motors: MotorList, settings: Settings, width: int) -> Column:
+def _bar(motors: MotorList, settings: Settings, width: int) -> MotorColumn:
     """Nine flights of ten as a line, for all motors on one scale, and the target on it."""
     system, target = settings.units, settings.target
     top = max((one.apogee for motor, one in motors.known.items() if motors.fits(motor)), default=1.0) * 1.2
     end = f"{whole(top, system)} {spelled(unit_of(cards.APOGEE, system))}"
     mark = " ◎ target" if target else ""
 
-    def text(one: "Choice") -> str:
+    def text(one: "MotorChoice") -> str:
         low, middle, high = (float(x) for x in one.prediction.apogee_quantiles())
         return bar(Interval("", low, middle, high), 0.0, top, width, (target,) if target else ())
 
-    return Column(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
+    return MotorColumn(f"0{mark}{end:>{width - 1 - len(mark)}}", width, text)
 
 
-def off(choice: "Choice", settings: Settings) -> str:
+def off(choice: "MotorChoice", settings: Settings) -> str:
     """Forecast less target; from 100 on there is no room for a decimal."""
     target = settings.target
     if not target:

@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 
 DRAFT = "plan"
 """Name under which the ledger keeps the plan."""
-NAMED = 8
-"""Flights that a forecast rests on which are named one by one."""
+MAX_NAMED_FLIGHTS = 8
+"""Flights behind a forecast that are named one by one."""
 PLAN = (*(c.name for c in SETUP if c.name != "delay"), *(c.name for c in CONDITIONS))
 """Numbers of a plan that can be changed; the delay is chosen with the motor."""
 QUESTIONS = (
@@ -133,8 +133,8 @@ def rests_on(ledger: "Ledger", rocket: str, flights: Sequence[Flight]) -> str:
         return "no flight of it: priors alone, so it is wide"
     version = ledger.active_version(rocket)
     model = f"version {version.number}" if version else "the plain model"
-    more = f" and {len(clean) - NAMED} more" if len(clean) > NAMED else ""
-    return f"{len(clean)} clean flights ({', '.join(clean[:NAMED])}{more}), {model}"
+    more = f" and {len(clean) - MAX_NAMED_FLIGHTS} more" if len(clean) > MAX_NAMED_FLIGHTS else ""
+    return f"{len(clean)} clean flights ({', '.join(clean[:MAX_NAMED_FLIGHTS])}{more}), {model}"
 
 
 def plan_changes(texts: Mapping[str, str]) -> dict[str, object]:

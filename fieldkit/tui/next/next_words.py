@@ -10,8 +10,8 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
-    from fieldkit.planning.motor_guide import Choice
-    from fieldkit.planning.safety import Line, Verdict
+    from fieldkit.planning.motor_guide import MotorChoice
+    from fieldkit.planning.safety import SafetyCheck, Verdict
     from fieldkit.tui.next.next_plan import Plan
 
 Pairs = list[tuple[str, str]]
@@ -24,7 +24,7 @@ def rail_speed(said: "Prediction", system: str) -> str:
     return measure(BY_NAME["top_speed"], median(said.rail_speed), system)
 
 
-def title(plan: "Plan", one: "Choice") -> str:
+def title(plan: "Plan", one: "MotorChoice") -> str:
     """What would fly on what: `Astra A on AeroTech F24W-4`."""
     delay = "" if one.delay is None else f"-{one.delay:g}"
     build = f"{plan.flight.rocket} {plan.flight.config}".strip()
@@ -37,7 +37,7 @@ def interval(said: "Prediction", system: str) -> str:
     return f"{spelled(unit_of(cards.APOGEE, system))} on the altimeter, 90 % {low}-{high}"
 
 
-def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
+def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
     """What stands below the hill, name and value."""
     from fieldkit.forecast.prediction import median
     from fieldkit.planning.air import air_of
@@ -63,12 +63,12 @@ def figures(plan: "Plan", one: "Choice", system: str) -> Pairs:
     ]
 
 
-def checks(one: "Choice") -> Pairs:
+def checks(one: "MotorChoice") -> Pairs:
     """The safety lines, each with its figures and its limit."""
-    from fieldkit.planning.safety import DECIDES, MARKS
+    from fieldkit.planning.safety import ADVICE_NOTE, MARKS
 
     lines = [(f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines]
-    return [*lines, ("", DECIDES)]
+    return [*lines, ("", ADVICE_NOTE)]
 
 
 def kept_in_words(said: "Prediction", system: str) -> str:
@@ -78,7 +78,7 @@ def kept_in_words(said: "Prediction", system: str) -> str:
     return f"kept: {said.plan.motor} to {middle} {unit} ({low} to {high}); the flight is measured against it"
 
 
-def safety_in_brief(lines: "Sequence[Line]") -> Iterable[str]:
+def safety_in_brief(lines: "Sequence[SafetyCheck]") -> Iterable[str]:
     """The names of all checks, those that fail first: `✗ rail exit speed`, `? ground wind, ceiling`."""
     from fieldkit.planning.safety import MARKS
 

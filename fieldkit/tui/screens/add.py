@@ -17,11 +17,11 @@ from fieldkit.importing.manual_entry import QUESTIONS, Question
 from fieldkit.quantities import unit_of
 from fieldkit.tui.add.add_form import (
     BY_NAME,
-    MORE,
+    MORE_FIELDS,
     READ,
     Answered,
-    Begun,
     Draft,
+    FormStart,
     Saved,
     answered,
     beside,
@@ -109,7 +109,7 @@ class AddScreen(PageScreen):
         if not self._sheet.touched:
             self.ask(self._draft.begin, self._begun, "start")
 
-    def _begun(self, begun: Begun) -> None:
+    def _begun(self, begun: FormStart) -> None:
         """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
         self._units = dict(begun.units) | self._units
         ahead = self.field(READ[0]).typed
@@ -231,7 +231,7 @@ class AddScreen(PageScreen):
         """To the next field; after the tenth readout comes the button that saves, and leads on to the next flight."""
         if isinstance(self.focused, Button):
             self.action_save() if self.typed else self._to_first()
-        elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE[-1]}":
+        elif isinstance(self.focused, Input) and self.focused.id == f"in-{MORE_FIELDS[-1]}":
             self.set_focus(self._sheet.button)
         else:
             self.focus_next()

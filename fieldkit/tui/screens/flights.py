@@ -29,8 +29,8 @@ if TYPE_CHECKING:
     from fieldkit.inference.network.flights import Inferred
     from fieldkit.tui.flights.flight_screen import FlightScreen
 
-FEW = 200
-"""Flights whose drag and thrust are worked out together, so that others need not wait for it."""
+FLIGHTS_PER_BATCH = 200
+"""Flights whose drag and thrust are computed together, so that others need not wait."""
 REST = 0.15
 """How long the cursor stays on a flight before its log is read. [s]"""
 NONE_YET = "no flights yet; a adds one, 3 imports a file"
@@ -128,7 +128,7 @@ class FlightsScreen(PageScreen):
 
     def _infer(self) -> None:
         """Work out drag and thrust where they are not known yet: some flights at a time, those on top first."""
-        waiting = [row for row in self._sorted(self._rows.values()) if row.id not in self._asked][:FEW]
+        waiting = [row for row in self._sorted(self._rows.values()) if row.id not in self._asked][:FLIGHTS_PER_BATCH]
         if waiting:
             self._asked |= {row.id for row in waiting}
             self.ask(partial(self._inferred, waiting), self._have_drag, "drag")

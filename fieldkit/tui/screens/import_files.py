@@ -20,7 +20,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.imports.import_look import (
     UP,
     Look,
-    Reading,
+    ReadOptions,
     by_keys,
     in_a_line,
     left_out,
@@ -92,7 +92,7 @@ class ImportScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._folder = Path.cwd()
-        self._reading = Reading()
+        self._reading = ReadOptions()
         self._look: Look | None = None
 
     def body(self) -> Iterable[Widget]:
@@ -217,7 +217,7 @@ class ImportScreen(PageScreen):
         if text is not None:
             self._read_as(replace(self._reading, format=text.strip() or None))
 
-    def _read_as(self, reading: Reading) -> None:
+    def _read_as(self, reading: ReadOptions) -> None:
         """Read the file under the cursor so, and those after it. Where that cannot be, say why."""
         try:
             reading.defaults()

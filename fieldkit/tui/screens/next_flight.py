@@ -22,10 +22,10 @@ from fieldkit.tui.widgets.table import Table
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.motors import Motor
-    from fieldkit.planning.motor_guide import Choice
+    from fieldkit.planning.motor_guide import MotorChoice
     from fieldkit.tui.next.forecast_card import ForecastCard
 
-ROOMY = 150
+WIDE_SCREEN = 150
 """Columns of a screen with room for every figure beside the card."""
 DRAWS = 400
 """Flights flown for each motor: the hill is drawn of them. [1]"""
@@ -177,14 +177,14 @@ class NextScreen(PageScreen):
         if plan is None or not waiting:
             return
 
-        def work() -> "list[Choice]":
+        def work() -> "list[MotorChoice]":
             from fieldkit.planning.motor_guide import guide
 
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
         self.ask(work, self._have, "forecast")
 
-    def _have(self, found: "Sequence[Choice]") -> None:
+    def _have(self, found: "Sequence[MotorChoice]") -> None:
         self._motors.known |= {one.motor: one for one in found}
         self._refill()
         self._forecast()
@@ -194,7 +194,7 @@ class NextScreen(PageScreen):
         from fieldkit.tui.next.motor_rows import listed
 
         settings, table = self.desk.settings, self.query_one(Table)
-        brief = not self.has_class("-comparing") and self.size.width < ROOMY
+        brief = not self.has_class("-comparing") and self.size.width < WIDE_SCREEN
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
         table.show(heads, self._motors.ordered(settings.target), cells)
         self.query_one("#count", Static).update(Content(self._motors.counted(settings.units)))

@@ -29,10 +29,10 @@ if TYPE_CHECKING:
     from fieldkit.capture import Ended, Port, Progress
     from fieldkit.services.imports import Receipt
 
-SHOWN = 600
+MAX_DRAWN_ALTITUDES = 600
 """Altitudes of a telemetry stream that are drawn."""
-SAID = 50
-"""Lines of what happened that are kept; the last few are in sight."""
+MAX_LOG_LINES = 50
+"""Lines of the event log that are kept; the last few are visible."""
 
 
 class CaptureScreen(PageScreen):
@@ -188,13 +188,13 @@ class CaptureScreen(PageScreen):
         match message.event:
             case None:
                 self._capturing = False
-            case capture.Opened(port, device, file):
+            case capture.PortOpened(port, device, file):
                 self._say(f"{device or 'listening'} on {port}; every byte goes to {file}")
             case capture.Recognised(device):
                 self._say(f"this is {capture.known_devices()[device].title}")
-            case capture.Told(text):
+            case capture.Instruction(text):
                 self._say(text)
-            case capture.Listed(flights, chosen):
+            case capture.FlightsListed(flights, chosen):
                 self._say(f"{len(flights)} flights in memory, reading {len(chosen)}")
             case capture.Lost(_, why):
                 self._say(f"! {why}; all that came is kept, waiting for it to come back")
@@ -204,7 +204,7 @@ class CaptureScreen(PageScreen):
                 self._progress(message.event)
 
     def _say(self, text: str) -> None:
-        self._said = [*self._said, printable(text).replace("--device", "d")][-SAID:]
+        self._said = [*self._said, printable(text).replace("--device", "d")][-MAX_LOG_LINES:]
         self.query_one("#said", Static).update(hanging(map(shortened, self._said)))
         self.query_one("#happened").scroll_end(animate=False)
 
@@ -221,7 +221,7 @@ class CaptureScreen(PageScreen):
         sample, system = progress.sample, self.desk.settings.units
         if sample is None:
             return
-        self._heights = [*self._heights, sample.altitude][-SHOWN:]
+        self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
         unit = spelled(unit_of(cards.APOGEE, system))
         self.query_one("#big", Digits).update(number(cards.APOGEE, sample.altitude, system))
         highest = measure(cards.APOGEE, max(self._heights), system)

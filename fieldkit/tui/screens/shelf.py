@@ -14,9 +14,16 @@ from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
-from fieldkit.tui.setup.shelf_lists import MEANS, Listed, builds_listed, motors_listed, settings_listed, sites_listed
+from fieldkit.tui.setup.shelf_lists import (
+    MEANS,
+    ListContents,
+    builds_listed,
+    motors_listed,
+    settings_listed,
+    sites_listed,
+)
 from fieldkit.tui.widgets.bars import KeyBar
-from fieldkit.tui.widgets.groups import Kept, grouped, placed
+from fieldkit.tui.widgets.groups import LedgerNames, grouped, placed
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
 
@@ -86,7 +93,7 @@ class ShelfScreen(PageScreen):
     def __init__(self) -> None:
         super().__init__()
         self._kind = 0
-        self._kept = Kept((), ())
+        self._kept = LedgerNames((), ())
         self._found: Sequence[Motor] = ()
         self._in_hand: Facts
 
@@ -116,15 +123,15 @@ class ShelfScreen(PageScreen):
         """The list in front, in other units."""
         self._show()
 
-    def _read(self) -> Kept:
+    def _read(self) -> LedgerNames:
         from fieldkit.ledger.sites import sites
 
         flights = self.desk.ledger.flights()
         ids = self.desk.ledger.ids(flights)
         places = placed(grouped(ids, flights, "site"), sites(self.desk.ledger))
-        return Kept(grouped(ids, flights, "rocket", "config"), places)
+        return LedgerNames(grouped(ids, flights, "rocket", "config"), places)
 
-    def _have(self, kept: Kept) -> None:
+    def _have(self, kept: LedgerNames) -> None:
         self._kept = kept
         self._show()
 
@@ -185,7 +192,7 @@ class ShelfScreen(PageScreen):
             case _:
                 return shelf_card.of_setting(key, MEANS[key])
 
-    def _list(self) -> Listed:
+    def _list(self) -> ListContents:
         """The list in front, as wide as there is room for."""
         desk, width = self.desk, self.query_one(Table).size.width
         match KINDS[self._kind]:

@@ -21,10 +21,10 @@ def design_at(path: Path, given: Mapping[str, str], system: str) -> "tuple[Start
     Rocket and configuration are those `given`, the rocket else by its name in the file. Raises FieldkitError.
     """
     from fieldkit.flight.start import Start
-    from fieldkit.openrocket import MOST, read_design
+    from fieldkit.openrocket import MAX_UNPACKED_SIZE, read_design
     from fieldkit.services.imports import read_file
 
-    design = read_design(read_file(path, most=MOST, kind="an OpenRocket design"), path.name)
+    design = read_design(read_file(path, most=MAX_UNPACKED_SIZE, kind="an OpenRocket design"), path.name)
     name = given.get("rocket") or design.name
     if not name:
         raise BadValue(f"{path.name}: found no name in it, expected one: s, then rocket=NAME")

@@ -16,13 +16,13 @@ from fieldkit.quantities import measure, number, spelled, unit_of
 from fieldkit.safe_text import printable
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.groups import Group, Place
+from fieldkit.tui.widgets.groups import Group, LaunchSite
 from fieldkit.tui.widgets.hanging import Hanging, stacked
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
 
-MOST = 120
+MAX_DRAWN_FLIGHTS = 120
 """Flights that are drawn, the newest: more than the card has columns."""
 
 
@@ -83,12 +83,12 @@ def of_build(group: Group, system: str) -> Facts:
         motors[one.motor or "no motor named"].append(one)
     flown = cards.lines("Motors it flew on", [(name, _heights(some, system)) for name, some in motors.items()])
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
-    known = [one for one in flights if one.apogee is not None][-MOST:]
+    known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, None, system) if len(known) > 1 else None
     return Facts((cards.lines(" ".join(group.names), pairs), flown), title, draw)
 
 
-def of_site(place: Place, system: str) -> Facts:
+def of_site(place: LaunchSite, system: str) -> Facts:
     """A site: its air, what was flown there, and the limits that its safety lines ask for."""
     from fieldkit.planning.air import air_of
 
@@ -103,7 +103,7 @@ def of_site(place: Place, system: str) -> Facts:
         ("field size", measure(cards.APOGEE, site.size, system) or "not known: its safety line cannot be checked"),
         ("ceiling", measure(cards.APOGEE, site.ceiling, system) or "not known: its safety line cannot be checked"),
     ]
-    known = [one for one in flights if one.apogee is not None][-MOST:]
+    known = [one for one in flights if one.apogee is not None][-MAX_DRAWN_FLIGHTS:]
     draw = partial(_draw_apogees, known, site.ceiling, system) if len(known) > 1 else None
     title = f"apogee [{spelled(unit_of(cards.APOGEE, system))}], flight by flight; ✗ tagged as odd"
     return Facts((cards.lines(site.name, pairs),), title + (", ─ the ceiling" if site.ceiling else ""), draw)

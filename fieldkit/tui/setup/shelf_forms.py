@@ -13,7 +13,7 @@ from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup import site_form
 from fieldkit.tui.setup.shelf_lists import RAIL, answer_of, same
 from fieldkit.tui.widgets.dialogs import AskText
-from fieldkit.tui.widgets.groups import Group, Place
+from fieldkit.tui.widgets.groups import Group, LaunchSite
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
@@ -53,7 +53,7 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
         page.change(work, partial(_changed, page, what))
 
 
-def change_site(page: PageScreen, place: Place) -> None:
+def change_site(page: PageScreen, place: LaunchSite) -> None:
     """A form over a site: name and elevation are those of its flights, the rest is kept beside them."""
     system, site = page.desk.settings.units, place.site
     elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
@@ -68,7 +68,7 @@ def change_site(page: PageScreen, place: Place) -> None:
     page.app.push_screen(form, partial(_site_edited, page, place, texts))
 
 
-def _site_edited(page: PageScreen, place: Place, texts: dict[str, str], values: dict[str, object] | None) -> None:
+def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], values: dict[str, object] | None) -> None:
     if values is None:
         return
     system, was = page.desk.settings.units, place.site

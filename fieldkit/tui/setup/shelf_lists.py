@@ -8,7 +8,7 @@ from fieldkit.importing.manual_entry import Question, answer_text
 from fieldkit.quantities import measure
 from fieldkit.settings import Settings
 from fieldkit.tui.widgets import cards
-from fieldkit.tui.widgets.groups import Group, Kept, Place
+from fieldkit.tui.widgets.groups import Group, LaunchSite, LedgerNames
 from fieldkit.tui.widgets.table import Cells, Head
 
 if TYPE_CHECKING:
@@ -16,11 +16,11 @@ if TYPE_CHECKING:
 
 RAIL = ("rail_length", "rail_angle")
 """Settings of the usual rail."""
-NORMAL, WIDE = 70, 96
-"""Cells from which a table has room for more columns."""
+NORMAL_TABLE_WIDTH, WIDE_TABLE_WIDTH = 70, 96
+"""Widths from which a table has room for more columns. [cell]"""
 
 
-class Listed(NamedTuple):
+class ListContents(NamedTuple):
     """A list as a table shows it: its columns, what its rows stand for, and their cells."""
 
     heads: list[Head]
@@ -28,11 +28,11 @@ class Listed(NamedTuple):
     cells: Cells
 
 
-def motors_listed(found: "Sequence[Motor]", width: int) -> Listed:
+def motors_listed(found: "Sequence[Motor]", width: int) -> ListContents:
     """The motors that a search found."""
     from fieldkit.motors.motor import delays_text
 
-    wide = width >= WIDE
+    wide = width >= WIDE_TABLE_WIDTH
     heads = [Head("motor", 0), Head("mm", 3, True), Head("N s", 7, True), Head("avg N", 6, True)]
     heads += [Head("burn s", 6, True), Head("grams", 7, True)] if wide else []
     heads += [Head("delays s", 22 if wide else 12), Head("", 14 if wide else 5)]
@@ -43,12 +43,12 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> Listed:
         first = [f"{motor.maker} {motor.designation}", f"{motor.diameter * 1e3:.0f}", f"{motor.total_impulse:.1f}"]
         return [*first, f"{motor.average_thrust:.1f}", *figures, delays_text(motor.delays), gone]
 
-    return Listed(heads, found, cells)
+    return ListContents(heads, found, cells)
 
 
-def builds_listed(kept: Kept, system: str, width: int) -> Listed:
+def builds_listed(kept: LedgerNames, system: str, width: int) -> ListContents:
     """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
-    narrow = width < NORMAL
+    narrow = width < NORMAL_TABLE_WIDTH
 
     def cells(group: Group) -> list[str]:
         numbers = [measure(BY_NAME[name], group.last.number(name), system) for name in ("dry_mass", "diameter")]
@@ -56,14 +56,14 @@ def builds_listed(kept: Kept, system: str, width: int) -> Listed:
 
     heads = [Head("rocket", 0), Head("config", 8), Head("dry mass", 9, True), Head("diameter", 9, True)]
     heads += [Head("flights", 7, True), Head("last motor", 14)][: 1 if narrow else 2]
-    return Listed(heads, kept.builds, cells)
+    return ListContents(heads, kept.builds, cells)
 
 
-def sites_listed(kept: Kept, system: str, width: int) -> Listed:
+def sites_listed(kept: LedgerNames, system: str, width: int) -> ListContents:
     """The sites that flights name or that were saved, with what safety lines ask of them."""
-    narrow = width < NORMAL
+    narrow = width < NORMAL_TABLE_WIDTH
 
-    def cells(place: Place) -> list[str]:
+    def cells(place: LaunchSite) -> list[str]:
         site = place.site
         numbers = [measure(cards.APOGEE, height, system) for height in (site.elevation, site.size, site.ceiling)]
         return [site.name, *numbers, str(len(place.ids)), answer_text(place.last, "date_time")[:10]][
@@ -72,10 +72,10 @@ def sites_listed(kept: Kept, system: str, width: int) -> Listed:
 
     heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
     heads += [Head("flights", 7, True), Head("last", 10)][: 1 if narrow else 2]
-    return Listed(heads, kept.sites, cells)
+    return ListContents(heads, kept.sites, cells)
 
 
-def settings_listed(settings: Settings, ledger: str) -> Listed:
+def settings_listed(settings: Settings, ledger: str) -> ListContents:
     """What was chosen, and where things are kept."""
     from fieldkit.paths import motor_folder, settings_file
 
@@ -90,7 +90,7 @@ def settings_listed(settings: Settings, ledger: str) -> Listed:
         "own motors": str(motor_folder()),
         "settings": str(settings_file()),
     }
-    return Listed([Head("setting", 10), Head("is", 0)], list(rows), lambda name: (name, rows[name]))
+    return ListContents([Head("setting", 10), Head("is", 0)], list(rows), lambda name: (name, rows[name]))
 
 
 MEANS = {

@@ -132,7 +132,7 @@ class KeyBar(Static):
         lines: list[list[Content]] = [[]]
         room = width = self._room()
         said = set[str]()
-        for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in EVERYWHERE)):
+        for binding in (one.binding for one in sorted(active, key=lambda one: one.binding.description in GLOBAL_KEYS)):
             key = self.app.get_key_display(binding)
             word = getattr(self.screen.focused, "enter", "") if binding.key == "enter" else ""
             word = word or binding.description
@@ -147,8 +147,8 @@ class KeyBar(Static):
         return lines
 
 
-EVERYWHERE = ("Undo", "Copy", "Help", "Quit")
-"""Keys that work on every page; they stand behind those of the page."""
+GLOBAL_KEYS = ("Undo", "Copy", "Help", "Quit")
+"""Keys that work on every page, shown after those of the page."""
 
 
 @cache

@@ -24,7 +24,7 @@ class Group:
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class LaunchSite:
     """A launch site that flights name or that was saved, with its flights, their `ids` and the `last` of them."""
 
     site: "Site"
@@ -34,11 +34,11 @@ class Place:
 
 
 @dataclass(frozen=True, slots=True)
-class Kept:
+class LedgerNames:
     """What the ledger names: builds of rockets with their mass and diameter, and sites."""
 
     builds: tuple[Group, ...]
-    sites: tuple[Place, ...]
+    sites: tuple[LaunchSite, ...]
 
 
 def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple[Group, ...]:
@@ -57,7 +57,7 @@ def grouped(ids: Sequence[str], flights: Sequence[Flight], *names: str) -> tuple
     return tuple(sorted(found, key=lambda group: -order[group.ids[-1]]))
 
 
-def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[Place, ...]:
+def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[LaunchSite, ...]:
     """The sites of some flights, each with what was saved of it, and those that were saved alone."""
     from fieldkit.flight.site import Site
 
@@ -68,5 +68,5 @@ def placed(groups: Sequence[Group], known: "Sequence[Site]") -> tuple[Place, ...
         group = flown.get(name, Group((name,), (), Flight(site=name)))
         site = saved.get(name, Site(name))
         elevation = group.last.site_elevation if site.elevation is None else site.elevation
-        found.append(Place(replace(site, elevation=elevation), group.ids, group.last, group.flights))
+        found.append(LaunchSite(replace(site, elevation=elevation), group.ids, group.last, group.flights))
     return tuple(found)

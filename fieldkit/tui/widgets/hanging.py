@@ -12,8 +12,8 @@ from textual.visual import RenderOptions, Visual
 
 from fieldkit.safe_text import printable
 
-LEAST = 20
-"""Cells that are left to a broken line, else it hangs by two alone."""
+MIN_LINE_WIDTH = 20
+"""Cells left for a wrapped line, below which the indent is only two."""
 LEAD = re.compile(r"\s*(?:\S+ )*\S+ {2,}(?=\S)|\s*(?=\S)")
 """What stands before the text of a line: a name and the blanks behind it, or blanks."""
 
@@ -76,7 +76,7 @@ def _broken(line: Content, width: int, column: int) -> list[Content]:
     first, *more = line.wrap(width)
     if not more:
         return [line]
-    column = column if width - column >= LEAST else 2
+    column = column if width - column >= MIN_LINE_WIDTH else 2
     rest = line[len(first.plain) :]
     rest = rest[len(rest.plain) - len(rest.plain.lstrip()) :]
     return [first, *(part.pad_left(column) for part in rest.wrap(max(1, width - column)))]

@@ -13,8 +13,8 @@ from fieldkit.shapes import Array, Float
 
 POINT = 200
 """Points of a drawn density."""
-FLAT = 0.02
-"""Share of a density's height below which nothing is drawn: a cell of ink would say more than is there. [1]"""
+MIN_DENSITY_FRACTION = 0.02
+"""Fraction of a density's height below which nothing is drawn. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -98,7 +98,7 @@ def density(values: Float[Array, "draw"]) -> tuple[list[float], list[float]]:
     low, high = np.quantile(values, [0.002, 0.998])
     at = np.linspace(low - width, high + width, POINT)
     heights = np.exp(-0.5 * ((at[:, None] - values) / width) ** 2).sum(axis=1)
-    drawn = heights > FLAT * heights.max()
+    drawn = heights > MIN_DENSITY_FRACTION * heights.max()
     return at[drawn].tolist(), (heights[drawn] / heights.max()).tolist()
 
 

@@ -11,7 +11,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
-from fieldkit.forecast.evaluation.comparison import OWN, against, judged_report, tally
+from fieldkit.forecast.evaluation.comparison import OWN_FORECAST, against, judged_report, tally
 from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.ledger import Ledger
 from fieldkit.presentation.report.score import check_picture, write_picture
@@ -42,7 +42,7 @@ def season(count: int, bias: float = 0.0, wide: float = 1.0, seed: int = 1, rock
 
 def test_the_scores_of_every_way_are_those_of_its_draws() -> None:
     rows = season(40)
-    own, point = tally(rows, OWN), tally(rows, "uncalibrated")
+    own, point = tally(rows, OWN_FORECAST), tally(rows, "uncalibrated")
     flown = np.array([row.flown for row in rows])
     assert point.mean_share == pytest.approx(np.mean(260 / flown - 1))
     assert point.crps == pytest.approx(point.mean_share)

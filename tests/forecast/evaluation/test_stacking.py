@@ -8,10 +8,10 @@ from scipy.stats import norm
 
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, next_weights, with_stacked
 from fieldkit.forecast.evaluation.stacking import (
-    FEWEST,
+    MIN_FORECASTS_TO_STACK,
     PRIOR_FLIGHTS,
     PRIOR_OWN,
-    STACKED,
+    STACKED_RIVALS,
     log_density,
     prior_counts,
     stacked,
@@ -47,7 +47,7 @@ def test_few_flights_do_not_move_the_weights_and_many_find_the_better() -> None:
         assert weights[better] > 0.9
         few = stacking_weights(scores[:3], prior_counts(3))
         assert few[0] > 0.6
-    np.testing.assert_allclose(weights_after([np.array([0.0, 9.0, 0.0])] * (FEWEST - 1)), (1, 0, 0))
+    np.testing.assert_allclose(weights_after([np.array([0.0, 9.0, 0.0])] * (MIN_FORECASTS_TO_STACK - 1)), (1, 0, 0))
     assert weights_after([np.array([0.0, 9.0, 0.0])] * 60)[1] > 0.8
 
 
@@ -102,6 +102,8 @@ def test_forecasts_are_stacked_by_earlier_flights_alone() -> None:
 
 def test_the_weight_of_an_absent_rival_or_one_without_a_spread_goes_to_the_model() -> None:
     weights = next_weights([row(n, 210.0, scalar=np.array([210.0])) for n in range(30)])
-    assert weights == pytest.approx(dict(zip(("fieldkit", *STACKED), prior_counts(3) / PRIOR_FLIGHTS, strict=True)))
+    assert weights == pytest.approx(
+        dict(zip(("fieldkit", *STACKED_RIVALS), prior_counts(3) / PRIOR_FLIGHTS, strict=True))
+    )
     (*_, last) = with_stacked([row(n, 210.0) for n in range(30)])
     np.testing.assert_allclose(np.quantile(last.rivals["stacked"], LEVELS), lognormal(200.0, 0.05), rtol=0.02)

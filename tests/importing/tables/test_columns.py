@@ -9,13 +9,13 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing import Note
 from fieldkit.importing.tables import rows, text
 from fieldkit.importing.tables.clocks import onward
-from fieldkit.importing.tables.columns import Channel, Table, read_columns
+from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.units import UNITS, Unit
 
 CHANNELS = (Channel("time", 0, needed=True), Channel("altitude", 1, Unit(0.3048), header="Alt"))
 
 
-def told(table: Table) -> list[str]:
+def told(table: LogTable) -> list[str]:
     return [f"note {item.row}" if isinstance(item, Note) else str(item) for item in table.found]
 
 

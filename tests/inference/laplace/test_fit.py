@@ -14,8 +14,8 @@ from fieldkit.inference.laplace.fit import _Walk, fit
 from fieldkit.inference.laplace.leave_one_out import leave_one_out
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, Growing, _log_inside, solve, term_sds
-from fieldkit.model.hyperprior import CERTIFIED, FROM_LOGS, Hyperprior, learned
-from fieldkit.model.readout_data import LOGARITHMIC, OBSERVED, Data, compared, observe, reading_sd
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR, FROM_LOGS, Hyperprior, learned
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, Data, compared, observe, reading_sd
 from fieldkit.model.rocket_model import Model, Term, base_model, shown, with_shared
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import catalogue
@@ -53,35 +53,36 @@ def seasons() -> tuple[Data, ...]:
     A lean can but lower a flight; the fit takes it as a normal scatter like any other, and so do these.
     """
     rng = np.random.default_rng(22)
-    scatter_scale, reading_scale, log_prior = CERTIFIED.scales()
+    scatter_scale, reading_scale, log_prior = CERTIFIED_PRIOR.scales()
     pair = rng.choice(len(log_prior), SETS, p=np.exp(log_prior))
     size = (SETS, len(PLANS))
     scatter = {s.bends: rng.normal(size=size) * s.sd * scatter_scale[pair, None] for s in model().scatter}
     lean = scatter.pop("tilt")
     raw, upright, leaning = (
-        np.stack([readings[name] for name in OBSERVED], axis=-1)
+        np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1)
         for readings in (
             shown(model(), truths(), scatter),
             shown(model(), truths(), {"tilt": np.zeros(size)}),
             shown(model(), truths(), {"tilt": np.ones(size)}),
         )
     )
-    scales = np.repeat(reading_scale[pair, None, None], len(OBSERVED), axis=-1)
+    scales = np.repeat(reading_scale[pair, None, None], len(OBSERVED_READOUTS), axis=-1)
     scales[..., 0] = 1.0
-    drawn = rng.normal(size=(*raw.shape[:-1], len(OBSERVED) - len(FROM_LOGS)))  # none of these flights has a log
+    typed = len(OBSERVED_READOUTS) - len(FROM_LOGS)  # none of these flights has a log
+    drawn = rng.normal(size=(*raw.shape[:-1], typed))
     noise = (
         np.concatenate([drawn, np.zeros((*raw.shape[:-1], len(FROM_LOGS)))], axis=-1)
         * scales
         * np.stack([reading_sd(part) for part in raw])
     )
     noisy = compared(raw) + noise + lean[..., None] * (compared(leaning) - compared(upright))
-    seen = np.where(LOGARITHMIC, np.exp(noisy), noisy)
+    seen = np.where(IS_LOGARITHMIC, np.exp(noisy), noisy)
     return tuple(observe(flights(part), [True] * len(PLANS)) for part in seen)
 
 
 def flights(readouts: Readouts) -> list[Flight]:
     """The plans with readouts. [flight readout]"""
-    named = (dict(zip(OBSERVED, map(float, row), strict=True)) for row in readouts)
+    named = (dict(zip(OBSERVED_READOUTS, map(float, row), strict=True)) for row in readouts)
     return [plan.with_changes(**row) for plan, row in zip(PLANS, named, strict=True)]
 
 
@@ -117,8 +118,8 @@ def kinked(seed: int) -> tuple[Model, Data]:
     plans = [plan.with_changes(delay=float(time) - 0.6) for plan, time in zip(PLANS, coast, strict=True)]
     early = base_model(plans, [catalogue().resolve(plan.motor) for plan in plans])
     shows = shown(early, truth, scatter)
-    raw = np.stack([shows[name][0] for name in OBSERVED], axis=-1)
-    named = (dict(zip(OBSERVED, map(float, row), strict=True)) for row in raw)
+    raw = np.stack([shows[name][0] for name in OBSERVED_READOUTS], axis=-1)
+    named = (dict(zip(OBSERVED_READOUTS, map(float, row), strict=True)) for row in raw)
     flown = [plan.with_changes(**row) for plan, row in zip(plans, named, strict=True)]
     return early, observe(flown, [True] * len(flown))
 
@@ -182,9 +183,11 @@ def test_a_distorted_posterior_is_noticed(distort: Callable[[Any], Any]) -> None
 
 def test_scatter_that_is_there_is_seen() -> None:
     """Sets of much scatter get more of their weight on large scales than sets of little."""
-    pair = np.random.default_rng(22).choice(len(CERTIFIED.scales()[2]), SETS, p=np.exp(CERTIFIED.scales()[2]))
-    true = np.log(CERTIFIED.scales()[0][pair])
-    found = np.array([result.weights @ np.log(CERTIFIED.scales()[0]) for result in fits()])
+    pair = np.random.default_rng(22).choice(
+        len(CERTIFIED_PRIOR.scales()[2]), SETS, p=np.exp(CERTIFIED_PRIOR.scales()[2])
+    )
+    true = np.log(CERTIFIED_PRIOR.scales()[0][pair])
+    found = np.array([result.weights @ np.log(CERTIFIED_PRIOR.scales()[0]) for result in fits()])
     assert np.corrcoef(true, found)[0, 1] > 0.5
 
 
@@ -259,7 +262,7 @@ def test_a_growing_fit_is_that_of_the_flights_before(flight: int) -> None:
 # Evidence
 
 
-def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED) -> tuple[Model, Data, Tangent]:
+def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED_PRIOR) -> tuple[Model, Data, Tangent]:
     """A linear model of three terms and five flights, one readout not seen."""
     doubtful = hyperprior.kind == "learned"
     scaled: tuple[Literal["", "scatter", "reading"], ...] = ("", "scatter", "reading") if doubtful else ("", "", "")
@@ -267,7 +270,7 @@ def toy(rng: np.random.Generator, hyperprior: Hyperprior = CERTIFIED) -> tuple[M
         Term(str(i), "drag", mean, sd, np.ones(5), scaled_by=scaled[i])
         for i, (mean, sd) in enumerate([(0, 1), (2, 0.3), (-1, 2)])
     )
-    shape = (5, len(OBSERVED))
+    shape = (5, len(OBSERVED_READOUTS))
     seen = np.ones(shape, bool)
     seen[2, 3] = False
     data = Data(
@@ -286,13 +289,13 @@ def dense(model: Model, data: Data, near: Tangent, scale: int) -> tuple[Any, Any
     """Expectation, covariance and slope of everything seen, written out in full for one pair of scales."""
     scatter, reading = (values[scale] for values in model.hyperprior.scales()[:2])
     single = np.hypot(model.hyperprior.sd("apogee", "flight"), model.hyperprior.sd("apogee", "day"))
-    own = np.array([scatter * single, *[0.0] * (len(OBSERVED) - 1)])
-    every = np.array([1.0, *[reading] * (len(OBSERVED) - 1)])
+    own = np.array([scatter * single, *[0.0] * (len(OBSERVED_READOUTS) - 1)])
+    every = np.array([1.0, *[reading] * (len(OBSERVED_READOUTS) - 1)])
     seen = data.seen.ravel()
     slope = near.slope.reshape(len(seen), -1)
     prior = np.array([term.mean for term in model.terms])
     noise = np.zeros((len(seen), len(seen)))
-    width = len(OBSERVED)
+    width = len(OBSERVED_READOUTS)
     for flight in range(len(near.values)):
         block = slice(flight * width, (flight + 1) * width)
         spread = near.scatter_slope[flight]
@@ -323,7 +326,7 @@ SHARED = SharedPrior(("1", "0"), np.array([0.3, -0.4]), np.array([[0.5, 0.2], [0
 def test_evidence_and_posterior_are_those_of_the_dense_normal_distribution(
     scale: int, kind: str, shared: SharedPrior | None
 ) -> None:
-    model, data, near = toy(np.random.default_rng(5), CERTIFIED if kind == "certified" else learned())
+    model, data, near = toy(np.random.default_rng(5), CERTIFIED_PRIOR if kind == "certified" else learned())
     model = with_shared(model, shared)
     result = solve(model, data, near)
     mean, covariance, slope = dense(model, data, near, scale)
@@ -350,7 +353,9 @@ def test_what_was_not_seen_teaches_nothing() -> None:
 def test_a_term_that_says_nothing_costs_no_evidence_and_keeps_its_prior() -> None:
     model, data, near = toy(np.random.default_rng(7))
     idle = model.with_terms(Term("idle", "drag", 0.5, 0.2, np.zeros(5)))
-    wider = replace(near, at=np.append(near.at, 0.1), slope=np.dstack([near.slope, np.zeros((5, len(OBSERVED)))]))
+    wider = replace(
+        near, at=np.append(near.at, 0.1), slope=np.dstack([near.slope, np.zeros((5, len(OBSERVED_READOUTS)))])
+    )
     plain, more = solve(model, data, near), solve(idle, data, wider)
     assert more.log_evidence == pytest.approx(plain.log_evidence)
     mean, sd = more.moments()

@@ -16,9 +16,9 @@ from fieldkit.inference.laplace.fleet import (
     shared_prior,
 )
 from fieldkit.inference.laplace.linearization import Tangent
-from fieldkit.inference.laplace.posterior import UNSEEN, Fit, solve
+from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, Fit, solve
 from fieldkit.model.hyperprior import Scale, learned
-from fieldkit.model.readout_data import OBSERVED, Data
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, Term, with_shared
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found, catalogue
@@ -35,7 +35,7 @@ ONE_SCALE = replace(learned(), scatter=Scale((1.0,), 1.0, 0.5), reading=Scale((1
 def linear_rocket(seed: int) -> Fit:
     """A rocket whose readouts are linear in two shared terms and one of its own."""
     rng = np.random.default_rng(seed)
-    shape = (FLIGHTS, len(OBSERVED))
+    shape = (FLIGHTS, len(OBSERVED_READOUTS))
     terms = tuple(Term(name, "drag", mean, sd, np.ones(FLIGHTS)) for name, (mean, sd) in PRIOR.items())
     model = Model((Flight(),) * FLIGHTS, (), np.zeros(0), terms, tuple(range(FLIGHTS)), ONE_SCALE)
     data = Data(rng.normal(size=shape), rng.uniform(0.2, 1.0, shape), np.ones(shape, bool), np.ones(shape))
@@ -57,7 +57,7 @@ def dense(fits: list[Fit]) -> tuple[Array, Array, float]:
         rows.append(design)
         miss.append(told.miss.ravel())
         blocks = np.zeros((told.miss.size, told.miss.size))
-        width = len(OBSERVED)
+        width = len(OBSERVED_READOUTS)
         for flight in range(FLIGHTS):
             part = slice(flight * width, (flight + 1) * width)
             blocks[part, part] = told.noise[0, flight]
@@ -140,4 +140,4 @@ def test_a_fleet_that_flies_low_lowers_a_rocket_that_never_flew() -> None:
 
 def test_unseen_readouts_cost_the_evidence_a_constant() -> None:
     """What tests of evidence take off: every readout that was not seen has this standard deviation."""
-    assert UNSEEN == 1e3
+    assert UNOBSERVED_SD == 1e3

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fieldkit.errors import DamagedModel
-from fieldkit.flight import CHECKED, Flight
+from fieldkit.flight import CHECKED_TAG, Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace import outliers
 from fieldkit.inference.laplace.outliers import fitting
@@ -38,12 +38,12 @@ def test_a_readout_that_does_not_fit_is_left_out_alone_and_named() -> None:
     assert [kept[0], *kept[2:]] == [flights[0], *flights[2:]]
     (line,) = lines
     assert line.startswith(f"flight {flights[1].flight_id}: top speed of ")
-    assert line.endswith(f"`fieldkit tag {flights[1].flight_id} {CHECKED}`")
+    assert line.endswith(f"`fieldkit tag {flights[1].flight_id} {CHECKED_TAG}`")
 
 
 def test_what_the_flyer_has_checked_teaches() -> None:
     flights, found = parts(with_a_slip(season({})))
-    flights[0] = flights[0].with_changes(tags=(CHECKED,))
+    flights[0] = flights[0].with_changes(tags=(CHECKED_TAG,))
     assert flights[0].clean
     assert fitting(flights, found) == (tuple(flights), ())
 

@@ -13,7 +13,7 @@ from fieldkit.inference.network.field_ensemble import infer_field, infer_observe
 from fieldkit.inference.network.outliers import misfit
 from fieldkit.inference.validation.calibration import score, table
 from fieldkit.model.observation_noise import SUBSETS, measure
-from fieldkit.model.observations import ALPHA_SD, DECLARED, READOUT_NAMES, SEEN, Observed
+from fieldkit.model.observations import ALPHA_SD, DECLARED_FIELDS, INDEPENDENT_READOUTS, READOUT_NAMES, Observed
 from fieldkit.model.prior_predictive import Truth, flown_motors, simulate
 from fieldkit.motors import catalogue
 from fieldkit.plugins import trained_folder
@@ -127,7 +127,7 @@ def test_a_readout_that_does_not_fit_is_named(name: str, factor: float, field: E
     readouts[:, READOUT_NAMES.index(name)] *= factor
     which = misfit(field, some.with_readouts(readouts))
     alike = {"apogee": ("apogee", "eject_altitude")}.get(name, (name,))  # either of two heights may be the wrong one
-    assert np.isin(which, [SEEN.index(one) for one in alike]).mean() > 0.6
+    assert np.isin(which, [INDEPENDENT_READOUTS.index(one) for one in alike]).mean() > 0.6
 
 
 def test_a_misfit_is_left_out_and_the_interval_widens(field: Ensemble) -> None:
@@ -150,4 +150,4 @@ def test_declared_conditions_may_all_be_missing(field: Ensemble, observed: Obser
     declared[:, 1:] = np.nan
     found = infer_observed(replace(observed, declared=declared).rows(slice(0, 20)), field)
     assert np.isfinite(found.cd).all()
-    assert DECLARED[0] == "dry_mass"
+    assert DECLARED_FIELDS[0] == "dry_mass"

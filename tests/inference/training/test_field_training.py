@@ -20,8 +20,8 @@ def tiny(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.Capture
     from fieldkit.cli.main import main
     from fieldkit.inference.training import density, field
 
-    monkeypatch.setattr(field, "JUDGED", 100)
-    monkeypatch.setitem(field.PLANS, "quick", density.Plan(epochs=2, batch=256))
+    monkeypatch.setattr(field, "EVALUATION_FLIGHTS", 100)
+    monkeypatch.setitem(field.PLANS, "quick", density.TrainingPlan(epochs=2, batch=256))
     out = tmp_path / "field"
     options = ("--recipe", "field", "--schedule", "quick", "--seed", "3", "--n-train", "1000", "--report")
     options += ("--effects", "mass_offset, wind")

@@ -20,7 +20,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
 from fieldkit.presentation.loop_text import report
-from fieldkit.presentation.report.book import Book
+from fieldkit.presentation.report.book import FlightReport
 from fieldkit.presentation.report.loop.page import check_page, page, write_page
 from fieldkit.presentation.report.paper import pages
 from fieldkit.presentation.report.style import styled
@@ -30,7 +30,7 @@ from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
-from fieldkit.selection.forward_choice import FEWEST
+from fieldkit.selection.forward_choice import MIN_EARLIER_FLIGHTS
 from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, options, telling
 from fieldkit.selection.unexplained import leftover
 from fieldkit.services import close_loop, forecasts
@@ -120,9 +120,9 @@ def test_no_flights_have_no_errors() -> None:
 
 
 def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
-    assert found.ahead.seen.tolist() == [False] * FEWEST + [True] * (12 - FEWEST)
-    assert found.forward.before.flights == 12 - FEWEST
-    assert not any(found.ahead.chosen[:FEWEST])
+    assert found.ahead.seen.tolist() == [False] * MIN_EARLIER_FLIGHTS + [True] * (12 - MIN_EARLIER_FLIGHTS)
+    assert found.forward.before.flights == 12 - MIN_EARLIER_FLIGHTS
+    assert not any(found.ahead.chosen[:MIN_EARLIER_FLIGHTS])
 
 
 def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
@@ -285,7 +285,7 @@ def test_the_report_fits_a_terminal(found: Findings) -> None:
 
 
 def test_the_loop_goes_into_a_rocket_s_report(found: Findings, tmp_path: Path) -> None:
-    made = Book("Astra", "", (), (found,), summary=True)
+    made = FlightReport("Astra", "", (), (found,), summary=True)
     with styled():
         assert len(list(pages(made))) == 2
     assert any("weathercock" in line or "wind" in line for line in made.findings)

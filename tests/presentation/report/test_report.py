@@ -11,7 +11,7 @@ from fieldkit.errors import BadValue, FieldkitError, LedgerError
 from fieldkit.flight import Flight
 from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
-from fieldkit.presentation.report.book import Book, book, table
+from fieldkit.presentation.report.book import FlightReport, book, table
 from fieldkit.presentation.report.paper import PER_PAGE, headline, pages, remarks
 from fieldkit.presentation.report.style import A4, styled
 from fieldkit.presentation.report.write import check_report, write_report
@@ -59,17 +59,17 @@ def file(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def day(file: Path) -> Book:
+def day(file: Path) -> FlightReport:
     with Ledger.open(file) as ledger:
         return book(ledger, catalogue(), "2026-05-02", quiet)
 
 
-def one(day: Book) -> Book:
+def one(day: FlightReport) -> FlightReport:
     """The report of the second flight alone."""
-    return Book("Flight 2", "", day.cards[1:])
+    return FlightReport("Flight 2", "", day.cards[1:])
 
 
-def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: Book) -> None:
+def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: FlightReport) -> None:
     assert (day.title, len(day.cards), day.summary) == ("Launch day 2026-05-02", 2, True)
     with Ledger.open(file) as ledger:
         flight = book(ledger, catalogue(), "2", quiet)
@@ -79,7 +79,7 @@ def test_what_is_asked_for_is_a_day_a_flight_or_a_rocket(file: Path, day: Book) 
     assert not flight.summary
 
 
-def test_a_card_holds_figures_prediction_and_what_had_changed(day: Book) -> None:
+def test_a_card_holds_figures_prediction_and_what_had_changed(day: FlightReport) -> None:
     first, second = day.cards
     assert first.foretold is not None
     assert not first.foretold.kept
@@ -96,7 +96,7 @@ def test_a_card_holds_figures_prediction_and_what_had_changed(day: Book) -> None
     assert second.record.tolist() == [250.0, 262.0]
 
 
-def test_the_table_lays_predictions_beside_flights(day: Book) -> None:
+def test_the_table_lays_predictions_beside_flights(day: FlightReport) -> None:
     headers, rows = table(day)
     assert headers[5:8] == ("predicted m", "flown m", "miss m")
     assert rows[0][5] == ""
@@ -105,7 +105,7 @@ def test_the_table_lays_predictions_beside_flights(day: Book) -> None:
     assert {what: value for value, what in day.figures}["predicted before"] == "1"
 
 
-def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: Book, tmp_path: Path) -> None:
+def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: FlightReport, tmp_path: Path) -> None:
     (written,) = write_report(day, tmp_path / "day.html")
     html = written.read_text(encoding="utf-8")
     page = Page(html)
@@ -119,7 +119,7 @@ def test_names_from_files_are_text_in_html_and_pictures_are_inside(day: Book, tm
     assert all(source.startswith("data:image/svg+xml;base64,") for source in page.sources)
 
 
-def test_names_from_files_are_text_in_markdown(day: Book, tmp_path: Path) -> None:
+def test_names_from_files_are_text_in_markdown(day: FlightReport, tmp_path: Path) -> None:
     files = write_report(day, tmp_path / "day.md")
     text = files[-1].read_text(encoding="utf-8")
     assert "<script" not in text
@@ -157,7 +157,7 @@ def test_marks_of_markdown_are_escaped(text: str, safe: str) -> None:
     assert as_markdown(text) == safe
 
 
-def test_paper_is_a4_a_card_a_page(day: Book, tmp_path: Path) -> None:
+def test_paper_is_a4_a_card_a_page(day: FlightReport, tmp_path: Path) -> None:
     with styled():
         sheets = list(pages(day))
     assert len(sheets) == 3
@@ -169,19 +169,19 @@ def test_paper_is_a4_a_card_a_page(day: Book, tmp_path: Path) -> None:
     assert png.read_bytes().startswith(b"\x89PNG")
 
 
-def test_many_flights_go_on_over_pages(day: Book) -> None:
-    many = Book("Astra", "", day.cards[:1] * (PER_PAGE + 1), summary=True)
+def test_many_flights_go_on_over_pages(day: FlightReport) -> None:
+    many = FlightReport("Astra", "", day.cards[:1] * (PER_PAGE + 1), summary=True)
     with styled():
         sheets = [page for page, _ in zip(pages(many), range(2), strict=False)]
     texts = [len(part.texts) for part in sheets[1].subfigs]
     assert sum(texts) > 10
 
 
-def test_a_name_that_cannot_be_written_is_one_line(day: Book, tmp_path: Path) -> None:
+def test_a_name_that_cannot_be_written_is_one_line(day: FlightReport, tmp_path: Path) -> None:
     with pytest.raises(BadValue, match=r"found 'card\.doc'"):
         check_report(Path("card.doc"))
     with pytest.raises(FieldkitError, match="cannot be written"):
-        write_report(Book("", "", ()), tmp_path / "nowhere" / "card.html")
+        write_report(FlightReport("", "", ()), tmp_path / "nowhere" / "card.html")
 
 
 def test_the_command_writes_the_report(file: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -10,20 +10,20 @@ import pytest
 
 from fieldkit.analysis import Recorded
 from fieldkit.cli.main import main
-from fieldkit.model.hyperprior import CERTIFIED
+from fieldkit.model.hyperprior import CERTIFIED_PRIOR
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure
-from fieldkit.selection.force.flights import FREE, TOO_SHORT, FlightForce, flight_force
-from fieldkit.selection.force.log_evidence import Witness, _says, document
+from fieldkit.selection.force.flights import FREE_TERMS, TOO_SHORT, FlightForce, flight_force
+from fieldkit.selection.force.log_evidence import LogEvidence, _says, document
 from fieldkit.selection.force.one_flight import missing_force
 from fieldkit.selection.force.regression import Regression, regression
 from fieldkit.selection.force.several_flights import Common, common_law
 from fieldkit.selection.force.terms import library
 from fieldkit.selection.force.text import climbs_in_words
-from fieldkit.services.flight_logs import OLDER
+from fieldkit.services.flight_logs import OLDER_LOGS_NOTE
 from tests.selection.force.test_missing_force import SLOW, climb, forces, noisy
 
 FLIGHTS = 6
-LUCK = [CERTIFIED.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
+LUCK = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stretch")]
 """Of single flights, as the model has it: in thrust, drag and burn time. [1]"""
 
 
@@ -33,7 +33,7 @@ def flown(term: str, strength: float, seed: int, luck: tuple[float, ...] | None 
     thrust, drag, stretch = np.exp(luck or np.random.default_rng(seed).normal(size=3) * LUCK)
     motor = replace(SLOW.motor, time=SLOW.motor.time * stretch, thrust=SLOW.motor.thrust * thrust / stretch)
     rocket = replace(SLOW, motor=motor, drag_area=SLOW.drag_area * drag)
-    return regression(missing_force(noisy(climb(rocket, term, strength), seed, smooth=5), SLOW), library(), FREE)
+    return regression(missing_force(noisy(climb(rocket, term, strength), seed, smooth=5), SLOW), library(), FREE_TERMS)
 
 
 def shared(term: str, strength: float, flights: int = FLIGHTS) -> tuple[Common, ...]:
@@ -52,7 +52,7 @@ def test_a_share_of_the_drag_is_of_the_drag_there_was(share: float) -> None:
     """Readouts that lack a drag of the coast make the model's own drag too large: the share is not of that."""
     rocket = replace(SLOW, drag_area=share * SLOW.drag_area)
     climb_ = missing_force(noisy(climb(SLOW, "base drag", 0.4), 1, smooth=5), rocket)
-    (value,), (sd,) = regression(climb_, library(), FREE).solve(["base drag"])
+    (value,), (sd,) = regression(climb_, library(), FREE_TERMS).solve(["base drag"])
     assert value == pytest.approx(0.4, abs=3 * sd)
 
 
@@ -140,21 +140,21 @@ def test_a_verdict_that_should_show_and_does_not_is_named() -> None:
 
 
 def test_without_a_log_nothing_is_said() -> None:
-    silent = Witness((), (), (), "")
+    silent = LogEvidence((), (), (), "")
     assert list(climbs_in_words(silent)) == []
     assert document(silent)["flights"] == document(silent)["law"] == []
 
 
 def test_logs_that_are_silent_for_one_reason_share_a_line() -> None:
-    silent = Witness((), (("F1", OLDER), ("F2", OLDER), ("F3", "no heights")), (), "")
+    silent = LogEvidence((), (("F1", OLDER_LOGS_NOTE), ("F2", OLDER_LOGS_NOTE), ("F3", "no heights")), (), "")
     assert list(climbs_in_words(silent)) == [
-        f"2 logs without a missing force, F1 and 1 more: {OLDER}",
+        f"2 logs without a missing force, F1 and 1 more: {OLDER_LOGS_NOTE}",
         "1 log without a missing force, F3: no heights",
     ]
 
 
 def test_a_single_log_says_that_it_decides_nothing() -> None:
-    (line,) = climbs_in_words(Witness((one(),), (), (), ""))
+    (line,) = climbs_in_words(LogEvidence((one(),), (), (), ""))
     assert "base drag" in line
     assert line.endswith("one flight alone decides nothing")
 
@@ -186,7 +186,7 @@ def log(seed: int) -> tuple[str, dict[str, float]]:
 def test_the_loop_reports_the_missing_force_of_the_latest_logs(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(logs, "MOST", 3)
+    monkeypatch.setattr(logs, "MAX_LOGS", 3)
     rows = ["flight_id,rocket,motor,dry_mass_g,diameter_mm,log,apogee_m,top_speed_mps,coast_to_apogee_s"]
     for number in range(4):
         text, readouts = log(number)
@@ -201,7 +201,7 @@ def test_the_loop_reports_the_missing_force_of_the_latest_logs(
     assert main([*command, "loop", "--look", "--json", "--report", str(page)]) == 0
     said = json.loads(capsys.readouterr().out)["missing_force"]
     assert [flight["flight_id"] for flight in said["flights"]] == ["F1", "F2", "F3"]
-    assert said["silent"] == [{"flight_id": "F0", "why": OLDER}]
+    assert said["silent"] == [{"flight_id": "F0", "why": OLDER_LOGS_NOTE}]
     assert said["law"][0]["effect"] == "base_drag"
     assert said["law"][0]["flights"] == 3
     assert {point["phase"] for point in said["flights"][0]["points"]} == {"boost", "coast"}

@@ -8,7 +8,7 @@ import pytest
 from fieldkit.analysis import Forces
 from fieldkit.motors import catalogue
 from fieldkit.physics.atmosphere import pad_air
-from fieldkit.selection.force.climb import Rocket, Track, beside_model, track_of
+from fieldkit.selection.force.climb import ClimbTrack, RocketInputs, beside_model, track_of
 from fieldkit.selection.force.one_flight import Law, law, missing_force
 from fieldkit.selection.force.terms import library
 from fieldkit.shapes import Array, Float
@@ -18,26 +18,26 @@ RATE = 100
 NOISE = 0.5
 """Of the accelerometer. [m/s^2]"""
 AIR = pad_air(*(np.asarray(np.nan) for _ in range(4)))
-SLOW = Rocket(catalogue().find("AeroTech F24W").motor, 0.322, 0.6 * np.pi / 4 * 0.066**2, AIR)
-FAST = Rocket(catalogue().find("AeroTech G80T").motor, 0.25, 0.45 * np.pi / 4 * 0.038**2, AIR)
+SLOW = RocketInputs(catalogue().find("AeroTech F24W").motor, 0.322, 0.6 * np.pi / 4 * 0.066**2, AIR)
+FAST = RocketInputs(catalogue().find("AeroTech G80T").motor, 0.25, 0.45 * np.pi / 4 * 0.038**2, AIR)
 
 
 @cache
-def climb(rocket: Rocket, term: str, strength: float) -> Track:
+def climb(rocket: RocketInputs, term: str, strength: float) -> ClimbTrack:
     """A climb with one term of the library too much, without noise: the fixed point of force and motion."""
     time = np.arange(0, 25, 1 / RATE)
     burning, zero = time < rocket.motor.thrust_end, np.zeros(len(time))
-    track = Track(time, zero, zero, zero, np.full(len(time), NOISE), burning)
+    track = ClimbTrack(time, zero, zero, zero, np.full(len(time), NOISE), burning)
     for _ in range(40):
         model = beside_model(track, rocket)
         push = model.thrust - model.drag
         if term:
             column = next(one.column for one in library() if one.name == term)
-            moved = Track(time, track.height, track.speed, push, track.push_sd, burning)
+            moved = ClimbTrack(time, track.height, track.speed, push, track.push_sd, burning)
             push = push + strength * column(beside_model(moved, rocket))
         net = np.where(time < 0.15, np.maximum(push - 9.80665, 0.0), push - 9.80665)
         speed = np.maximum(integral(net), -5.0)
-        track = Track(time, np.maximum(integral(speed), 0.0), speed, push, track.push_sd, burning)
+        track = ClimbTrack(time, np.maximum(integral(speed), 0.0), speed, push, track.push_sd, burning)
     return track.part(np.arange(len(time)) < np.argmax((speed <= 0) & (time > 1)))
 
 
@@ -45,15 +45,15 @@ def integral(rate: Float[Array, "time"]) -> Float[Array, "time"]:
     return np.concatenate([[0.0], np.cumsum((rate[1:] + rate[:-1]) / (2 * RATE))])
 
 
-def noisy(track: Track, seed: int, *, smooth: int = 1) -> Track:
+def noisy(track: ClimbTrack, seed: int, *, smooth: int = 1) -> ClimbTrack:
     """The same as an accelerometer shows it, its noise perhaps smoothed."""
     rng = np.random.default_rng(seed)
     noise = np.convolve(rng.normal(0, NOISE, len(track.push) + smooth - 1), np.ones(smooth) / np.sqrt(smooth), "valid")
     speed = track.speed + rng.normal(0, 0.3, len(track.speed))
-    return Track(track.time_from_liftoff, track.height, speed, track.push + noise, track.push_sd, track.burning)
+    return ClimbTrack(track.time_from_liftoff, track.height, speed, track.push + noise, track.push_sd, track.burning)
 
 
-def forces(track: Track, *, smoothed: bool = False) -> Forces:
+def forces(track: ClimbTrack, *, smoothed: bool = False) -> Forces:
     """A climb as it is measured in a log, with an accelerometer or from heights."""
     none = np.full(len(track.speed), np.nan)
     return Forces(
@@ -71,7 +71,7 @@ def forces(track: Track, *, smoothed: bool = False) -> Forces:
     )
 
 
-def found(rocket: Rocket, term: str, strength: float, seed: int = 1, smooth: int = 1) -> Law:
+def found(rocket: RocketInputs, term: str, strength: float, seed: int = 1, smooth: int = 1) -> Law:
     return law(missing_force(noisy(climb(rocket, term, strength), seed, smooth=smooth), rocket))
 
 
@@ -99,7 +99,7 @@ def test_nothing_is_missing_where_nothing_is(smooth: int) -> None:
         (FAST, "drag rise near the speed of sound", 0.8),
     ],
 )
-def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: Rocket, term: str, strength: float) -> None:
+def test_a_force_that_was_put_in_is_found_with_its_strength(rocket: RocketInputs, term: str, strength: float) -> None:
     said = found(rocket, term, strength)
     assert said.terms[0].term.name == term
     assert len(said.terms) == 1
@@ -120,7 +120,9 @@ def test_terms_of_the_shelf_are_named_as_effects() -> None:
 
 def test_a_late_lift_off_is_no_force() -> None:
     track = noisy(climb(SLOW, "", 0.0), 3)
-    late = Track(track.time_from_liftoff + 0.03, track.height, track.speed, track.push, track.push_sd, track.burning)
+    late = ClimbTrack(
+        track.time_from_liftoff + 0.03, track.height, track.speed, track.push, track.push_sd, track.burning
+    )
     assert law(missing_force(late, SLOW)).terms == ()
 
 

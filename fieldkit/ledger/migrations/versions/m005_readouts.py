@@ -18,7 +18,7 @@ down_revision = "m004_checksums"
 
 Row = dict[str, Any]
 
-MOVED = {
+MOVED_COLUMNS = {
     "apogee_sd_m": ("apogee", 1.0),
     "top_speed_sd_mps": ("top_speed", 1.0),
     "burn_time_sd_s": ("burn_time", 1.0),
@@ -83,16 +83,16 @@ def _entered(image: Row) -> Row:
 def _moved(row: Row) -> Row:
     """A row with the standard deviations among its extra columns in their own place; itself where there are none."""
     extra = row.get("extra") or {}
-    found = {name: sd for name in MOVED if name in extra and (sd := _sd(row, name, extra[name])) is not None}
+    found = {name: sd for name in MOVED_COLUMNS if name in extra and (sd := _sd(row, name, extra[name])) is not None}
     if not found:
         return row
     left = {name: text for name, text in extra.items() if name not in found}
-    return row | {"extra": left, "readout_sd": {MOVED[name][0]: sd for name, sd in found.items()}}
+    return row | {"extra": left, "readout_sd": {MOVED_COLUMNS[name][0]: sd for name, sd in found.items()}}
 
 
 def _sd(row: Row, name: str, text: str) -> float | None:
     """A standard deviation in SI, None for a text that is none or that is beside no readout."""
-    readout, unit = MOVED[name]
+    readout, unit = MOVED_COLUMNS[name]
     try:
         sd = float(text) * unit
     except (TypeError, ValueError):

@@ -7,9 +7,17 @@ import numpy as np
 
 from fieldkit.flight import BY_NAME
 from fieldkit.presentation.report.loop.axis import Axis, axis
-from fieldkit.presentation.report.style import AFTER, BEFORE, FAINT, INK, drawn, shortened, styled
+from fieldkit.presentation.report.style import (
+    AFTER_COLOR,
+    BEFORE_COLOR,
+    FAINT_COLOR,
+    INK_COLOR,
+    drawn,
+    shortened,
+    styled,
+)
 from fieldkit.scoring.score import Forecasts
-from fieldkit.selection.fingerprint import Mark
+from fieldkit.selection.fingerprint import FingerprintMark
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
 
@@ -26,9 +34,9 @@ def residuals(figure: "Figure | SubFigure", found: Findings) -> None:
     """Each flight left out: flown less forecast, before and after, against the column of the verdict."""
     diagnosis, against = found.diagnosis, axis(found)
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
-    sides = [("before", diagnosis.forecasts_before, BEFORE)]
+    sides = [("before", diagnosis.forecasts_before, BEFORE_COLOR)]
     if diagnosis.effect != "none":
-        sides.append(("after: " + diagnosis.effect, diagnosis.forecasts_after, AFTER))
+        sides.append(("after: " + diagnosis.effect, diagnosis.forecasts_after, AFTER_COLOR))
     panels = figure.subplots(1, len(sides), sharey=True, squeeze=False)[0]
     for panel, (title, forecasts, colour) in zip(panels, sides, strict=True):
         _residual_panel(panel, against, forecasts, truth, seen, colour)
@@ -44,7 +52,7 @@ def _residual_panel(
     low, high = _interval(forecasts)
     apogee = forecasts.apogee
     miss = (np.exp(truth) - apogee)[shown]
-    panel.axhline(0, color=INK, linewidth=1)
+    panel.axhline(0, color=INK_COLOR, linewidth=1)
     panel.vlines(place, (low - apogee)[shown], (high - apogee)[shown], color=colour, alpha=0.25, linewidth=3)
     panel.plot(place, miss, "o", color=colour, markersize=5)
     panel.set_xlabel(against.title)
@@ -75,16 +83,16 @@ def forward(figure: "Figure | SubFigure", found: Findings) -> None:
     panel, ahead = figure.subplots(), found.ahead
     number = np.arange(len(ahead.seen)) + 1
     flown = np.exp(found.diagnosis.data.values[:, 0])
-    sides = [("plain", ahead.before, BEFORE, -0.14)]
+    sides = [("plain", ahead.before, BEFORE_COLOR, -0.14)]
     if any(ahead.chosen):
-        sides.append(("as chosen from the flights before", ahead.after, AFTER, 0.14))
+        sides.append(("as chosen from the flights before", ahead.after, AFTER_COLOR, 0.14))
     for title, forecasts, colour, shift in sides:
         low, high = (ends[ahead.seen] for ends in _interval(forecasts))
         place = number[ahead.seen] + shift
         panel.vlines(place, low, high, color=colour, alpha=0.3, linewidth=5)
         panel.plot(place, forecasts.apogee[ahead.seen], "_", color=colour, markersize=8, mew=2, label=title)
     teach = found.diagnosis.data.seen[:, 0]
-    panel.plot(number[teach], flown[teach], "o", color=INK, markersize=4, label="flown")
+    panel.plot(number[teach], flown[teach], "o", color=INK_COLOR, markersize=4, label="flown")
     panel.set_xlabel("flight, in the order flown")
     panel.set_ylabel("apogee [m]")
     panel.margins(y=0.2)
@@ -109,20 +117,22 @@ def fingerprints(figure: "Figure | SubFigure", found: Findings) -> None:
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower left", ncols=2, fontsize=8)
 
 
-def _fingerprint(panel: "Axes", row: tuple[Mark, ...]) -> None:
+def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
     place = np.arange(len(row))
     expected, found, sd = (np.array([getattr(mark, name) for mark in row]) for name in ("expected", "found", "sd"))
-    panel.axvline(0, color=INK, linewidth=1)
-    panel.barh(place, np.nan_to_num(expected), height=0.62, color=AFTER, alpha=0.35, label="the effect would leave")
+    panel.axvline(0, color=INK_COLOR, linewidth=1)
+    panel.barh(
+        place, np.nan_to_num(expected), height=0.62, color=AFTER_COLOR, alpha=0.35, label="the effect would leave"
+    )
     known = np.isfinite(found)
     panel.errorbar(
-        found[known], place[known], xerr=NINE_OF_TEN * sd[known], fmt="o", color=INK, markersize=4, linewidth=1,
+        found[known], place[known], xerr=NINE_OF_TEN * sd[known], fmt="o", color=INK_COLOR, markersize=4, linewidth=1,
         label="found in the flights",
     )  # fmt: skip
     for number in place[~known]:
         note = panel.annotate(
             "not recorded", (1, number), (-4, 0), xycoords=("axes fraction", "data"), textcoords="offset points",
-            va="center", ha="right", fontsize=7, color=FAINT,
+            va="center", ha="right", fontsize=7, color=FAINT_COLOR,
         )  # fmt: skip
         note.set_in_layout(False)
     panel.grid(axis="y", visible=False)
@@ -136,15 +146,15 @@ def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
     need = -max((item.log_odds for item in items), default=0.0)
     ends = (-6.0, max(5 * need, 12.0))
     accepted = [item.effect in found.diagnosis.effect.split("+") for item in items]
-    colours = [AFTER if one else FAINT for one in accepted]
+    colours = [AFTER_COLOR if one else FAINT_COLOR for one in accepted]
     rows = range(len(items))
     panel.barh(rows, np.clip(whole, *ends), height=0.7, color=colours, alpha=0.3, label="all flights")
     panel.barh(rows, np.clip(steady, *ends), height=0.36, color=colours, label="without the flight that says most")
-    panel.axvline(0, color=INK, linewidth=1)
-    panel.axvline(need, color=BEFORE, linewidth=1.2, linestyle=(0, (4, 2)))
-    panel.text(need, -0.9, " enough for one alone", fontsize=7.5, color=BEFORE, va="bottom")
+    panel.axvline(0, color=INK_COLOR, linewidth=1)
+    panel.axvline(need, color=BEFORE_COLOR, linewidth=1.2, linestyle=(0, (4, 2)))
+    panel.text(need, -0.9, " enough for one alone", fontsize=7.5, color=BEFORE_COLOR, va="bottom")
     for row, value in enumerate(whole):
-        panel.text(max(min(value, ends[1]), 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT)
+        panel.text(max(min(value, ends[1]), 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT_COLOR)
     panel.set_yticks(rows, [shortened(str(item.best.candidate.place), 34) for item in items])
     panel.invert_yaxis()
     panel.margins(x=0.12)
@@ -157,7 +167,7 @@ def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
     """The push that logs felt less the model's, along each climb: against time, and against speed."""
     panels = figure.subplots(1, 2, sharey=True)
     for number, one in enumerate(found.testimony.flights):
-        for burning, mark, colour in ((True, "^", BEFORE), (False, "o", AFTER)):
+        for burning, mark, colour in ((True, "^", BEFORE_COLOR), (False, "o", AFTER_COLOR)):
             points = [point for point in one.points if point.burning is burning]
             phase = "motor burning" if burning else "coasting"
             for panel, name in zip(panels, ("time_from_liftoff", "speed"), strict=True):
@@ -169,7 +179,7 @@ def missing_force(figure: "Figure | SubFigure", found: Findings) -> None:
                     label=phase if number == 0 else None,
                 )  # fmt: skip
     for panel, title in zip(panels, ("time from lift-off [s]", "speed [m/s]"), strict=True):
-        panel.axhline(0, color=INK, linewidth=1)
+        panel.axhline(0, color=INK_COLOR, linewidth=1)
         panel.set_xlabel(title)
     panels[0].set_ylabel("missing force per mass [m/s²]")
     panels[1].legend(loc="best", fontsize=8)

@@ -1,0 +1,139 @@
+"""Names say what things are: no private words, no type name twice, no constant that is a bare adjective."""
+
+import ast
+import re
+from collections import Counter
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parent.parent
+FOLDERS = ("fieldkit", "parsers", "models", "studies")
+
+
+def _set(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+BANNED = _set(
+    """
+    afresh alike anew apart askew begun crowd desk evened farewell fitting foretell foretold foretells hopeless kept
+    lean leans learnt luck lucks lucky oddities overheard overhears railed reflown rough roughly seldom shelf shelves
+    steady surer talk taught teach teaches tell telling tells testify testimony thinning tilt told took turns unlike
+    untold wander wanders warmth witness woken
+    """
+)
+"""Words of the left column of `docs/glossary.md` that have no ordinary meaning as part of a name here."""
+
+BARE = _set(
+    """
+    ABANDONED ABSENT AFTER ALIKE ALLOWED ALONE APART BEFORE BEHIND BESIDE BETTER BETWEEN BEYOND BLIND BLURRED BURNING
+    CERTAIN CERTIFIED CHANGED CHECKED CLIPPED COARSE COASTING COLDEST COMPLETED DECISIVE DECLARED DEEPEST DERIVED
+    DIFFERENT DISTURBED DUE EACH EARLIER EARLY EDITED ENDLESS ENOUGH ERASED EVEN EVERY EVERYWHERE FAINT FARTHEST
+    FASTEST FEW FEWEST FINE FLAT FLATTER FORETOLD FREE FULL FURTHEST FUSED GARBLED GOOD HARDEST HARDLY HEAVIEST HERE
+    HIDDEN HIGH HOPELESS HOT IMPOSSIBLE INFLATED INHERITED JUDGED KEPT KNOWN LARGE LARGEST LAST LASTING LATE LATEST
+    LEAST LEFT LIGHTEST LIKELY LONGER LONGEST LOW MANY MEANT MORE MOST MOVED NAMED NARROWEST NEAR NEAREST NEARLY
+    NEGLIGIBLE NEVER NEW NONE NORMAL NOTHING OBSERVED OFTEN OLD OLDER OLDEST ORDINARY OTHER OTHERS OURS OWN PAST PLAIN
+    PLAUSIBLE PLUGGED RAW RENAMED REVERSED RIGHT ROOMY ROUNDED SAID SAME SAMPLED SCORED SEEN SELDOM SETTLED SEVERAL
+    SHARPEST SHORT SHOWN SIGNED SIMULATED SINCE SLANTED SLIMMEST SLOW SLOWEST SMALL SMALLEST SMOOTHED SOFT SPOKEN
+    STACKED STANDING STATED STATIC STEEPEST STIFFEST STILL STRICT STRONGEST SUDDEN SURE SURER SWAPPED TELLING THINNEST
+    TOGETHER TOLD TRANSONIC TRIED UNSEEN UNSIGNED UNSURE UNTOLD USED VERTICAL VITAL WEIGHTLESS WHITE WIDE WIDEST WITHIN
+    WORST WORTH
+    """
+)
+"""Superlatives, adjectives and adverbs that say nothing alone."""
+
+NOT_YET_RENAMED = _set(
+    """
+    Desk KEPT_FIELDS MOST_TOLD MOST_TURNS SHELVES STEEPEST_LEAN ShelfCard ShelfScreen TILT Told WARMTH action_anew
+    action_fitting afresh apart begin_anew begun begun_plan desk farewell fitting fly_alike foretell foretold
+    foretold_flown is_hopeless kept kept_document kept_in_words kept_logs kept_surprises lean lean_slope learnt
+    learnt_of luck lucks motors_apart oddities of_kept overhears railed read_kept say_foretold shelf shelf_card
+    shelf_folder shelf_forms shelf_lists steady_evidence talk teach tell telling testify thinning told told_by turns
+    wander wanders woken
+    """
+)
+"""Names that still hold a banned word. It only shrinks: an entry that is no longer needed fails the test."""
+
+
+def _files() -> list[Path]:
+    return sorted(file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py"))
+
+
+def _constants(tree: ast.Module) -> Iterator[str]:
+    for node in tree.body:
+        targets = (
+            node.targets if isinstance(node, ast.Assign) else [node.target] if isinstance(node, ast.AnnAssign) else []
+        )
+        for target in targets:
+            yield from (name.id for name in ast.walk(target) if isinstance(name, ast.Name))
+
+
+def _names(file: Path) -> Iterator[str]:
+    """Public names of a module: itself, its constants, classes, functions, and the parameters of those."""
+    tree = ast.parse(file.read_text(encoding="utf-8"))
+    yield file.stem
+    yield from (name for name in _constants(tree) if not name.startswith("_"))
+    for node in ast.walk(tree):
+        if isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            yield node.name
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef) and not node.name.startswith("_"):
+            yield node.name
+            arguments = node.args
+            extra = [one for one in (arguments.vararg, arguments.kwarg) if one]
+            yield from (one.arg for one in (*arguments.posonlyargs, *arguments.args, *arguments.kwonlyargs, *extra))
+
+
+def _words(name: str) -> set[str]:
+    """The words of a name in snake or camel case, in lower case."""
+    return {word.lower() for word in re.findall(r"[A-Z]?[a-z]+|[A-Z]+(?![a-z])", name)}
+
+
+def _banned_names() -> dict[str, Path]:
+    return {name: file for file in _files() for name in _names(file) if _words(name) & BANNED}
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("fly_alike", {"fly", "alike"}), ("BesideFlights", {"beside", "flights"}), ("MOST_TOLD", {"most", "told"})],
+)
+def test_a_name_is_split_into_words(name: str, words: set[str]) -> None:
+    assert _words(name) == words
+
+
+def test_names_hold_no_word_that_the_glossary_replaces() -> None:
+    found = {name: file for name, file in _banned_names().items() if name not in NOT_YET_RENAMED}
+    assert not found, "\n".join(f"{file.relative_to(ROOT)}: {name}" for name, file in found.items())
+
+
+def test_the_list_of_names_not_yet_renamed_only_shrinks() -> None:
+    assert set(_banned_names()) >= NOT_YET_RENAMED
+
+
+def test_the_glossary_says_what_to_write_for_every_banned_word() -> None:
+    rows = [
+        line for line in (ROOT / "docs/glossary.md").read_text(encoding="utf-8").splitlines() if line.startswith("|")
+    ]
+    left = " ".join(row.split("|")[1] for row in rows)
+    assert set(re.findall(r"[a-z]+", left)) >= BANNED
+
+
+def test_no_type_name_occurs_twice() -> None:
+    counts = Counter(
+        node.name
+        for file in sorted((ROOT / "fieldkit").rglob("*.py"))
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8")))
+        if isinstance(node, ast.ClassDef)
+    )
+    assert [name for name, count in counts.items() if count > 1] == []
+
+
+def test_no_constant_is_a_bare_superlative_or_adjective() -> None:
+    found = [
+        f"{file.relative_to(ROOT)}: {name}"
+        for file in _files()
+        for name in _constants(ast.parse(file.read_text(encoding="utf-8")))
+        if name.lstrip("_") in BARE
+    ]
+    assert found == []
