@@ -41,6 +41,7 @@ def where(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     if request.param == "sqlite":
         yield str(tmp_path / "ledger.db")
         return
+    pytest.importorskip("psycopg", reason="needs the extra `postgres`")
     url = make_url(str(SERVER)).set(drivername="postgresql+psycopg")
     server = create_engine(url, isolation_level="AUTOCOMMIT")
     name = f"fieldkit_test_{os.environ.get('PYTEST_XDIST_WORKER', 'alone')}"
