@@ -1,6 +1,7 @@
 """Where files are: a flyer's own on this computer (ledger, motors, captures), and the flights that come along."""
 
 import os
+from contextlib import suppress
 from pathlib import Path
 
 REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
@@ -12,13 +13,20 @@ OWN = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "capt
 
 
 def data_folder() -> Path:
-    """The folder of the user's data, made where it is not there yet."""
-    if home := _home():
-        home.mkdir(parents=True, exist_ok=True)
-        return home
+    """The folder of the user's data, made where it is not there yet and can be.
+
+    Where it cannot, there is nothing in it to read, and who writes there says why that fails.
+    """
+    folder = _home() or _usual_data_folder()
+    with suppress(OSError):
+        folder.mkdir(parents=True, exist_ok=True)
+    return folder
+
+
+def _usual_data_folder() -> Path:
     from platformdirs import user_data_path
 
-    return user_data_path("fieldkit", appauthor=False, ensure_exists=True)
+    return user_data_path("fieldkit", appauthor=False)
 
 
 def motor_folder() -> Path:

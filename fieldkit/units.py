@@ -125,9 +125,11 @@ UNITS: Mapping[str, Mapping[str, Unit]] = {
 }
 """Units by quantity and lower-case suffix."""
 
-_TYPED = re.compile(r"\s*([+-]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
+_TYPED = re.compile(r"\s*([+-]?(?:\d+(?:[.,]\d*)?|[.,]\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s].*)?$")
 
 
+LONGEST = 200
+"""A number is typed with fewer characters, its unit and blanks included. [1]"""
 LARGEST = 1e30
 """What is typed is less than this, in any unit."""
 
@@ -161,9 +163,9 @@ def parse_difference(text: str, quantity: str, default: str) -> float:
 
 def _typed(text: str, quantity: str, default: str) -> tuple[float, Unit]:
     """A typed number and its unit. Raises BadValue."""
-    match = _TYPED.match(text)
+    match = _TYPED.match(text) if len(text) <= LONGEST else None
     if not match:
-        raise BadValue(f"found {text.strip()!r}, expected a number")
+        raise BadValue(f"found {text.strip()[:40]!r}, expected a number")
     number, suffix = match.groups()
     return float(number.replace(",", ".")), unit(quantity, suffix or default)
 

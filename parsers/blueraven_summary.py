@@ -31,15 +31,18 @@ EVENTS = {
     "time to fourth channel fire": "fourth channel",
 }
 _MONTHS = ("jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec")
-_OURS = re.compile(
-    r'^"?Max Altitude"?[,;\t].*?^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.S | re.I
-)
-_LINE = re.compile(r"\s*([^,;\t]+?)\s*[,;\t]\s*(.*?)[\s,;]*")
+_FIRST = re.compile(r'^"?Max Altitude"?[,;\t]', re.M | re.I)
+_THEN = re.compile(r'^"?(?:Launch (?:date|time)|Time to Apo channel fire)"?[,;\t]', re.M | re.I)
+_MARK = re.compile(r"[,;\t]")
+_PADDING = " \t\r\n\f\v,;"
+"""Of cells at the end of a line that a spreadsheet added."""
 _DATE = re.compile(r"(\d{1,2})-([A-Za-z]{3})-(\d{2}|\d{4})$")
 
 
 def recognises(head: bytes) -> bool:
-    return _OURS.search("\n".join(lines_of(decode(head)))) is not None
+    text = "\n".join(lines_of(decode(head)))
+    first = _FIRST.search(text)
+    return first is not None and _THEN.search(text, first.end()) is not None
 
 
 def read(log: bytes) -> list[Found]:
@@ -68,8 +71,9 @@ def read(log: bytes) -> list[Found]:
 def _lines(log: bytes) -> Iterator[tuple[int, str, str, str]]:
     """The row of each line, its key as it is spelt and in plain words, and its value."""
     for row, line in enumerate(lines_of(decode(log[:HEAD])), start=1):
-        if match := _LINE.fullmatch(line.replace('"', "")):
-            yield row, match[1], " ".join(match[1].lower().split()), match[2]
+        key, *values = _MARK.split(line.replace('"', "").lstrip(), maxsplit=1)
+        if key.strip() and values:
+            yield row, key.strip(), " ".join(key.lower().split()), values[0].lstrip().rstrip(_PADDING)
 
 
 def _reading(stated: dict[str, object], events: dict[str, float], said: Mapping[str, str]) -> Reading:

@@ -5,13 +5,18 @@ by the header (`apogee_ft`, `Apogee (ft)`) or in the cell (`923ft`). A header wi
 every cell. Beside a readout may stand its standard deviation (`apogee_sd_m`, `apogee_sd_ft`) and its source
 (`apogee_source`). Columns that fieldkit does not know are kept as they are.
 
+Names that others give these columns are in `fieldkit/data/flight_columns.toml`.
+
 An empty cell, `-`, `n/a` or `none` under a number is "not recorded"; `NaN` is what programs write when
 their arithmetic failed, and is refused. Tags stand apart by `;`, `|` or `,`.
 """
 
 import re
-from collections.abc import Iterable, Iterator, Sequence
+import tomllib
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import cache
+from importlib.resources import files
 
 from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
@@ -50,10 +55,13 @@ class Heading:
 def recognises(head: bytes) -> bool:
     text = decode(head)
     spelled = first_row(text, _separator(text))[1]
-    fields = {_heading(name, strict=False).field for name in spelled}
+    fields = {_heading(name, strict=False, taken=_synonyms().values()).field for name in spelled}
     if {"date_time"} == fields & set(OURS) and not fields & {column.name for column in READOUTS}:
         return False  # a log of samples has a date and time in every row too
     ours = [place for place, name in enumerate(spelled) if _is_ours(name)]
+    named = {_heading(name, strict=False, taken=fields).field for name in spelled}
+    if not ours and named & set(OURS) and named & {column.name for column in READOUTS}:
+        ours = [place for place, name in enumerate(spelled) if _heading(name, strict=False).field in named - {""}]
     return bool(ours) and not all(map(_is_number, ("".join(spelled[place + 1 : place + 2]) for place in ours)))
 
 
@@ -89,7 +97,7 @@ def _is_known(spelled: str) -> bool:
 
 
 def _is_ours(spelled: str) -> bool:
-    heading = _heading(spelled, strict=False)
+    heading = _heading(spelled, strict=False, taken=_synonyms().values())
     return heading.field in OURS or (bool(heading.unit) and heading.field in {c.name for c in READOUTS})
 
 
@@ -98,13 +106,28 @@ def _plain(spelled: str) -> str:
     return re.sub(r"[\s()\[\]_]+", "_", spelled.strip().lower()).strip("_")
 
 
-def _heading(spelled: str, *, strict: bool) -> Heading:
-    """What a header stands for.
+@cache
+def _synonyms() -> Mapping[str, str]:
+    """Other names of columns, and fieldkit's own."""
+    known = tomllib.loads(files("fieldkit").joinpath("data/flight_columns.toml").read_text(encoding="utf-8"))
+    return {other: name for name, others in known.items() for other in others}
+
+
+def _ours(plain: str, taken: Collection[str]) -> str:
+    """A header under fieldkit's own name, its unit behind it: `wind_speed_mps` is `wind_mps`."""
+    for other, name in _synonyms().items():
+        if (plain == other or plain.startswith(f"{other}_")) and name not in taken:
+            return name + plain.removeprefix(other)
+    return plain
+
+
+def _heading(spelled: str, *, strict: bool, taken: Collection[str] = ()) -> Heading:
+    """What a header stands for; another name of a field counts where none of those `taken` has its own.
 
     Raises BadValue for a column we know in a unit we do not, unless another column already holds the
     quantity (not `strict`) or the ending is a word of its own: then it is a column we do not know.
     """
-    plain = _plain(spelled)
+    plain = _ours(_plain(spelled), taken)
     if plain in TEXT_COLUMNS or plain in BY_NAME:
         return Heading(spelled.strip(), plain)
     if told := _beside(plain, strict=strict):
@@ -133,7 +156,8 @@ def _beside(plain: str, *, strict: bool) -> Beside | None:
 
 def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     """What every column holds. Raises DamagedLog for a header that is doubtful or that comes twice."""
-    certain = {_heading(name, strict=False).field for name in spelled}
+    own = {_heading(name, strict=False, taken=_synonyms().values()).field for name in spelled}
+    certain = {_heading(name, strict=False, taken=own).field for name in spelled}
     if not certain - {""}:
         raise DamagedLog(f"found no column of the flight table, expected some of {', '.join(OURS)}", row=row or 1)
     headings: list[Heading] = []
@@ -141,7 +165,7 @@ def _headings(spelled: Sequence[str], row: int) -> list[Heading]:
     for name in spelled:
         try:
             spoken_for = any(_plain(name).startswith(f"{field}_") for field in certain & set(BY_NAME))
-            heading = _heading(name, strict=not spoken_for or "_sd_" in _plain(name))
+            heading = _heading(name, strict=not spoken_for or "_sd_" in _plain(name), taken=own)
         except BadValue as error:
             raise DamagedLog(f"{error}, or another name", row=row, column=printable(name.strip())) from error
         if heading.key and heading.key in seen:

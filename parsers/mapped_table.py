@@ -31,6 +31,7 @@ from fieldkit.importing.tables.columns import Channel, Table, read_columns
 from fieldkit.importing.tables.columns_read import column_read, note_columns
 from fieldkit.importing.tables.layout import Layout, layout_of
 from fieldkit.importing.tables.mapping import choice_for
+from fieldkit.importing.tables.pad_state import along_thrust
 from fieldkit.importing.tables.text import shown
 from fieldkit.importing.tables.unit_inference import epoch_unit
 from fieldkit.safe_text import printable
@@ -168,11 +169,16 @@ def _readings(table: Table, values: Mapping[str, Float[Array, "row"]]) -> list[F
 
 
 def _with_total(table: Table) -> Table:
-    """The table with the magnitude of three axes, where it has them and no total of its own."""
-    if "felt_total" in table.values or not all(name in table.values for name in AXES):
+    """The table with what three axes come to, where it lacks that: their magnitude, and the push along the rocket."""
+    if not all(name in table.values for name in AXES):
         return table
-    total = np.sqrt(sum((table.values[name] ** 2 for name in AXES), np.zeros(len(table))))
-    return Table({**table.values, "felt_total": total}, table.rows)
+    values = dict(table.values)
+    axes = np.stack([values[name] for name in AXES])
+    values.setdefault("felt_total", np.sqrt((axes**2).sum(axis=0)))
+    along = None if {"felt", "acceleration"} & values.keys() else along_thrust(values["time"], axes)
+    if along is not None:
+        values["felt"] = along
+    return Table(values, table.rows)
 
 
 PARSER = Parser("Any table of samples (CSV), by its columns", recognises, read, fallback=True, mapped=read_mapped)

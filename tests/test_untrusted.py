@@ -200,6 +200,7 @@ def test_nothing_is_ever_unpickled() -> None:
 FLIGHTS = str(ROOT / "fieldkit" / "data" / "reference_flights.csv")
 ROCKET = "\x1b[2J[red]x[/] [/n] a\u202eb <b>{1}"
 COMMANDS: dict[str, list[str]] = {
+    "inspect": ["LOG", "TABLE"],
     "import": ["TABLE"],
     "export": [],
     "capture": ["--list"],
@@ -232,6 +233,7 @@ COMMANDS: dict[str, list[str]] = {
 LONG = {
     "demo": [],
     "loop": [],
+    "learn": ["TABLE"],
     "score": [],
     "paper": [],
     "study reference": [],

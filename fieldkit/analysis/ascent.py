@@ -73,7 +73,8 @@ def ascend(
     marks = Marks(lift, seen.fastest, _released(seen, blow, marked), blow if blow is not None else np.inf)
     begun = _begun(track, seen, grid, near, push, marks)
     slow = near & ~_near_sound(track, grid, begun.guess)
-    if fallen.any() and (near & ~slow).any() and slow.sum() >= _FEWEST:
+    disturbed = fallen.any() or track.disturbed or (seen.transonic and not begun.fused)
+    if disturbed and (near & ~slow).any() and slow.sum() >= _FEWEST:
         begun = _begun(track, seen, grid, slow, push, marks)
     return _fitted(begun, marks)
 

@@ -45,7 +45,8 @@ _WINDOW = 0.5
 class Heights:
     """Clean heights on one clock; `zeroed` where the logger itself took the pad's off.
 
-    `noise` is the standard deviation of a sample on the pad or in quiet flight [m].
+    `noise` is the standard deviation of a sample on the pad or in quiet flight [m]. `disturbed` where samples near the
+    speed of sound were left out, for shocks had faked a fall in them.
     """
 
     time: Float[Array, "time"]
@@ -53,6 +54,7 @@ class Heights:
     zeroed: bool
     noise: float
     source: str
+    disturbed: bool = False
 
 
 @dataclass(frozen=True, slots=True, eq=False)

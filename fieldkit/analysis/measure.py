@@ -5,16 +5,21 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
+from fieldkit.analysis.accelerometer_check import agreement
 from fieldkit.analysis.ascent import Ascent, ascend
 from fieldkit.analysis.channels import SPOKEN, Heights, Push, heights, is_clipped, pushes
 from fieldkit.analysis.descent import descent_speed, ejection, height_at, landing, shock
+from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
+from fieldkit.analysis.possible import is_flight, possible
 from fieldkit.analysis.records import Event, Figure, Recorded, Track
 from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
+from fieldkit.analysis.unseen_top import silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
+from fieldkit.shapes import Array, Float
 
 _LATE, _FALL = 0.8, 1.0
 """So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
@@ -30,10 +35,16 @@ _BLIND_PART = 0.75
 NO_HEIGHT = "the log has no height or pressure to measure with"
 NO_FLIGHT = "nothing in this log rises as a rocket does: no figure is taken from it"
 NO_APOGEE = "no apogee in this log: it ends before the top"
+UNSEEN = (
+    "the top is in a silence of {:.0f} s: it lies between {:.0f} m, which was seen, and {:.0f} m, a coast without drag"
+)
 NO_LIFTOFF = "the log begins after lift-off: no burn time, no times from lift-off"
 NO_BOOST = "the boost is not in the log, or not as it was: no top speed, no burn time, no acceleration"
 NO_PAD = "the log begins in flight and its heights do not count from the pad: no height above it"
 CLIPPED = "the accelerometer was at the end of its range in the boost: heights alone tell of it"
+DISBELIEVED = (
+    "the acceleration {}: it is not taken for an accelerometer's along the axis, heights alone tell of the boost"
+)
 NO_LANDING = "the log ends before landing: no duration"
 
 
@@ -44,7 +55,7 @@ def rises(clocks: Sequence[Series]) -> bool:
     """
     track = heights(clocks)
     if track is not None:
-        return outline(track) is not None
+        return outline(undisturbed(track)) is not None
     felt = (getattr(series, name) for series in clocks for name in ("felt", "acceleration", "felt_total"))
     return any(values is not None for values in felt)
 
@@ -60,16 +71,21 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     track = heights(clocks)
     if track is None:
         return Recorded(notes=(NO_HEIGHT,))
+    every = track.time
+    track = undisturbed(track)
     seen = outline(track)
     if seen is None:
         return Recorded(notes=(NO_FLIGHT,))
     start = seen.lift if seen.lift is not None else seen.fastest
     push = pushes(clocks, start - 15, seen.top + 20)
+    clipped = push is not None and is_clipped(push, start, seen.fastest)
+    doubt: tuple[str, ...] = ()
+    if not clipped:
+        push, doubt = _believed(push, track, seen)
     lift = liftoff(track, push, seen)
     if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(push, seen.fastest, seen.top)
-    clipped = push is not None and is_clipped(push, start, seen.fastest)
     shape = None if clipped else push
     try:
         ascent = ascend(
@@ -79,17 +95,29 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascent = None
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
-    told = _told(_Log(track, seen, ascent, shape, push, stated), lift, clocks)
+    told = _told(_Log(track, every, seen, ascent, shape, push, stated), lift, clocks)
+    if NO_FLIGHT in told.notes:
+        return told
     above = Track(track.time, seen.calm - seen.pad, track.source)
-    return replace(told, notes=(*told.notes, CLIPPED) if clipped else told.notes, track=above)
+    return replace(told, notes=(*told.notes, *((CLIPPED,) if clipped else ()), *doubt), track=above)
+
+
+def _believed(push: Push | None, track: Heights, seen: Outline) -> tuple[Push | None, tuple[str, ...]]:
+    """An accelerometer that tells of the same climb as the heights, or None and why not."""
+    rise = liftoff(track, None, seen) if push is not None else None
+    found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
+    if found is None or found.believed:
+        return push, ()
+    return None, (DISBELIEVED.format(found.why),)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
 class _Log:
     """What a log holds, and the curve of its ascent. `push` is the acceleration that is believed for its size, `felt`
-    that for its blows; `stated` are the events that the logger marked [s]."""
+    that for its blows; `every` are the times of all samples [s], `stated` the events that the logger marked [s]."""
 
     track: Heights
+    every: Float[Array, "time"]
     seen: Outline
     ascent: Ascent
     push: Push | None
@@ -114,20 +142,33 @@ class _Part:
 def _told(log: _Log, lift: Event | None, clocks: Sequence[Series]) -> Recorded:
     """What a fitted ascent and the descent after it come to."""
     begin = lift.time if lift else float(log.ascent.time[0])
-    apogee = _apogee(log.ascent, log.seen, log.track) if log.seen.down or _falls(log.ascent) else None
+    hole = silence(log.track, log.seen)
+    unseen = unseen_apogee(log.track, log.seen, log.ascent, hole) if hole else None
+    notes: tuple[str, ...] = ()
+    if unseen and hole:
+        apogee: tuple[Event, Figure] | None = unseen[:2]
+        notes = (UNSEEN.format(hole[1] - hole[0], *unseen[2]),)
+    else:
+        apogee = _apogee(log.ascent, log.seen, log.track) if log.seen.down or _falls(log.ascent) else None
     end = apogee[0].time if apogee else float(log.ascent.time[-1])
     lift, boost = _boost(log, lift, begin, end)
     burnt = boost.events.get("burnout")
     burnout = burnt.time if burnt else begin
     top = _top(log, lift, burnt, apogee)
-    down = _down(log, apogee[0], lift, burnout) if apogee else _Part()
+    down = _down(log, apogee[0], lift, burnout, hole[1] if unseen and hole else None) if apogee else _Part()
     events = {**({"liftoff": lift} if lift else {}), **boost.events, **top.events, **down.events}
     figures = {**boost.figures, **top.figures, **down.figures}
     known = {name: figure for name, figure in figures.items() if np.isfinite(figure.sd)}
+    coasts_from = float(np.interp(burnt.time, log.ascent.time, log.ascent.height)) if burnt else None
+    if not is_flight(known, coasts_from, float(log.ascent.height.max()), log.seen.climbs):
+        return Recorded(notes=(NO_FLIGHT,))
+    known, impossible = possible(known)
     climb = climb_of(log.ascent, begin, burnout, end, log.source)
     free = min(event.time for event in (*down.events.values(), Event(end, 0.0, "")))
     pressed = forces(climb, log.push, log.track, _elevation(clocks, lift), free) if lift and burnt else None
-    return Recorded(events, known, climb, pressed, (*top.notes[:1], *boost.notes, *top.notes[1:], *down.notes))
+    return Recorded(
+        events, known, climb, pressed, (*notes, *top.notes[:1], *boost.notes, *top.notes[1:], *down.notes, *impossible)
+    )
 
 
 def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Event | None, _Part]:
@@ -137,7 +178,7 @@ def _boost(log: _Log, lift: Event | None, begin: float, end: float) -> tuple[Eve
     notes: tuple[str, ...] = ()
     if lost is not None and lost < begin:
         lift = None
-    blind = found is not None and (lost is not None or _is_unseen(log.track, begin, found[0].time))
+    blind = found is not None and (lost is not None or _is_unseen(log.every, begin, found[0].time))
     if blind and not log.ascent.fused:
         found, notes = None, (NO_BOOST,)
     if lift is None:
@@ -173,8 +214,8 @@ def _top(log: _Log, lift: Event | None, burnout: Event | None, apogee: tuple[Eve
     return _Part({"apogee": apogee[0]}, figures, (NO_PAD,) if np.isinf(log.seen.pad_sd) else ())
 
 
-def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _Part:
-    """What the way down tells."""
+def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float, heard: float | None = None) -> _Part:
+    """What the way down tells; `heard` is when samples come again where the top was in a silence. [s]"""
     track, seen = log.track, log.seen
     landed, level = landing(track, seen, apogee.time)
     ejected = ejection(log.stated, shock(log.felt, burnout, apogee.time), track, apogee, landed)
@@ -188,18 +229,21 @@ def _down(log: _Log, apogee: Event, lift: Event | None, burnout: float) -> _Part
         events["landing"] = landed
     if landed and lift:
         figures["duration"] = _between(lift, landed, track.source)
-    speed = descent_speed(track, seen, ejected or replace(apogee, sd=2.0), landed, level)
+    begin = ejected or replace(apogee, sd=2.0)
+    if heard is not None and begin.time < heard:
+        begin = Event(heard, 0.1, track.source)
+    speed = descent_speed(track, seen, begin, landed, level)
     if speed:
         figures["descent_speed"] = speed
     return _Part(events, figures, () if landed else (NO_LANDING,))
 
 
-def _is_unseen(track: Heights, begin: float, burnout: float) -> bool:
-    """Whether heights are too far apart, from lift-off to burnout, to show a boost."""
-    first, last = np.searchsorted(track.time, (begin, burnout))
-    between = float(np.diff(track.time[first:last]).max(initial=0.0))
-    longest = max(hole_at(track.time, begin), hole_at(track.time, burnout), between)
-    usual = median_step(track.time[max(0, first - 5) : last + 5])
+def _is_unseen(time: Float[Array, "time"], begin: float, burnout: float) -> bool:
+    """Whether heights were taken too far apart, from lift-off to burnout, to show a boost."""
+    first, last = np.searchsorted(time, (begin, burnout))
+    between = float(np.diff(time[first:last]).max(initial=0.0))
+    longest = max(hole_at(time, begin), hole_at(time, burnout), between)
+    usual = median_step(time[max(0, first - 5) : last + 5])
     return longest > _BLIND or usual > _BLIND_PART * (burnout - begin)
 
 

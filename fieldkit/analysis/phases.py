@@ -19,6 +19,8 @@ _ZERO, _GROUND = 1.0, 20.0
 doing and not the zero's. [m]"""
 _PARTS = 5
 """In so many parts what stands on a pad is looked at, to see gusts and a drift. [1]"""
+_TRANSONIC, _LONGER = 270.0, 1.0
+"""A climb that seems faster than this [m/s] is looked at over so long a time to both sides [s]"""
 LONGEST_CLIMB = 120.0
 """From lift-off to apogee, at most. [s]"""
 
@@ -40,6 +42,10 @@ class Outline:
     top_height: float
     calm: Float[Array, "time"]
     """The heights through a running median of about a second. [m]"""
+    transonic: bool
+    """Whether the climb seems as fast as to come near the speed of sound."""
+    climbs: float
+    """How fast the heights seem to climb where they do so fastest. [m/s]"""
 
 
 def outline(track: Heights) -> Outline | None:
@@ -54,6 +60,9 @@ def outline(track: Heights) -> Outline | None:
     reach = max(1, round(0.25 / step))
     climb = np.maximum.accumulate(running_median(height, max(3, reach | 1))[from_ : top + 1])
     speed = _slope(time[from_ : top + 1], climb, reach)
+    transonic = bool(speed.max() > _TRANSONIC)
+    if transonic:  # shocks that come and go make a rocket seem to jump: looked at over a longer time
+        speed = _slope(time[from_ : top + 1], climb, max(reach, round(_LONGER / step)))
     fastest = int(np.argmax(speed))
     lift = _lift(time[from_ : top + 1], climb, speed, fastest, max(10 * track.noise, 15.0))
     start = from_ + lift if lift is not None else from_
@@ -72,6 +81,8 @@ def outline(track: Heights) -> Outline | None:
         pad_sd,
         float(calm[top]),
         calm,
+        transonic,
+        float(speed[fastest]),
     )
 
 

@@ -146,6 +146,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         return 1  # who read along has seen enough
     except OSError as error:
         found = f"{error.filename or 'the output'}: found {error.strerror}, expected to read or write there"
+        if not error.filename:
+            found += "; what was asked may be done all the same, `fieldkit history` tells"
     from fieldkit.cli.screen import complain
 
     complain(found)

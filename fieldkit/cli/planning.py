@@ -104,11 +104,16 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     return replace(known, size=size or known.size)
 
 
-def length(text: str | None, default: str = "m") -> float | None:
-    """A length typed with or without its unit, in m. Raises BadValue."""
+def length(text: str | None, default: str = "m", *, signed: bool = False) -> float | None:
+    """A length typed with or without its unit, in m. Raises BadValue, also for one that is not above zero unless
+    `signed`."""
+    from fieldkit.errors import BadValue
     from fieldkit.units import parse
 
-    return None if text is None else parse(text, "length", default)
+    value = None if text is None else parse(text, "length", default)
+    if value is not None and value <= 0 and not signed:
+        raise BadValue(f"found {text!r}, expected a length above zero")
+    return value
 
 
 def season_rule(year: int) -> "Season":

@@ -24,7 +24,7 @@ def sites(
     from fieldkit.ledger.sites import keep_site
     from fieldkit.ledger.sites import sites as sites_of
 
-    given = {"elevation": length(elevation), "size": length(size), "ceiling": length(ceiling)}
+    given = {"elevation": length(elevation, signed=True), "size": length(size), "ceiling": length(ceiling)}
     if name is None and any(value is not None for value in given.values()):
         raise typer.BadParameter("found what to save and no site, expected its name first")
     with open_ledger(context) as ledger:

@@ -38,7 +38,7 @@ def serve(
     ] = "127.0.0.1",
     port: Annotated[int, typer.Option(min=1, max=65535, help="The port.")] = 8000,
 ) -> None:
-    """Show the app in a browser, on this computer; elsewhere only with --host, and only with a token."""
+    """Show the app in a browser, on this computer or with --host elsewhere, by a link with a token."""
     import secrets
 
     from fieldkit.errors import FieldkitError
@@ -48,7 +48,7 @@ def serve(
     except ModuleNotFoundError as error:
         raise FieldkitError(f"serve needs {error.name}; install fieldkit[serve]") from error
     open_to_all = not is_loopback(host)
-    server = GuardedServer(host, port, secrets.token_urlsafe(16) if open_to_all else "", context.find_root().obj)
+    server = GuardedServer(host, port, secrets.token_urlsafe(16), context.find_root().obj)
     if open_to_all:
         complain("warning: whoever has this link can read and change your flights, and what is sent is not encrypted")
     complain(f"open {server.link} in a browser; Ctrl-C ends it")

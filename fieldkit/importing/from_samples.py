@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from datetime import datetime
 
+from fieldkit.errors import DamagedLog
 from fieldkit.flight import READOUTS
 from fieldkit.importing.companion_files import KINDS
 from fieldkit.importing.reading import Found, Note, Reading
@@ -29,9 +30,11 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     Its flight is named after the bytes of its log, so that another way of measuring does not make it another flight;
     the extra columns say which parser reads the log again, and which of its flights this is.
     """
-    from fieldkit.analysis import columns, measure
+    from fieldkit.analysis import NO_FLIGHT, columns, doubted, measure
 
-    recorded = measure(reading.clocks, reading.events)
+    recorded = doubted(measure(reading.clocks, reading.events), reading.stated)
+    if NO_FLIGHT in recorded.notes and not (reading.part or _states_figures(reading)):
+        return [DamagedLog(f"found no flight: {NO_FLIGHT}", row=reading.row)]
     fields, extra = columns(recorded, reading.stated)
     if not fields.get("flight_id"):
         when = fields.get("date_time")
@@ -40,6 +43,11 @@ def _recorded(reading: Reading, format: str, digest: str, part: int, parts: int)
     known = _origin(reading, format) | ({"log_part": str(part)} if parts > 1 else {})
     measured = replace(reading, stated=fields, extra={**reading.extra, **extra, **known}, recorded=recorded)
     return [measured, *(Note(text, reading.row) for text in recorded.notes)]
+
+
+def _states_figures(reading: Reading) -> bool:
+    """Whether a log states readouts itself, beside its samples."""
+    return any(isinstance(reading.stated.get(column.name), float) for column in READOUTS)
 
 
 def _stated(reading: Reading, format: str) -> Reading:

@@ -35,6 +35,7 @@ class OpenLedger:
         engine = opening.connect(url)
         try:
             opening.bring_up_to_date(engine)
+            opening.never_anew(engine)
         except BaseException:
             engine.dispose()
             raise

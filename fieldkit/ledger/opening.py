@@ -115,6 +115,20 @@ def bring_up_to_date(engine: Engine) -> None:
             upgrade(connection)
 
 
+def never_anew(engine: Engine) -> None:
+    """From now on a file that is gone is named, where SQLite would make an empty one in its place."""
+    file = file_of(engine.url)
+    if file is None:
+        return
+
+    def there(*_: object) -> None:
+        if not file.exists() or not file.stat().st_size:
+            said = "gone" if not file.exists() else "empty"
+            raise LedgerError(f"{file}: the file is {said} while it is open; {backups.offer(file)}")
+
+    event.listen(engine, "do_connect", there)
+
+
 def _refuse_remains(file: Path | None) -> None:
     """Raises LedgerError where SQLite would begin anew in a file that has lost what it held."""
     if file is None or not file.parent.is_dir():

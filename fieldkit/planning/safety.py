@@ -14,7 +14,8 @@ import numpy as np
 
 from fieldkit import units
 from fieldkit.errors import BadValue
-from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+from fieldkit.flight import BY_NAME, MOTOR_TEMPERATURE, Flight
+from fieldkit.flight.plausibility import check
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import Motor
@@ -83,10 +84,10 @@ def thrust_to_weight(motor: Motor, dry_mass: float) -> tuple[float, float]:
 
 
 def motor_temperature(plan: Flight) -> float | None:
-    """As declared with the plan, or None. [K] Raises BadValue for a text that is no number."""
+    """As declared with the plan, or None. [K] Raises BadValue for no number, and for one that no field has."""
     text = plan.extra.get(MOTOR_TEMPERATURE, "")
     try:
-        return units.parse(text, "temperature", "c") if text else None
+        return check(BY_NAME["temperature"], units.parse(text, "temperature", "c")) if text else None
     except BadValue as error:
         raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
 

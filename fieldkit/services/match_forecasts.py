@@ -50,8 +50,8 @@ def in_time(prediction: Prediction, flight: Flight) -> bool:
     if flight.date_time is None:
         return False
     whole_day = flight.date_time.time() == time()
-    latest = flight.date_time + timedelta(days=1) * whole_day
-    return latest - LAPSES <= _local(prediction.at) <= latest
+    passed = flight.date_time - _local(prediction.at) + timedelta(days=1) * whole_day
+    return timedelta() <= passed <= LAPSES
 
 
 def _knew(prediction: Prediction, flight: Flight) -> bool:

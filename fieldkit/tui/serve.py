@@ -6,6 +6,7 @@ token, who asks for this computer by a name that is not its own: a page may have
 
 import hmac
 import ipaddress
+import logging
 import socket
 import sys
 from collections.abc import Awaitable, Callable, Sequence
@@ -16,13 +17,32 @@ from urllib.parse import urlsplit
 from aiohttp import web
 from textual_serve.server import Server
 
+from fieldkit.safe_text import printable
+
 COOKIE = "fieldkit"
 PHONE_LETTERS = "10"
 """Size of letters on a phone: across one of 390 points stand 65 columns. [px]"""
 VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
 """Without it a phone lays the page out as for a desk and shrinks it until nothing can be read."""
-NOTHING_ELSE = "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:"
-"""No browser fetches a font or anything else from another place: at the field there is no network."""
+NOTHING_ELSE = (
+    "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:; "
+    "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"
+)
+"""No browser fetches a font or anything else from another place, for at the field is no network; no page frames it."""
+HEADERS = {
+    "Content-Security-Policy": NOTHING_ELSE,
+    "X-Frame-Options": "DENY",
+    "X-Content-Type-Options": "nosniff",
+    "Referrer-Policy": "no-referrer",
+    "Cache-Control": "no-store",
+}
+"""Of every answer; the link bears the token, and is told to no other place."""
+LONGEST = 500
+"""Of a line of the log. [characters]"""
+MOST = 8
+"""Apps that run at once, each a process of its own. [1]"""
+WIDEST, HIGHEST = 500, 200
+"""Of a terminal in a browser. [cells]"""
 Handler = Callable[[web.Request], Awaitable[web.StreamResponse]]
 
 
@@ -48,6 +68,28 @@ def address(host: str) -> str:
         return str(probe.getsockname()[0])
 
 
+def within(text: str, most: int) -> int:
+    """A size that a page asks for, from 1 to a most; what is no number is the most."""
+    return min(max(int(text), 1), most) if text.isascii() and text.isdecimal() and len(text) < 9 else most
+
+
+def _netloc(origin: str) -> str:
+    """The name and port of an origin, empty for a malformed one."""
+    try:
+        return urlsplit(origin).netloc
+    except ValueError:
+        return ""
+
+
+class OneLine(logging.Formatter):
+    """What a log says in one line, harmless for a terminal, of a failure its last words alone."""
+
+    def format(self, record: logging.LogRecord) -> str:
+        """The line."""
+        failed = f": {record.exc_info[1]!r}" if record.exc_info and record.exc_info[1] else ""
+        return printable(f"{record.getMessage()}{failed}")[:LONGEST]
+
+
 class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
     """textual-serve with a token where there is one, and deaf to pages of other origins."""
 
@@ -61,6 +103,25 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
             f"http://{address(host)}:{port}",
         )
         self.token = token
+        self.running = 0
+        """Apps that are open. [1]"""
+
+    def initialize_logging(self) -> None:
+        """Log what failed in a line: nothing that a stranger sends reaches the terminal as it is."""
+        logging.basicConfig(level=logging.WARNING, format="%(message)s")
+        for handler in logging.getLogger().handlers:
+            handler.setFormatter(OneLine())
+
+    async def handle_websocket(self, request: web.Request) -> web.WebSocketResponse:
+        """Run an app for a page, in a terminal of a size that there is."""
+        size = {"width": WIDEST, "height": HIGHEST}
+        asked = {name: request.query.get(name, "") for name in size}
+        bounded = {name: str(within(asked[name], most)) for name, most in size.items() if asked[name]}
+        self.running += 1
+        try:
+            return await super().handle_websocket(request.clone(rel_url=request.rel_url.update_query(bounded)))
+        finally:
+            self.running -= 1
 
     @property
     def link(self) -> str:
@@ -94,10 +155,13 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         self._refuse_strangers(request)
         if request.path == "/" and "fontsize" not in request.query and "Mobi" in request.headers.get("User-Agent", ""):
             raise web.HTTPFound(request.rel_url.update_query(fontsize=PHONE_LETTERS))
+        if request.path == "/ws" and self.running >= MOST:
+            raise web.HTTPServiceUnavailable(text=f"{MOST} apps are open already; close one")
         response = await handler(request)
         if isinstance(response, web.Response) and response.content_type == "text/html":
             response.text = (response.text or "").replace("<head>", f"<head>{VIEWPORT}", 1)
-            response.headers["Content-Security-Policy"] = NOTHING_ELSE
+        if not response.prepared:
+            response.headers.update(HEADERS)
         if self.token and not response.prepared:
             response.set_cookie(COOKIE, self.token, httponly=True, samesite="Strict")
         return response
@@ -108,10 +172,10 @@ class GuardedServer(Server):  # type: ignore[misc]  # textual-serve has no types
         Without a token, for who does not ask for this computer as such.
         """
         origin = request.headers.get("Origin")
-        if origin is not None and not self.is_ours(urlsplit(origin).netloc):
+        if origin is not None and not self.is_ours(_netloc(origin)):
             raise web.HTTPForbidden(text="asked for by another page")
         shown = request.query.get("token", "") or request.cookies.get(COOKIE, "")
-        if self.token and not hmac.compare_digest(shown.encode(), self.token.encode()):
+        if self.token and not hmac.compare_digest(shown.encode(errors="replace"), self.token.encode()):
             raise web.HTTPForbidden(
                 text="the token is missing or wrong; open the whole link that fieldkit serve printed"
             )

@@ -19,7 +19,7 @@ from fieldkit.cli.main import main
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.importing.read import read
 from fieldkit.motors import draft, own
-from fieldkit.openrocket import archive, read_design
+from fieldkit.openrocket import archive, read_design, stored
 from fieldkit.openrocket import design as designs
 from fieldkit.settings import Settings, read_settings
 from tests.openrocket.test_design import design
@@ -120,7 +120,7 @@ def test_columns_of_a_simulation_beyond_those_counted_are_passed_over(monkeypatc
     points = "".join(f"<datapoint>{t},0.35,0.05</datapoint>" for t in range(10))
     titles = "Time,Mass,Motor mass"
     assert read_design(zipped(simulated(titles, points)), "x.ork").dry_mass == pytest.approx(0.30)
-    monkeypatch.setattr(designs, "MOST_COLUMNS", 2)
+    monkeypatch.setattr(stored, "MOST_COLUMNS", 2)
     assert read_design(zipped(simulated(titles, points)), "x.ork").dry_mass != pytest.approx(0.30)
 
 

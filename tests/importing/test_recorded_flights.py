@@ -69,18 +69,18 @@ def run(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> Run:
 
 def test_a_log_becomes_a_flight_with_its_uncertainties(run: Run, tmp_path: Path) -> None:
     path = tmp_path / "one.lark"
-    path.write_bytes(written(SMALL, stated=480.0))
+    path.write_bytes(written(SMALL, stated=465.0))
     status, out, _ = run("import", path, "--json")
     (id,) = json.loads(out)["flights"]
     assert status == 0
     shown = json.loads(run("show", id, "--json")[1])
     truth = flown(SMALL).readouts()
     assert shown["apogee_m"] == pytest.approx(truth["apogee"], abs=1.0)
-    assert shown["stated_apogee_m"] == "480"
+    assert shown["stated_apogee_m"] == "465"
     assert 0 < float(shown["apogee_sd_m"]) < 1
     assert (shown["device"], shown["serial"], shown["log_format"]) == ("Lark 1", "7", "lark")
     assert shown["recording"]["events"]["liftoff"]["time_s"] == pytest.approx(100, abs=0.2)
-    assert shown["recording"]["stated"] == {"apogee_m": 480.0}
+    assert shown["recording"]["stated"] == {"apogee_m": 465.0}
     _, card, _ = run("show", id)
     assert "±" in card
     assert "liftoff" in card

@@ -434,3 +434,17 @@ def test_a_row_that_was_damaged_before_an_upgrade_is_found_after_it(measured: Pa
         raw.commit()
     with pytest.raises(LedgerError, match="is not as it was written"), Ledger.open(measured) as ledger:
         ledger.flights()
+
+
+def test_a_ledger_that_goes_while_it_is_open_is_named_and_not_made_anew(tmp_path: Path) -> None:
+    file = tmp_path / "ledger.db"
+    with Ledger.open(file) as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Astra", apogee=100.0)])
+        file.unlink()
+        with pytest.raises(LedgerError, match=r"the file (is gone while it is open|was moved, removed or replaced)"):
+            ledger.add([Flight(flight_id="2", rocket="Astra", apogee=100.0)])
+        assert not file.exists()
+        ledger.close()  # which lets go of the connections that hold what was removed
+        with pytest.raises(LedgerError, match="the file is gone while it is open"):
+            ledger.flights()
+    assert not file.exists()

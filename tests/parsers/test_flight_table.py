@@ -335,3 +335,29 @@ def test_the_reference_flights_are_read_whole() -> None:
     assert [f.flight_id for f in got.flights if not f.clean] == ["5", "6", "7", "8"]
     assert not got.notes
     assert len(read_plans(table, "reference_flights.csv", any_motor)) == 12
+
+
+def test_columns_under_the_names_of_others_are_read_and_not_kept_as_extra() -> None:
+    one = flight(
+        "Rocket name,Engine,Wind speed (mph),Max altitude (ft),Flight duration (s),Rod_length_m,Mood",
+        "Swift,C6-5,10,1000,61.5,1.2,fine",
+    )
+    assert (one.rocket, one.motor, one.duration, one.rail_length) == ("Swift", "C6-5", 61.5, 1.2)
+    assert one.wind == pytest.approx(4.4704)
+    assert one.apogee == pytest.approx(304.8)
+    assert one.extra == {"Mood": "fine"}
+
+
+def test_a_column_of_its_own_name_is_never_replaced_by_another_name() -> None:
+    one = flight("rocket,motor,apogee_m,max_altitude_m,wind_speed_mps", "Swift,C6-5,300,310,2")
+    assert (one.apogee, one.wind) == (300.0, 2.0)
+    assert one.extra == {"max_altitude_m": "310"}
+
+
+def test_a_name_without_its_unit_wants_it_in_the_cell() -> None:
+    assert flight("rocket,motor,max_altitude", "Swift,C6-5,300m").apogee == 300.0
+
+
+def test_a_table_with_nothing_but_the_names_of_others_is_one_of_flights() -> None:
+    assert claims(b"Engine,Max altitude (ft)\nC6-5,1000\n") == ["flight_table"]
+    assert claims(b"Time (s),Max altitude (ft)\n0,1000\n") != ["flight_table"]

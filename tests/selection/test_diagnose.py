@@ -81,7 +81,7 @@ def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict) -> 
         for accepted, errors in (([], before), (places, after)):
             forecast = [np.median(one.apogee) for one in predict(flown, plans, accepted, declared=bool(accepted))]
             errors.append(np.abs(np.array(forecast) - truth).mean())
-    assert np.mean(after) < 0.85 * np.mean(before)
+    assert np.mean(after) < 0.9 * np.mean(before)
 
 
 def test_residuals_are_in_units_of_their_scatter(diagnoses: dict) -> None:

@@ -4,6 +4,7 @@ import asyncio
 import base64
 import io
 import json
+import logging
 import os
 import shutil
 import subprocess
@@ -27,6 +28,7 @@ from aiohttp import (
     web,
 )
 
+from fieldkit.tui import serve
 from fieldkit.tui.serve import VIEWPORT, GuardedServer, address, in_a_shell, is_loopback
 from tests.pressing import ROOT, season
 
@@ -103,24 +105,85 @@ async def test_a_name_that_was_made_to_lead_here_gets_nothing(unused_tcp_port: i
         await runner.cleanup()
 
 
+async def test_what_a_stranger_sends_is_refused_in_a_line(
+    unused_tcp_port: int, caplog: pytest.LogCaptureFixture
+) -> None:
+    runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
+    base = f"http://127.0.0.1:{unused_tcp_port}/"
+    odd = [{"Origin": "http://[::1"}, {"Cookie": 'fieldkit="\\377\udcff'}, {"Referer": "http://x/\x1b]0;owned"}]
+    try:
+        async with ClientSession() as stranger:
+            for headers in odd:
+                try:
+                    answer = await stranger.get(base, headers=headers)
+                except (ValueError, UnicodeError):
+                    continue  # a client that sends no such thing
+                assert answer.status in (400, 403)
+                assert "Traceback" not in await answer.text()
+    finally:
+        await runner.cleanup()
+    assert not [record for record in caplog.records if record.exc_info]
+
+
+async def test_every_answer_says_that_it_is_framed_and_kept_nowhere(unused_tcp_port: int) -> None:
+    runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
+    try:
+        async with ClientSession() as flyer:
+            answer = await flyer.get(f"http://127.0.0.1:{unused_tcp_port}/", params={"token": "a token"})
+    finally:
+        await runner.cleanup()
+    assert "frame-ancestors 'none'" in answer.headers["Content-Security-Policy"]
+    expected = {"X-Frame-Options": "DENY", "Referrer-Policy": "no-referrer", "Cache-Control": "no-store"}
+    assert expected.items() <= dict(answer.headers).items()
+
+
+async def test_no_more_apps_run_at_once_than_a_laptop_bears(
+    unused_tcp_port: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(serve, "MOST", 0)
+    runner = await running(GuardedServer("127.0.0.1", unused_tcp_port, "a token", None))
+    try:
+        async with ClientSession() as flyer:
+            with pytest.raises(WSServerHandshakeError, match="503"):
+                await flyer.ws_connect(f"http://127.0.0.1:{unused_tcp_port}/ws?token=a+token")
+    finally:
+        await runner.cleanup()
+
+
+@pytest.mark.parametrize(
+    ("asked", "most", "given"), [("80", 500, 80), ("99999", 500, 500), ("-4", 500, 500), ("0", 9, 1)]
+)
+def test_a_terminal_has_a_size_that_there_is(asked: str, most: int, given: int) -> None:
+    assert serve.within(asked, most) == given
+
+
+def test_a_line_of_the_log_is_one_line_and_harmless() -> None:
+    record = logging.LogRecord("x", logging.ERROR, "", 0, "a \x1b[2J\nb", (), (ValueError, ValueError("c\nd"), None))
+    said = serve.OneLine().format(record)
+    assert "\x1b" not in said
+    assert "\n" not in said
+
+
 @pytest.fixture
 def served(unused_tcp_port: int, tmp_path: Path) -> Iterator[str]:
-    """Where `fieldkit serve` shows a season."""
+    """The link by which `fieldkit serve` shows a season."""
     season(tmp_path / "ledger.db")
     command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
-    with child(
-        [*command, "serve", "--port", str(unused_tcp_port)], {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
-    ):
-        yield f"http://127.0.0.1:{unused_tcp_port}/"
+    home = {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
+    with child([*command, "serve", "--port", str(unused_tcp_port)], home, stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        yield next(line.decode().split()[1] for line in process.stderr if line.startswith(b"open http"))
 
 
 @contextmanager
-def child(command: list[str], environment: dict[str, str]) -> Iterator[None]:
+def child(
+    command: list[str], environment: dict[str, str], stderr: int = subprocess.DEVNULL
+) -> Iterator["subprocess.Popen[bytes]"]:
     """A program that is ended at the end."""
-    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
+    quiet = {"stdin": subprocess.DEVNULL, "stdout": subprocess.DEVNULL, "stderr": stderr}
     with subprocess.Popen(command, env=os.environ | environment, **quiet) as process:  # type: ignore[call-overload]
         try:
-            yield
+            yield process
         finally:
             process.terminate()
 
@@ -215,7 +278,7 @@ async def test_a_phones_browser_shows_the_app_and_its_keys_turn_pages(served: st
             await asyncio.sleep(0.5)  # until it is painted
             second = await browser.picture()
             where = await browser.call("Runtime.evaluate", expression="location.href + ' ' + innerWidth")
-    assert where["result"]["value"] == f"{served}?fontsize=10 390"
+    assert where["result"]["value"] == f"{served}&fontsize=10 390"
     for name, picture in (("first", first), ("second", second)):
         (tmp_path / f"{name}.png").write_bytes(picture)
         colours = Image.open(io.BytesIO(picture)).convert("RGB").getcolors(1 << 24)
@@ -227,7 +290,8 @@ async def test_the_app_comes_through_the_socket(served: str) -> None:
     shown = b""
     async with asyncio.timeout(PATIENCE), ClientSession() as http:
         assert "fieldkit" in await listening(http, served)
-        async with http.ws_connect(f"{served}ws?width=80&height=24", origin=served.rstrip("/")) as socket:
+        base, query = served.split("/?")
+        async with http.ws_connect(f"{base}/ws?width=80&height=24&{query}", origin=base) as socket:
             async for message in socket:
                 shown += message.data if message.type is WSMsgType.BINARY else b""
                 if b"Astra" in shown and b"Flights" in shown:

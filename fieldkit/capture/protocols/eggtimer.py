@@ -17,7 +17,10 @@ SILENCE = 30.0
 """A pause of so long ends the capture; there is time to press the button again. [s]"""
 
 _HEADER = re.compile(rb"^T[,;\t ]Alt[,;\t ]", re.MULTILINE)
-_ROW = re.compile(r"[-+]?\d+(?:[.,]\d+)?(?:\s*[,;\t ]\s*[-+]?\d*(?:[.,]\d+)?){2,}\s*")
+_ROW = re.compile(r"[-+]?\d[-+\d.,;\s]*")
+_MARK = re.compile(r"[,;\s]+")
+FEWEST = 3
+"""Numbers in a row at least: time, height and speed. [1]"""
 
 
 def overhears(heard: bytes) -> bool:
@@ -31,8 +34,13 @@ def talk(link: Link, wishes: Wishes, captured: Captured) -> Talk[bool]:
     link.open_ended = True
     yield from link.first_word(wait, "press the unit's button; the Classic talks at --baud 19200, the TRS at 9600")
     while (line := (yield from link.text_line(silence))) is not None:
-        link.samples += _ROW.fullmatch(line) is not None
+        link.samples += _is_row(line)
     return True
+
+
+def _is_row(line: str) -> bool:
+    """Whether a line is a row of the table: numbers, and marks between them."""
+    return _ROW.fullmatch(line) is not None and len(_MARK.split(line)) >= FEWEST
 
 
 def logs(captured: Captured) -> list[Log]:

@@ -146,7 +146,7 @@ _NOT_A_SAMPLE = _set(
     "magnetometer quaternion quat error sd std variance covariance var bias offset wind horizontal "
     "lateral ground sats hdop vdop dop horz north east motor chamber dynamic differential pitot "
     "velocity_pressure total_pressure derivative jerk pad home distance range stage flag flags count id "
-    "deployment threshold setting index limit station receiver gs groundstation"
+    "deployment threshold setting index limit station receiver groundstation"
 )
 _WORKED_OUT = _set("est estimated estimate kalman kf ekf filtered filter fused inertial integrated smoothed world")
 _TIME = _set(

@@ -15,7 +15,7 @@ from fieldkit.importing.tables.text import encodings
 
 LOOKED_AT = 400
 """Lines among which the first rows of numbers must be. [1]"""
-_NUMBER = re.compile(r"\s*[+-]?(\d+[.,]?\d*|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
+_NUMBER = re.compile(r"\s*[+-]?(\d+(?:[.,]\d*)?|[.,]\d+)([eE][+-]?\d+)?\s*|\s*nan\s*", re.I)
 _CLOCK = re.compile(r"\d:\d\d")
 _ABSENT = frozenset({"", "-", "nan", "none", "null", "n/a", "inf", "true", "false"})
 _MARK = re.compile(r"^\s*(#|%|//|;|!|\*)+\s*")

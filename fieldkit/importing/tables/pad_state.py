@@ -42,3 +42,37 @@ def upright(axes: Float[Array, "axis row"], rest: Flags) -> Float[Array, "row"] 
         return None
     felt: Float[Array, "row"] = axes[axis] * np.sign(levels[axis])
     return felt
+
+
+BOOST = 0.4
+"""Over so long a mean tells a boost from the blow of a charge, which is stronger and shorter. [s]"""
+PUSHED = 2.0 * STANDARD_GRAVITY
+"""The least push of a boost. [m/s^2]"""
+LEANS = (0.6, 1.2)
+"""How much of gravity an accelerometer on its pad shows along the thrust that follows. [g]"""
+
+
+def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Float[Array, "row"] | None:
+    """What three axes feel along the rocket, however they are mounted: along the strongest lasting push.
+
+    None where there is none, or where gravity on the pad does not point along it.
+    """
+    whole = np.isfinite(axes).all(axis=0) & np.isfinite(time)
+    if whole.sum() < 20:
+        return None
+    clock, felt = time[whole], axes[:, whole]
+    total = np.concatenate([np.zeros((3, 1)), np.cumsum(np.diff(clock) * (felt[:, 1:] + felt[:, :-1]) / 2, axis=1)], 1)
+    after = np.minimum(np.searchsorted(clock, clock + BOOST), clock.size - 1)
+    lasts = np.maximum(clock[after] - clock, 1e-9)
+    push = np.where(lasts > BOOST / 2, np.linalg.norm(total[:, after] - total, axis=0) / lasts, 0.0)
+    strongest = int(np.argmax(push))
+    if push[strongest] < PUSHED:
+        return None
+    direction = (total[:, after[strongest]] - total[:, strongest]) / lasts[strongest] / push[strongest]
+    before = clock < clock[strongest] - 1.0
+    if before.sum() >= 5:
+        level = float(direction @ np.median(felt[:, before], axis=1)) / STANDARD_GRAVITY
+        if not LEANS[0] <= level <= LEANS[1]:
+            return None
+    along: Float[Array, "row"] = direction @ axes
+    return along

@@ -25,6 +25,10 @@ _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.
 """Where the highest pressure of a log is on a launch site below 4000 m, in units that exclude each other."""
 
 
+_LIFTS, _MOST_GRAVITIES = 1.5, 400.0
+"""What lifts a rocket off is felt as more than the first, and nothing that flies as more than the second. [g]"""
+
+
 @dataclass(frozen=True, slots=True)
 class Settled:
     """A unit, and the reason in a few words."""
@@ -85,10 +89,17 @@ def rest(acceleration: Float[Array, "time"]) -> float:
 
 
 def settle_felt(acceleration: Float[Array, "time"]) -> Settled | None:
-    """The unit in which an accelerometer at rest feels one g."""
+    """The unit in which an accelerometer at rest feels one g, and more than at rest in a boost.
+
+    A log that begins in flight has no rest: what is steadiest in it may be the thrust.
+    """
     at_rest = abs(rest(acceleration))
+    finite = np.abs(acceleration[np.isfinite(acceleration)])
+    least, most = np.quantile(finite, (0.05, 0.995)).tolist() if len(finite) else (0.0, 0.0)
     for unit in ("g", "m/s2", "mg", "ft/s2"):
-        if 0.93 < at_rest * UNITS["acceleration"][unit].factor / STANDARD_GRAVITY < 1.07:
+        gravity = STANDARD_GRAVITY / UNITS["acceleration"][unit].factor
+        never_left = least / gravity > 0.9 and most / gravity < 1.1
+        if 0.93 < at_rest / gravity < 1.07 and (never_left or _LIFTS < most / gravity < _MOST_GRAVITIES):
             return Settled(unit, "by one g at rest")
     return None
 

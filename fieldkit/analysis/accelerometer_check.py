@@ -1,0 +1,120 @@
+"""Whether an accelerometer tells of the same flight as the heights: its scale and its clock, as the heights have them.
+
+What it felt, integrated twice, is a climb. Where that is another than the barometer's in quiet air, in size or in time,
+the column is no axial accelerometer's on this clock: another axis, another scale, or worked out from the pressure,
+which a filter delays. A rocket that leans makes the climb along its axis longer than that upwards, by a little.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.analysis.channels import Heights, Push
+from fieldkit.analysis.initial_guess import levelled
+from fieldkit.analysis.phases import Outline
+from fieldkit.analysis.records import Event
+from fieldkit.analysis.robust_statistics import median_step
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from fieldkit.shapes import Array, Float
+
+SCALES = (0.75, 1.35)
+"""The climb by the heights over that by an accelerometer that is believed: a calibration that is off by a tenth, and a
+flight that leans by 30 degrees, stay within. [1]"""
+LATEST, EARLIEST = 0.22, 0.5
+"""An accelerometer is believed that is later or earlier than the heights by no more: vents and filters delay pressures,
+and nothing delays what a mass feels. [s]"""
+_PAD = 0.1
+"""So much of the pad an accelerometer must have felt for its climb to be known from its foot on. [s]"""
+_COAST = 0.6
+"""Of the coast the climbs are compared: later the lean counts, and earlier a filtered height lags. [1]"""
+_FEWEST, _LEAST = 8, 15.0
+"""Samples [1] and a climb [m] without which there is nothing to compare."""
+_SPARSE = 0.2
+"""An accelerometer that was read less often has not felt all of a boost. [s]"""
+_REACH, _STEP = 1.5, 0.02
+"""Clocks are tried so far apart, in such steps. [s]"""
+_SCALE, _RAM, _ROUGH = 0.3, 0.05, 0.01
+"""How far a scale is off, the pressure in an airframe as a part of the dynamic one, heights as a part of them. [1]"""
+_TRANSONIC = (260.0, 430.0)
+"""Speeds at which the pressure is not believed. [m/s]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Agreement:
+    """The climb by the heights over that by the accelerometer [1], and how late the accelerometer's is [s]."""
+
+    scale: float
+    late: float
+    step: float
+
+    @property
+    def believed(self) -> bool:
+        """Whether both tell of one flight; samples that are far apart tell of the clock only so well."""
+        return SCALES[0] <= self.scale <= SCALES[1] and not self.is_off
+
+    @property
+    def is_off(self) -> bool:
+        """Whether the clocks differ by more than sensors make them differ."""
+        return not -EARLIEST - self.step <= self.late <= LATEST + self.step
+
+    @property
+    def why(self) -> str:
+        """What is wrong where they do not."""
+        if self.is_off:
+            return f"comes {abs(self.late):.1f} s too {'late' if self.late > 0 else 'early'}"
+        return f"makes a climb of {100 / self.scale:.0f} % of that by the heights"
+
+
+def agreement(track: Heights, push: Push, seen: Outline, lift: Event) -> Agreement | None:
+    """How an accelerometer agrees with heights from lift-off, by the heights, into the coast.
+
+    None where too few samples in quiet air are left to tell.
+    """
+    net = levelled(push, lift.time)
+    end = seen.fastest + _COAST * (seen.top - seen.fastest)
+    inside = (track.time > lift.time) & (track.time < end)
+    if net is None or push.time[0] > lift.time - _PAD or push.time[-1] < end:
+        return None
+    felt = (push.time > lift.time - _REACH) & (push.time < end + _REACH)
+    time, net = push.time[felt], net[felt]
+    if time.size < _FEWEST or inside.sum() < _FEWEST or np.diff(time).max() > _SPARSE:
+        return None
+    speed = _summed(net, time)
+    climb = _summed(speed, time)
+    when, height = track.time[inside], track.height[inside] - seen.pad
+    fast = np.abs(np.interp(when, time, speed))
+    quiet = (fast < _TRANSONIC[0]) | (fast > _TRANSONIC[1])
+    when, height = when[quiet], height[quiet]
+    if when.size < _FEWEST or np.ptp(height) < max(_LEAST, 10 * track.noise):
+        return None
+    shifts = np.arange(-_REACH, _REACH + _STEP / 2, _STEP)
+    found = [_fit(when + shift, height, time, climb, speed, track.noise) for shift in shifts]
+    best = int(np.argmin([cost for cost, _ in found]))
+    return Agreement(found[best][1], float(shifts[best]), median_step(track.time[inside]))
+
+
+def _fit(
+    when: Float[Array, "sample"],
+    height: Float[Array, "sample"],
+    time: Float[Array, "time"],
+    climb: Float[Array, "time"],
+    speed: Float[Array, "time"],
+    noise: float,
+) -> tuple[float, float]:
+    """How badly a climb at some times fits heights, and the scale that fits best.
+
+    The pressure in the airframe is off by a part of the dynamic pressure, which is fitted beside the scale.
+    """
+    felt = np.interp(when, time, climb)
+    ram = np.interp(when, time, speed) ** 2 / (2 * GRAVITY)
+    spread = np.hypot(noise, _ROUGH * height)
+    rows = np.stack([felt, ram], axis=1) / spread[:, None]
+    prior = np.diag([1 / _SCALE, 1 / _RAM])
+    design = np.concatenate([rows, prior])
+    wanted = np.concatenate([height / spread, [1 / _SCALE, 0.0]])
+    values, *_ = np.linalg.lstsq(design, wanted, rcond=None)
+    return float(((wanted - design @ values) ** 2).sum()), float(values[0])
+
+
+def _summed(values: Float[Array, "time"], time: Float[Array, "time"]) -> Float[Array, "time"]:
+    return np.concatenate(([0.0], np.cumsum(np.diff(time) * (values[1:] + values[:-1]) / 2)))

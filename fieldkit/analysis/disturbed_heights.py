@@ -1,0 +1,122 @@
+"""Heights that no rocket can have been at: steps that are faster than any thrust, and the falls that shocks fake.
+
+A sensor, its converter or a radio may hold a wrong level for seconds, too long for a filter of single samples. And near
+the speed of sound shocks stand on a rocket's static ports: the pressure behind them is that of another height, for as
+long as the rocket is about so fast. Such samples are left out before anything is measured.
+"""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.analysis.channels import FEWEST, Heights
+from fieldkit.analysis.robust_statistics import median_step, running_median
+from fieldkit.shapes import Flags
+
+_HARDEST = 2000.0
+"""No airframe of a hobby rocket bears such an acceleration; its launch from a gun would. [m/s^2]"""
+_LASTS = 15.0
+"""A level that lasts longer than this is no fault that comes and goes. [s]"""
+_BACK = 0.5
+"""A fault's way back is its way there, to within this part of it. [1]"""
+_APART = 3
+"""Steps of one sign within so many samples are one. [1]"""
+_LEAST = 10.0
+"""A step that is smaller is left to the fit. [m]"""
+_SOUND = 335.0
+_FAST = 0.4 * _SOUND
+"""A rocket that rose faster than this from before a seeming fall to after it was near the speed of sound in it: on the
+mean of a climb through it, from its foot on, it is slower. [m/s]"""
+_MARGIN = 0.15
+"""How long before and after a seeming fall its shocks disturb the pressure. [s]"""
+_ABOVE = 12.0
+"""A fall is one that is so many times the noise of a sample, [1]"""
+_FALL = 5.0
+"""and at least this. [m]"""
+
+
+def undisturbed(track: Heights) -> Heights:
+    """Heights without those that steps and shocks fake; `disturbed` where shocks did.
+
+    Where hardly anything would be left, they are as they came.
+    """
+    kept = ~_steps(track)
+    if not kept.all() and kept.sum() >= FEWEST:
+        track = replace(track, time=track.time[kept], height=track.height[kept])
+    fallen = _shocks(track)
+    if fallen.any() and (~fallen).sum() >= FEWEST:
+        return replace(track, time=track.time[~fallen], height=track.height[~fallen], disturbed=True)
+    return track
+
+
+def _steps(track: Heights) -> Flags:
+    """Samples between a step and the one that takes it back, and behind a last one that is not taken back."""
+    wrong = np.zeros(track.time.size, bool)
+    jumps = list(_jumps(track))
+    place = 0
+    while place < len(jumps):
+        begin, size = jumps[place]
+        back = next((n for n in range(place + 1, len(jumps)) if _takes_back(track, jumps[place], jumps[n])), None)
+        if back is not None:
+            wrong[begin + 1 : jumps[back][0] + 1] = True
+            place = back + 1
+            continue
+        if place == len(jumps) - 1 and size > 0 and track.time[-1] - track.time[begin] < _LASTS:
+            wrong[begin + 1 :] = True
+        place += 1
+    return wrong
+
+
+def _takes_back(track: Heights, there: tuple[int, float], back: tuple[int, float]) -> bool:
+    """Whether a later step ends the wrong level that an earlier one began; what shocks do to a fast climb is none."""
+    before, after = there[0], back[0] + 1
+    lasts = track.time[after] - track.time[before]
+    climbs = track.height[after] - track.height[before] > _FAST * lasts
+    alike = abs(there[1] + back[1]) < _BACK * max(abs(there[1]), abs(back[1]))
+    return bool(lasts < _LASTS and there[1] * back[1] < 0 and alike and not climbs)
+
+
+def _jumps(track: Heights) -> Iterator[tuple[int, float]]:
+    """The sample before each step, and its size beyond what the heights around it do. [m]"""
+    step, change = np.diff(track.time), np.diff(track.height)
+    usual = running_median(change / step, 9) * step
+    excess = change - usual
+    beyond = np.abs(excess) > np.maximum(_HARDEST * step**2 + 8 * track.noise, _LEAST)
+    last, total = -1, 0.0
+    for place in np.flatnonzero(beyond).tolist():
+        size = float(excess[place])
+        if last >= 0 and place - last <= _APART and size * total > 0:
+            last, total = place, total + size
+            continue
+        if last >= 0:
+            yield last, total
+        last, total = place, size
+    if last >= 0:
+        yield last, total
+
+
+def _shocks(track: Heights) -> Flags:
+    """Samples of the climb about which the rocket seems to fall though it rises near the speed of sound."""
+    time, height = track.time, track.height
+    calm = running_median(height, int(np.clip(1.0 / median_step(time), 3, 201)) | 1)
+    top = int(np.argmax(calm))
+    wrong = np.zeros(time.size, bool)
+    if top < 3:
+        return wrong
+    climb = height[: top + 1]
+    highest = np.maximum.accumulate(climb)
+    for first, last in _runs(highest - climb > max(_ABOVE * track.noise, _FALL)):
+        before = int(np.searchsorted(highest, highest[first]))
+        after = min(last + 1, top)
+        if climb[after] - climb[before] > _FAST * (time[after] - time[before]):
+            begin = np.searchsorted(time, time[before] - _MARGIN)
+            wrong[begin : np.searchsorted(time, time[after] + _MARGIN)] = True
+    return wrong
+
+
+def _runs(marked: Flags) -> Iterator[tuple[int, int]]:
+    """The first and the last place of each run of marks."""
+    edges = np.flatnonzero(np.diff(np.concatenate(([0], marked.astype(np.int8), [0]))))
+    for begin, end in zip(edges[::2].tolist(), edges[1::2].tolist(), strict=True):
+        yield begin, end - 1

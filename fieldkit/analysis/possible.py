@@ -1,0 +1,84 @@
+"""Figures that no rocket can have: taken out, and named as not measured, with why.
+
+Nothing here is a habit of flyers: a mean is never above its peak, a coast rises by no more than v²/2g, and no airframe
+of a hobby rocket bears some accelerations. Where figures contradict each other all are out, for any may be wrong.
+"""
+
+from collections.abc import Mapping
+from dataclasses import replace
+from math import hypot
+
+from fieldkit.analysis.labels import at_the_edge, spoken
+from fieldkit.analysis.records import Figure, Recorded
+from fieldkit.physics.standard_atmosphere import GRAVITY
+
+STRONGEST = 200 * GRAVITY
+"""No hobby rocket makes a stronger boost: the hardest motors lift their own casings with some 150 g. [m/s^2]"""
+_SURE = 3.0
+"""A contradiction is one beyond so many standard deviations. [1]"""
+_SWINGS = 4.0
+"""A curve that is so many times as fast as its samples follows no flight. [1]"""
+_MARGIN = 1.5
+"""Heights alone may smooth a short boost so much that a speed is this part of the true one. [1]"""
+LEAST_TOP_SPEED = 5.0
+"""What was never faster is no rocket. [m/s]"""
+_STATED, _SAID = {"apogee": 0.03, "top_speed": 0.1}, {"apogee": "an apogee", "top_speed": "a top speed"}
+"""What devices state, and by which part of it their filters make it another. [1]"""
+BOOST = ("burn_time", "avg_accel", "peak_accel")
+_NAMES = {"burn_time": "burn time", "avg_accel": "average acceleration", "peak_accel": "peak acceleration"}
+
+
+def possible(figures: Mapping[str, Figure]) -> tuple[dict[str, Figure], tuple[str, ...]]:
+    """The figures that a rocket can have, and a phrase for those that are out."""
+    mean, peak = figures.get("avg_accel"), figures.get("peak_accel")
+    why = ""
+    if mean and peak and mean.value - peak.value > _SURE * (mean.sd**2 + peak.sd**2) ** 0.5:
+        why = f"the average of {mean.value / GRAVITY:.3g} g would be above the peak of {peak.value / GRAVITY:.3g} g"
+    strongest = max((one.value for one in (mean, peak) if one), default=0.0)
+    if strongest > STRONGEST:
+        why = f"{strongest / GRAVITY:.0f} g is more than any airframe bears"
+    if not why:
+        return dict(figures), ()
+    out = [name for name in BOOST if name in figures]
+    names = ", ".join(_NAMES[name] for name in out)
+    return {name: one for name, one in figures.items() if name not in out}, (f"not measured: {names}, for {why}",)
+
+
+def is_flight(figures: Mapping[str, Figure], height_at_burnout: float | None, highest: float, climbs: float) -> bool:
+    """Whether figures are those of something that was thrust up and coasted, to a highest point. [m]
+
+    `climbs` is how fast the samples seem to climb at most, where a curve through them may swing. [m/s]
+
+    A climb that goes on for longer than its speed can carry it is a lift, a hill or the weather; what was slower than a
+    thrown stone is none either.
+    """
+    speed = figures.get("top_speed")
+    if speed is None:
+        return True
+    fastest = speed.value + 2 * speed.sd
+    if fastest < LEAST_TOP_SPEED:
+        return False
+    if height_at_burnout is None or "acceleration" in speed.source:
+        return True
+    if speed.value > _SWINGS * climbs:
+        return False
+    return highest - height_at_burnout < (_MARGIN * fastest) ** 2 / (2 * GRAVITY)
+
+
+def doubted(recorded: Recorded, stated: Mapping[str, object]) -> Recorded:
+    """What was measured, less sure where the device itself states another apogee or top speed, and a note of that.
+
+    Device and samples are two witnesses of one figure: where they differ by more than the samples' own error, and by
+    more than devices filter, either may be off by half of what they differ.
+    """
+    figures, notes = dict(recorded.figures), []
+    for name, usual in _STATED.items():
+        said, figure = stated.get(name), figures.get(name)
+        if not isinstance(said, float) or figure is None:
+            continue
+        apart = abs(said - figure.value)
+        if apart > max(_SURE * figure.sd, usual * figure.value):
+            figures[name] = replace(figure, sd=hypot(figure.sd, apart / 2))
+            by_device = f"{at_the_edge(name, said):.4g}"
+            notes.append(f"the device states {_SAID[name]} of {by_device}, the samples {spoken(name, figure.value, 0)}")
+    return replace(recorded, figures=figures, notes=(*recorded.notes, *notes)) if notes else recorded

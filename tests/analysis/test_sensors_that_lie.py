@@ -1,0 +1,185 @@
+"""Recordings in which a sensor tells what no rocket did: it is left out, said to be, and the figures stay right."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+
+from fieldkit.analysis import NO_FLIGHT, Recorded, measure
+from fieldkit.analysis.channels import Heights
+from fieldkit.analysis.disturbed_heights import undisturbed
+from fieldkit.analysis.possible import doubted, possible
+from fieldkit.analysis.records import Figure
+from fieldkit.flight import Series
+from fieldkit.physics.standard_atmosphere import GRAVITY
+from tests.analysis.recordings import FAST, LARGE, SMALL, Logger, Rocket, Truth, fly, log
+
+SOUND = 335.0
+HARD = Rocket(thrust=1900.0, burn=2.0, mass=4.0, area=0.0025, delay=20.0, sink=12.0)
+"""Passes the speed of sound in the first second."""
+flown = cache(fly)
+
+
+def recording(truth: Truth, seed: int = 2, **settings: float) -> tuple[Series, ...]:
+    return log(truth, Logger(start=0.0, **settings), np.random.default_rng(seed))
+
+
+def misses(recorded: Recorded, truth: Truth, *names: str, sds: float = 3.0) -> list[str]:
+    """The figures that are further from the truth than so many of their standard deviations, or are not there."""
+    right = truth.readouts()
+    figures = recorded.figures
+    return [n for n in names if n not in figures or abs(figures[n].value - right[n]) > sds * figures[n].sd]
+
+
+def shocked(truth: Truth, lowest: float, depth: float, **settings: float) -> tuple[Series, ...]:
+    """A log whose pressure is too high between a low and a high speed, as behind shocks. [Mach], [m]"""
+    series, *others = recording(truth, **settings)
+    mach = np.interp(series.time, truth.time, truth.speed, left=0, right=0) / SOUND
+    fakes = depth * np.clip(np.minimum((mach - lowest) / 0.05, (1.2 - mach) / 0.05), 0, 1)
+    return replace(series, altitude=series.altitude - fakes), *others
+
+
+@pytest.mark.parametrize("wait", [0.0, 0.3, 2.0])
+@pytest.mark.parametrize("lowest", [0.3, 0.8])
+@pytest.mark.parametrize("depth", [268.0, 600.0])
+def test_shocks_near_the_speed_of_sound_are_no_pad(wait: float, lowest: float, depth: float) -> None:
+    truth = flown(HARD)
+    recorded = measure(shocked(truth, lowest, depth, wait=wait))
+    assert recorded.figures["apogee"].value == pytest.approx(truth.readouts()["apogee"], rel=0.002)
+    there = [name for name in ("apogee", "top_speed", "burn_time", "coast_to_apogee") if name in recorded.figures]
+    assert not misses(recorded, truth, *there)
+
+
+@pytest.mark.parametrize("rocket", [HARD, FAST], ids=["hard", "fast"])
+@pytest.mark.parametrize("rate", [20.0, 100.0])
+def test_shocks_do_not_move_burnout(rocket: Rocket, rate: float) -> None:
+    truth = flown(rocket)
+    recorded = measure(shocked(truth, 0.8, 268.0, wait=2.0, rate=rate))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "coast_to_apogee")
+    assert recorded.figures["burn_time"].value == pytest.approx(truth.burnout, rel=0.15)
+
+
+@pytest.mark.parametrize(("begin", "lasts", "step"), [(100.0, 3.0, 3000.0), (20.0, 2.0, 3000.0), (60.0, 8.0, -400.0)])
+def test_a_level_that_jumps_for_seconds_is_no_top(begin: float, lasts: float, step: float) -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth)
+    wrong = (series.time > begin) & (series.time < begin + lasts)
+    recorded = measure((replace(series, altitude=series.altitude + step * wrong),))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "duration")
+
+
+def test_a_level_that_jumps_before_the_log_ends_leaves_the_flight_complete() -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth)
+    wrong = series.time > series.time[-1] - 6
+    recorded = measure((replace(series, altitude=series.altitude + 3000.0 * wrong),))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time")
+    assert "apogee" in recorded.events
+
+
+def test_what_a_rocket_does_is_no_step() -> None:
+    for rocket in (SMALL, LARGE, FAST, HARD):
+        (series,) = recording(flown(rocket), rate=50.0)
+        track = Heights(series.time, series.altitude, True, 0.4, "barometric altitude")
+        assert undisturbed(track) == track
+
+
+@pytest.mark.parametrize("begins", [-8.0, -6.0, -4.0, -2.0, -1.0])
+@pytest.mark.parametrize("seed", [2, 3])
+def test_a_top_in_a_silence_of_the_radio_is_an_interval(begins: float, seed: int) -> None:
+    truth = flown(LARGE)
+    (series,) = recording(truth, rate=10.0, seed=seed)
+    heard = ~((series.time > truth.apogee_time + begins) & (series.time < truth.apogee_time + begins + 12))
+    recorded = measure((Series(time=series.time[heard], altitude=series.altitude[heard]),))
+    assert not misses(recorded, truth, "apogee", "time_to_apogee", "descent_speed", sds=2.5)
+    (note,) = [note for note in recorded.notes if "silence" in note]
+    low, high = (float(word) for word in note.replace(",", "").split() if word.isdigit() and int(word) > 100)
+    assert low - 5 < truth.readouts()["apogee"] < high + 5
+
+
+@pytest.mark.parametrize("factor", [0.3, 1.5, 3.0])
+def test_an_accelerometer_of_another_scale_is_not_believed(factor: float) -> None:
+    truth = flown(LARGE)
+    barometer, felt = recording(truth, accelerometer=100.0)
+    recorded = measure((barometer, replace(felt, felt=GRAVITY + factor * (felt.felt - GRAVITY))))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "peak_accel")
+    assert any("of that by the heights" in note for note in recorded.notes)
+    assert "acceleration" not in recorded.figures["top_speed"].source
+
+
+def test_an_accelerometer_on_a_late_clock_is_not_believed() -> None:
+    truth = flown(LARGE)
+    barometer, felt = recording(truth, accelerometer=100.0)
+    recorded = measure((barometer, replace(felt, time=felt.time + 1.6)))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "time_to_apogee")
+    assert any("too late" in note for note in recorded.notes)
+
+
+def delayed(values: np.ndarray, step: float, over: float) -> np.ndarray:
+    """Values through a filter that delays them."""
+    out = np.zeros_like(values)
+    for place in range(1, values.size):
+        out[place] = out[place - 1] + step / over * (values[place] - out[place - 1])
+    return out
+
+
+@pytest.mark.parametrize("rocket", [SMALL, LARGE], ids=["small", "large"])
+def test_a_column_of_accelerations_made_of_pressures_is_no_accelerometer(rocket: Rocket) -> None:
+    truth = flown(rocket)
+    (series,) = recording(truth)
+    speed = delayed(np.gradient(series.altitude, series.time), 0.05, 0.3)
+    derived = delayed(np.gradient(speed, series.time), 0.05, 0.3)
+    recorded = measure((replace(series, speed=speed, acceleration=derived),))
+    assert not misses(recorded, truth, "burn_time", "top_speed", "peak_accel")
+    assert abs(recorded.events["liftoff"].time) < 3 * recorded.events["liftoff"].sd
+
+
+@pytest.mark.parametrize("rocket", [SMALL, LARGE, FAST], ids=["small", "large", "fast"])
+@pytest.mark.parametrize("scale", [0.95, 1.05])
+def test_an_accelerometer_that_is_a_little_off_is_believed(rocket: Rocket, scale: float) -> None:
+    recorded = measure(recording(flown(rocket), accelerometer=100.0, scale=scale))
+    assert "acceleration" in recorded.figures["top_speed"].source
+    assert not any("not taken" in note for note in recorded.notes)
+
+
+@pytest.mark.parametrize("shape", [lambda t: np.clip(6 * (t - 30), 0, 60), lambda t: np.clip(6 * (t - 30), 0, 400)])
+def test_a_lift_is_no_flight(shape: object) -> None:
+    time = np.arange(0, 120, 0.1)
+    height = shape(time) + np.random.default_rng(3).normal(0, 0.3, time.size)  # type: ignore[operator]
+    assert measure((Series(time=time, altitude=height),)) == Recorded(notes=(NO_FLIGHT,))
+
+
+def figures(**values: tuple[float, float]) -> dict[str, Figure]:
+    return {name: Figure(value, sd, "acceleration") for name, (value, sd) in values.items()}
+
+
+@pytest.mark.parametrize(
+    "impossible",
+    [
+        figures(burn_time=(0.5, 0.03), avg_accel=(200.0, 3.0), peak_accel=(150.0, 3.0), apogee=(300.0, 1.0)),
+        figures(burn_time=(0.17, 0.03), avg_accel=(1500.0, 90.0), peak_accel=(3364.0, 60.0), apogee=(300.0, 1.0)),
+    ],
+    ids=["average above peak", "343 g"],
+)
+def test_what_no_rocket_can_do_is_named_and_not_measured(impossible: dict[str, Figure]) -> None:
+    kept, notes = possible(impossible)
+    assert kept.keys() == {"apogee"}
+    (note,) = notes
+    assert note.startswith("not measured: burn time, average acceleration, peak acceleration, for ")
+
+
+def test_an_average_within_its_error_of_the_peak_is_kept() -> None:
+    close = figures(burn_time=(0.5, 0.03), avg_accel=(155.0, 9.0), peak_accel=(150.0, 3.0))
+    assert possible(close) == (close, ())
+
+
+@pytest.mark.parametrize(("stated", "doubt"), [(300.5, False), (306.0, False), (240.0, True), (600.0, True)])
+def test_a_device_that_states_another_apogee_makes_it_less_sure(stated: float, doubt: bool) -> None:
+    recorded = Recorded(figures=figures(apogee=(300.0, 1.0), duration=(50.0, 1.0)))
+    found = doubted(recorded, {"apogee": stated, "notes": "windy"})
+    assert found.figures["apogee"].value == 300.0
+    assert found.figures["apogee"].sd >= (abs(stated - 300) / 2 if doubt else 1.0)
+    assert (found.figures["apogee"].sd > 1.0) is doubt
+    assert any("the device states" in note for note in found.notes) is doubt
+    assert found.figures["duration"] == recorded.figures["duration"]

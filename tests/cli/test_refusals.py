@@ -1,0 +1,108 @@
+"""Values, ledgers and folders that commands refuse in a line, and those that they do without."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.ledger import Ledger
+
+ROOT = Path(__file__).parents[2]
+
+CHECK_SHAPES = False
+TABLE = """flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m
+1,2025-05-01T10:00,Astra,A,322,66,F24-4W,250
+2,2025-05-02T10:00,Astra,A,322,66,F24-4W,255
+3,2025-05-03T10:00,Astra,A,322,66,F24-4W,245
+"""
+
+
+@pytest.fixture
+def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A ledger of three flights."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    (tmp_path / "flights.csv").write_text(TABLE)
+    path = str(tmp_path / "ledger.db")
+    assert main(["--ledger", path, "import", str(tmp_path / "flights.csv")]) == 0
+    return path
+
+
+REFUSED = {
+    "a motor colder than anything": ["--motor-temperature=-300"],
+    "a motor of a thousand degrees": ["--motor-temperature", "1000"],
+    "a waiver below the pad": ["--waiver=-500m"],
+    "a waiver of nothing": ["--waiver", "0"],
+    "a field of no size": ["--field-size", "0"],
+    "a mass in twenty thousand digits": ["--dry-mass", "1" * 20_000 + " 1"],
+}
+
+
+@pytest.mark.parametrize("what", REFUSED)
+def test_a_value_that_nothing_has_is_refused_in_a_line(
+    what: str, ledger: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "predict", "--motor", "F24-4W", *REFUSED[what]]) == 1
+    (said,) = capsys.readouterr().err.splitlines()
+    assert "expected" in said
+    assert len(said) < 300
+
+
+@pytest.mark.parametrize("url", ["sqlite://", "sqlite:///", "sqlite:///:memory:"])
+def test_a_ledger_that_would_keep_nothing_is_refused(
+    url: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    assert main(["--ledger", url, "add", "--rocket", "Astra", "--apogee", "100m"]) == 1
+    said = capsys.readouterr()
+    assert "would keep nothing, expected sqlite:///FILE" in said.err
+    assert "added" not in said.out + said.err
+
+
+def test_a_home_that_cannot_be_used_stands_in_no_ones_way_who_names_a_ledger(
+    ledger: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "file").write_text("")
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "file" / "home"))
+    for words in (["predict", "--motor", "F24-4W"], ["flights"], ["motors", "F24"], ["delay"], ["export"]):
+        assert main(["--ledger", ledger, *words]) == 0, capsys.readouterr().err
+    capsys.readouterr()
+    assert main(["flights"]) == 1
+    assert "home" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("date", ["0001-01-01T00:00", "9999-12-31T23:59", "0001-01-01", "9999-12-31"])
+def test_a_date_at_the_end_of_time_overflows_nothing(date: str, ledger: str, tmp_path: Path) -> None:
+    for words in (["predict", "--motor", "F24-4W"], ["edit", "2", f"date_time={date}"]):
+        assert main(["--ledger", ledger, *words]) == 0
+    for words in (
+        ["score"],
+        ["predictions"],
+        ["show", "2"],
+        ["flights"],
+        ["predict", "--motor", "F24-4W"],
+        ["history"],
+    ):
+        assert main(["--ledger", ledger, *words]) in (0, 1)
+
+
+@pytest.mark.skipif(not Path("/dev/full").exists(), reason="there is no full device")
+def test_an_output_that_is_full_does_not_say_that_nothing_was_done(ledger: str) -> None:
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", ledger]
+    flight = ["--rocket", "Astra", "--flight-id", "9", "--apogee", "100m"]
+    with Path("/dev/full").open("wb") as full:
+        done = subprocess.run(
+            [*command, "add", *flight],
+            stdout=full,
+            stderr=subprocess.PIPE,
+            text=True,
+            env=os.environ | {"PYTHONPATH": str(ROOT)},
+        )
+    assert done.returncode == 1
+    assert "may be done all the same" in done.stderr
+    assert "nothing was changed" not in done.stderr
+    with Ledger.open(ledger) as opened:
+        assert [flight.flight_id for flight in opened.flights()] == ["1", "2", "3", "9"]

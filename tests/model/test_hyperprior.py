@@ -1,0 +1,58 @@
+"""The hyperprior: its card reads back, what is wrong in one is named, and learned figures are those of the card."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import DamagedModel
+from fieldkit.model.hyperprior import CERTIFIED, START, Scale, learned, read_card
+
+
+def test_a_card_reads_back_as_it_was() -> None:
+    again = read_card(json.dumps(learned().json()), "card")
+    assert again.json() == learned().json()
+    assert again.sds == learned().sds
+
+
+def test_learned_and_start_have_the_same_effects() -> None:
+    assert set(learned().sds) == set(START.sds)
+    assert all(sd > 0 for sd in learned().sds.values())
+
+
+@pytest.mark.parametrize(
+    ("change", "wanted"),
+    [
+        ({"sds": {"drag.rocket": -0.1}}, "negative"),
+        ({"sds": {"drag.rocket": float("nan")}}, "negative or not finite"),
+        ({"sds": {"drag.moon": 0.1}}, "unknown effect 'drag.moon'"),
+        ({"noise": {}}, "expected a hyperprior"),
+        ({"tail": "many"}, "expected a hyperprior"),
+    ],
+)
+def test_a_card_that_cannot_be_is_refused_by_name(change: dict[str, object], wanted: str) -> None:
+    card = {**learned().json(), **change}
+    with pytest.raises(DamagedModel, match=wanted) as found:
+        read_card(json.dumps(card), "club.json")
+    assert str(found.value).startswith("club.json")
+
+
+def test_a_card_of_the_flyers_own_takes_the_place_of_the_shipped_one(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    shipped = learned.__wrapped__()
+    (tmp_path / "hyperprior.json").write_text(json.dumps(shipped.with_sds(drag__rocket=0.5).json()))
+    assert learned.__wrapped__().sd("drag", "rocket") == 0.5
+    assert shipped.sd("drag", "rocket") != 0.5
+
+
+def test_scales_are_weighted_by_a_log_normal() -> None:
+    scale = Scale((0.5, 1.0, 2.0), 1.0, 0.7)
+    assert scale.log_prior[0] == pytest.approx(scale.log_prior[2])
+    assert scale.log_prior[1] == 0.0
+    scatter, reading, log_prior = replace(CERTIFIED, scatter=scale).scales()
+    assert len(scatter) == len(reading) == len(log_prior) == 3 * len(CERTIFIED.reading.grid)
+    assert np.exp(log_prior).sum() == pytest.approx(1.0)

@@ -1,0 +1,57 @@
+"""What other rockets of a ledger show is kept with it, and computed again when their flights change."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.ledger import Ledger
+from fieldkit.motors import catalogue
+from fieldkit.services import fleet
+from fieldkit.services.fleet import KEPT, fleet_prior
+from tests.seasons import season
+
+
+@pytest.fixture
+def ledger(tmp_path: Path) -> Ledger:
+    ledger = Ledger.open(tmp_path / "ledger.db")
+    for number in range(2):
+        flights = [one for one, _ in season(np.random.default_rng(number), ("apogee",), 4)]
+        ledger.add([one.with_changes(rocket=f"R{number}", flight_id=f"R{number}-{one.flight_id}") for one in flights])
+    return ledger
+
+
+def test_what_is_kept_is_what_would_be_computed(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    first = fleet_prior(ledger, catalogue(), "New")
+    assert first is not None
+    assert ledger.draft(f"{KEPT}R0") is not None
+    monkeypatch.setattr("fieldkit.inference.laplace.fleet.rocket_fit", None)  # nothing is fitted again
+    again = fleet_prior(ledger, catalogue(), "New")
+    assert again is not None
+    assert again.names == first.names
+    np.testing.assert_allclose(again.mean, first.mean, atol=1e-5)
+    np.testing.assert_allclose(again.covariance, first.covariance, atol=1e-6)
+
+
+def test_a_flight_that_changes_is_seen(ledger: Ledger) -> None:
+    before = fleet_prior(ledger, catalogue(), "New")
+    ledger.edit(ledger.ids(ledger.flights("R0"))[0], apogee=120.0)
+    after = fleet_prior(ledger, catalogue(), "New")
+    assert before is not None
+    assert after is not None
+    assert np.abs(after.mean - before.mean).max() > 1e-4
+
+
+def test_a_rocket_does_not_inform_itself(ledger: Ledger) -> None:
+    of_the_other = fleet_prior(ledger, catalogue(), "R0")
+    ledger.edit(ledger.ids(ledger.flights("R0"))[0], apogee=120.0)
+    again = fleet_prior(ledger, catalogue(), "R0")
+    assert of_the_other is not None
+    assert again is not None
+    np.testing.assert_allclose(of_the_other.mean, again.mean, atol=1e-6)  # the second is read from the ledger
+
+
+def test_an_empty_ledger_has_no_fleet(tmp_path: Path) -> None:
+    with Ledger.open(tmp_path / "empty.db") as empty:
+        assert fleet_prior(empty, catalogue(), "New") is None
+    assert fleet.DIGITS > 5

@@ -1,0 +1,105 @@
+"""Every regular expression of the program takes a time that grows no faster than what it looks through."""
+
+import ast
+import importlib
+import re
+import time
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fieldkit.plugins import plugins
+
+CHECK_SHAPES = False
+ROOT = Path(__file__).parents[1]
+ASKED = ("match", "search", "fullmatch", "finditer", "findall", "sub", "split")
+LENGTHS = (20, 400, 1500)
+"""Of hostile texts: what takes twice as long with every character shows at the first, what grows with a power at the
+last. [characters]"""
+ENOUGH = 0.1
+"""No expression takes longer on any of them, where one that looks at each character once takes microseconds. [s]"""
+PIECES = (
+    *"1 .,-+a_\"'()[]:;/=\t\\#%!*<>$@~&",
+    *("1,", "1.", "a ", "1 ", "a1", ", ", "- ", "(a", "a.", "1e", ".1", "\n ", " \n", "Event ", "ab:", "00 ", "0a"),
+)
+ENDS = ("", "x", "!", "\n", "é", "0", " 1", ",,x", "\n1")
+
+
+def expressions() -> Iterator[tuple[str, "re.Pattern[Any]", str]]:
+    """Every compiled expression that a module keeps, with the name and each way in which it is asked."""
+    for file in sorted((*(ROOT / "fieldkit").rglob("*.py"), *(ROOT / "parsers").glob("*.py"))):
+        text = file.read_text(encoding="utf-8")
+        if "re." not in text:
+            continue
+        tree, place = ast.parse(text), file.relative_to(ROOT)
+        kept = [
+            target.id
+            for node in tree.body
+            if isinstance(node, ast.Assign) and "re.compile(" in ast.unparse(node.value)
+            for target in node.targets
+            if isinstance(target, ast.Name)
+        ]
+        module = _module(file) if kept else None
+        for name in kept:
+            pattern = getattr(module, name)
+            ways = [way for way in ASKED if f"{name}.{way}" in text] or ["match", "fullmatch"]
+            if isinstance(pattern, re.Pattern):
+                yield from ((f"{place}:{name}", pattern, way) for way in ways)
+        for node in ast.walk(tree):
+            if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.args:
+                first = node.args[0]
+                direct = (
+                    isinstance(node.func.value, ast.Name) and node.func.value.id == "re" and node.func.attr in ASKED
+                )
+                if direct and isinstance(first, ast.Constant) and isinstance(first.value, str | bytes):
+                    yield f"{place}:{node.lineno}", re.compile(first.value), node.func.attr
+
+
+def _module(file: Path) -> Any:
+    if file.parent.name == "parsers":
+        plugins("parsers", "PARSER")  # which mounts them
+        return importlib.import_module(f"fieldkit.parsers.{file.stem}")
+    parts = file.relative_to(ROOT).with_suffix("").parts
+    return importlib.import_module(".".join(part for part in parts if part != "__init__"))
+
+
+EXPRESSIONS = list(expressions())
+
+
+def test_expressions_are_found() -> None:
+    assert len(EXPRESSIONS) > 60
+
+
+def hostile(length: int) -> Iterator[str]:
+    """Texts of one piece over and over, that an expression nearly takes."""
+    for piece in PIECES:
+        for start in ("", "1", "a"):
+            yield from (start + piece * (length // len(piece)) + end for end in ENDS)
+
+
+TEXTS = {length: list(hostile(length)) for length in LENGTHS}
+
+
+@pytest.mark.parametrize(("name", "pattern", "way"), EXPRESSIONS, ids=lambda one: str(one)[:60])
+def test_no_expression_takes_long_over_a_long_text(name: str, pattern: "re.Pattern[Any]", way: str) -> None:
+    for length, texts in TEXTS.items():
+        for text in texts:
+            began = time.process_time()
+            asked(pattern, way, text)
+            took = time.process_time() - began
+            assert took < ENOUGH, f"{name}: {took:.2f} s over {length} characters, {text[:5]!r}...{text[-5:]!r}"
+
+
+def asked(pattern: "re.Pattern[Any]", way: str, text: Any) -> None:
+    """Look through a text in one of the ways."""
+    empty: Any = ""
+    if isinstance(pattern.pattern, bytes):
+        text, empty = text.encode(), b""
+    if way == "finditer":
+        list(pattern.finditer(text))
+    elif way == "sub":
+        pattern.sub(empty, text)
+    else:
+        getattr(pattern, way)(text)
