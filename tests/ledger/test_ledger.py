@@ -15,6 +15,8 @@ from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.ledger import Ledger
 
+pytestmark = pytest.mark.fast
+
 SERVER = os.environ.get("FIELDKIT_TEST_POSTGRES")
 needs_server = pytest.mark.skipif(not SERVER, reason="FIELDKIT_TEST_POSTGRES holds no URL")
 
