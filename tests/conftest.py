@@ -40,6 +40,12 @@ settings.register_profile("fieldkit", deadline=None)  # a busy machine is no fau
 settings.load_profile("fieldkit")
 
 
+def pytest_configure(config: pytest.Config) -> None:
+    """`-m fast` replaces the default `-m 'not slow'`; slow tests stay out of it all the same."""
+    if config.option.markexpr == "fast":
+        config.option.markexpr = "fast and not slow"
+
+
 @pytest.fixture(scope="session", autouse=True)
 def _home(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
     """No test touches the ledger, the motors or the settings of who runs it."""

@@ -148,9 +148,11 @@ def test_every_path_that_is_mentioned_exists(page: str) -> None:
         assert (ROOT / path).exists(), path
 
 
-def test_ci_runs_the_second_command_as_it_stands() -> None:
+def test_ci_runs_the_second_command_with_what_trains() -> None:
     assert "pytest" in TESTS
-    assert TESTS in [line.strip() for line in (ROOT / ".ci" / "run").read_text().splitlines()]
+    assert "train" not in TESTS, "torch is gigabytes on Linux"
+    with_torch = TESTS.replace("'.[", "'.[train,")
+    assert with_torch in [line.strip() for line in (ROOT / ".ci" / "run").read_text().splitlines()]
 
 
 def test_what_the_manual_says_that_the_program_says_is_in_the_program() -> None:

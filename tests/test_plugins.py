@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pytest
 
+pytestmark = pytest.mark.fast
+
 ROOT = Path(__file__).parent.parent
 LIST = "import fieldkit.importing.recognize as p, fieldkit.parsers as s; print(*p.parsers(), *s.__path__, sep='\\n')"
 IDLE = "import sys, fieldkit.flight; print(*(m for m in sys.modules if m.startswith(('fieldkit.p', 'scipy'))))"

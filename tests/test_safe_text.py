@@ -2,10 +2,13 @@
 
 import unicodedata
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from fieldkit.safe_text import printable
+
+pytestmark = pytest.mark.fast
 
 
 def test_an_escape_sequence_is_shown_and_not_obeyed() -> None:

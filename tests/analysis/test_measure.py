@@ -29,6 +29,8 @@ from fieldkit.flight import READOUTS, Series
 from fieldkit.physics.standard_atmosphere import GRAVITY, height_pressure, pressure_height
 from tests.analysis.recordings import FAST, LARGE, SMALL, TINY, Logger, Rocket, Truth, changed, fly, log
 
+pytestmark = pytest.mark.fast
+
 flown = cache(fly)
 
 

@@ -60,6 +60,7 @@ def test_what_was_acknowledged_beside_restores_is_kept(tmp_path: Path) -> None:
 @pytest.fixture(scope="module")
 def server() -> Iterator[servers.Server]:
     """A PostgreSQL server that may be killed."""
+    pytest.importorskip("psycopg", reason="needs the extra `postgres`")
     if not servers.binaries():
         pytest.skip("there is no PostgreSQL on this machine")
     memory = "/dev/shm" if Path("/dev/shm").is_dir() else None

@@ -44,6 +44,8 @@ from fieldkit.importing.tables.checksums import crc_buypass, crc_x25, sum_256
 from tests.capture import devices
 from tests.capture.devices import Device, Unplugged, Wire, played
 
+pytestmark = pytest.mark.fast
+
 ROOT = Path(__file__).parents[2]
 terminals = pytest.mark.skipif(not hasattr(os, "openpty"), reason="needs pseudo-terminals")
 

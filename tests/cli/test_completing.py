@@ -8,6 +8,8 @@ from fieldkit.cli.main import main
 from fieldkit.ledger import Ledger
 from fieldkit.plugins import trained_digests
 
+pytestmark = pytest.mark.fast
+
 FLIGHTS = Path(__file__).parents[2] / "fieldkit" / "data" / "reference_flights.csv"
 
 

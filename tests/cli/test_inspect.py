@@ -13,6 +13,8 @@ from fieldkit.ledger import Ledger
 from tests.analysis.recordings import SMALL, Logger, fly, log
 from tests.samples import SAMPLES, owner
 
+pytestmark = pytest.mark.fast
+
 CHECK_SHAPES = False
 FOLDER = Path(__file__).parents[2] / "sample_logs"
 PNUT = FOLDER / "perfectflite__drogue_and_main.pf2"

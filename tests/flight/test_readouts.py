@@ -25,6 +25,8 @@ from fieldkit.services.manual_entry import enter
 from tests.presentation.test_export import as_json, flights
 from tests.samples import SAMPLES, any_motor
 
+pytestmark = pytest.mark.fast
+
 LOG = next(sample for sample in SAMPLES if sample.name == "perfectflite__drogue_and_main.pf2")
 SHORT = next(sample for sample in SAMPLES if sample.name == "altos_csv__with_satellites.csv")
 FLIGHT = Flight(

@@ -15,6 +15,8 @@ from fieldkit.presentation.forecast_text import in_words
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.forecasts import keep_forecasts, predict_plans
 
+pytestmark = pytest.mark.fast
+
 INTERVAL = (80.0, 100.0, 130.0)
 
 

@@ -10,6 +10,8 @@ from fieldkit.importing.to_flights import derived_id
 from fieldkit.plugins import plugins, trained_folder
 from tests.samples import SAMPLES, any_motor
 
+pytestmark = pytest.mark.fast
+
 LAUNCHES = next(sample for sample in SAMPLES if sample.name.startswith("altimetertwo_journal__a_season"))
 ROCKETS = next(sample for sample in SAMPLES if sample.name.startswith("altimetertwo_journal__the_rockets"))
 

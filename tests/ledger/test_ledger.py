@@ -15,6 +15,8 @@ from fieldkit.errors import BadValue, LedgerError
 from fieldkit.flight import COLUMNS, Flight
 from fieldkit.ledger import Ledger
 
+pytestmark = pytest.mark.fast
+
 SERVER = os.environ.get("FIELDKIT_TEST_POSTGRES")
 needs_server = pytest.mark.skipif(not SERVER, reason="FIELDKIT_TEST_POSTGRES holds no URL")
 
@@ -41,6 +43,7 @@ def where(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[str]:
     if request.param == "sqlite":
         yield str(tmp_path / "ledger.db")
         return
+    pytest.importorskip("psycopg", reason="needs the extra `postgres`")
     url = make_url(str(SERVER)).set(drivername="postgresql+psycopg")
     server = create_engine(url, isolation_level="AUTOCOMMIT")
     name = f"fieldkit_test_{os.environ.get('PYTEST_XDIST_WORKER', 'alone')}"

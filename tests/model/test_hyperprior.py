@@ -10,6 +10,8 @@ import pytest
 from fieldkit.errors import DamagedModel
 from fieldkit.model.hyperprior import CERTIFIED_PRIOR, START, Scale, learned, read_card
 
+pytestmark = pytest.mark.fast
+
 
 def test_a_card_reads_back_as_it_was() -> None:
     again = read_card(json.dumps(learned().json()), "card")

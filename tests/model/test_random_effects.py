@@ -9,6 +9,8 @@ from fieldkit.model.random_effects import drawn, known_effects, priors
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import Prior, effects
 
+pytestmark = pytest.mark.fast
+
 MOTORS = flown_motors(catalogue().motors)[::60]
 
 

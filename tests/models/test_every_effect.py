@@ -16,6 +16,8 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
 from fieldkit.plugins import shelf_folder
 
+pytestmark = pytest.mark.fast
+
 EFFECTS = effects()
 FILES = sorted((shelf_folder("models") / "effects").glob("[!_]*.py"))
 every_effect = pytest.mark.parametrize("name", EFFECTS)

@@ -15,6 +15,8 @@ from fieldkit.errors import BadValue
 from fieldkit.motors import rasp
 from fieldkit.motors.motor import Motor, impulse, impulse_class, knots
 
+pytestmark = pytest.mark.fast
+
 _numbers = st.floats(0, 100, allow_subnormal=False)
 _curves = st.lists(st.tuples(_numbers, _numbers), min_size=2, max_size=20)
 

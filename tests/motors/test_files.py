@@ -12,6 +12,8 @@ from fieldkit.errors import DamagedLog
 from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue, rasp, rocksim
 from fieldkit.motors.own import import_file, own_motors, read
 
+pytestmark = pytest.mark.fast
+
 ENG = b"""; two motors of my own
 ; the second has no comment before it
 F24W 24 70 4-7 0.019 0.0629 AT

@@ -29,6 +29,8 @@ from fieldkit.services.planning import begun, rocket_of
 from fieldkit.services.saved_forecasts import kept
 from fieldkit.settings import Settings
 
+pytestmark = pytest.mark.fast
+
 NOSE = """<nosecone><name>Nose</name><material type="bulk" density="1000.0">Plastic</material><length>0.2</length>
 <thickness>0.002</thickness><shape>conical</shape><aftradius>0.033</aftradius></nosecone>"""
 FINS = """<trapezoidfinset><name>Fins</name><fincount>3</fincount><material type="bulk" density="600">Ply</material>

@@ -17,6 +17,8 @@ from fieldkit.importing.recognize import claims
 from fieldkit.presentation.export import csv_table
 from tests.samples import any_motor
 
+pytestmark = pytest.mark.fast
+
 
 def intake(text: str, format: str | None = None) -> Intake:
     return read(text.encode(), "t.csv", any_motor, format)

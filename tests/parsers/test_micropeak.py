@@ -6,6 +6,8 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing import Note, Reading
 from fieldkit.importing.recognize import parsers
 
+pytestmark = pytest.mark.fast
+
 SMALL = "a0860100b8820100030096863c86b882"
 WIDE = "a0860100b88201000320000096863c86b882"
 WRAP = "4000010078ff000003003600dcff78ff"

@@ -13,6 +13,8 @@ from fieldkit.units import FOOT
 from tests.parsers.recorded import recorded
 from tools.samples.two_parachutes import flight
 
+pytestmark = pytest.mark.fast
+
 LOGS = Path(__file__).parents[2] / "sample_logs"
 HEADER = "PerfectFlite Pnut\r\nFirmware: 1.0\r\nSerial Number: 1\r\nApogee: 100' AGL\r\n"
 DATA = "Data: (Time, Altitude, Velocity, Temperature (F), Voltage)\r\n"

@@ -153,7 +153,7 @@ def test_denser_air_is_never_higher(motor: Push, mass: float, area: float) -> No
 @CASES
 @given(motor=curves, area=areas)
 def test_there_is_one_best_mass_and_beyond_it_more_is_never_higher(motor: Push, area: float) -> None:
-    heights = apogees(rocket(motor, dry_mass=np.geomspace(0.01, 3.0, 120), drag_area=area))
+    heights = apogees(rocket(motor, dry_mass=np.geomspace(0.01, 3.0, 40), drag_area=area))
     best = int(np.argmax(heights))
     never_rises(heights[best:])
     never_rises(heights[best::-1])

@@ -11,6 +11,8 @@ from fieldkit.physics.state import FlightResult, Setup
 from fieldkit.physics.unique import fly_alike, kinds
 from tests.physics.simulated import LONG, ROUGH, rocket
 
+pytestmark = pytest.mark.fast
+
 
 @pytest.fixture
 def doubled() -> Setup:

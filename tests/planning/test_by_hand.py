@@ -23,6 +23,8 @@ from fieldkit.planning.quantiles import three
 from fieldkit.planning.safety import thrust_to_weight
 from fieldkit.units import FOOT, STANDARD_GRAVITY
 
+pytestmark = pytest.mark.fast
+
 NEW = Rocket((), (), 1.0, None, 0)
 """A rocket that has not flown."""
 PLAN = Flight(rocket="Comet", dry_mass=0.45, diameter=0.066)

@@ -22,6 +22,8 @@ from fieldkit.planning.forecasts import Rocket
 from fieldkit.services.contest_day import day_of, keep_day
 from fieldkit.units import FOOT
 
+pytestmark = pytest.mark.fast
+
 CHECK_SHAPES = False
 
 

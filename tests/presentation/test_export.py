@@ -14,6 +14,8 @@ from fieldkit.ledger.rows import differences
 from fieldkit.presentation.export import csv_table, document
 from tests.samples import any_motor
 
+pytestmark = pytest.mark.fast
+
 words = st.text(st.characters(codec="utf-8", exclude_categories=["Cc", "Zs", "Zl", "Zp"]), max_size=8)
 
 

@@ -7,6 +7,8 @@ from scipy.special import ndtri
 from fieldkit.scoring.bootstrap import paired
 from fieldkit.scoring.proper_scores import calibration, crps, interval_score, pit
 
+pytestmark = pytest.mark.fast
+
 
 def test_the_score_of_one_number_is_its_error_and_of_a_normal_what_the_formula_says() -> None:
     assert crps(np.array([210.0]), 200.0) == 10.0

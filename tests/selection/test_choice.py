@@ -20,6 +20,8 @@ from fieldkit.selection.choice import MAX_ERROR_RATIO_ALLOWED, may_leave, steady
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import pattern_candidates
 
+pytestmark = pytest.mark.fast
+
 CHECK_SHAPES = False
 
 says = arrays(float, st.integers(3, 20), elements=st.floats(-3, 10))

@@ -13,6 +13,8 @@ from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.patterns import known_patterns, pattern_terms
 from tests.forecast.test_predict import PLAN, Flown, season
 
+pytestmark = pytest.mark.fast
+
 FIRST = datetime(2026, 5, 2, 9, 0)
 
 

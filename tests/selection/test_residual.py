@@ -18,6 +18,8 @@ from fieldkit.selection.rank_tests import kruskal, ranks, spearman, spread_p, st
 from fieldkit.selection.residual import associations, holm, spread_of, standardised
 from fieldkit.shapes import Array, Float
 
+pytestmark = pytest.mark.fast
+
 FLIGHTS = 18
 SETS = 300
 SCALE = 4

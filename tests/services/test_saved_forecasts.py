@@ -16,6 +16,8 @@ from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.provenance import digest, model_parts, plan_parts
 from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, kept
 
+pytestmark = pytest.mark.fast
+
 CHECK_SHAPES = False
 
 PAST = [

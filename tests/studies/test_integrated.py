@@ -10,6 +10,8 @@ from fieldkit.motors import catalogue
 from studies.exact.integrated import integrate
 from studies.exact.likelihood import LATENTS, Latent, log_likelihood, normals_of, parameters, problem
 
+pytestmark = pytest.mark.fast
+
 FLIGHTS = 6
 
 

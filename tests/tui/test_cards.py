@@ -18,6 +18,8 @@ from fieldkit.tui.widgets.groups import grouped, placed
 from fieldkit.tui.widgets.table import fitted
 from tests.pressing import frozen, opened, press, season, typed, words
 
+pytestmark = pytest.mark.fast
+
 LOGGED = {"stated_apogee_m": "161.544", "time_to_apogee_s": "5.707", "time_to_apogee_sd_s": "0.12"}
 KEPT = {"mach_delay_s": "2", "log_format": "perfectflite", "Platz": "Süd", "other_logs": "ab12 cd34"}
 

@@ -1,5 +1,6 @@
 """Long lines are broken so that what stands in a column stays in it, and nothing of them is lost."""
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from textual.css.styles import Styles
@@ -9,6 +10,8 @@ from textual.visual import RenderOptions
 from fieldkit.safe_text import printable
 from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import Hanging, hanging, stacked
+
+pytestmark = pytest.mark.fast
 
 WIDTH = 40
 

@@ -8,6 +8,8 @@ from textual.events import Key
 
 from fieldkit.tui.keys import apart
 
+pytestmark = pytest.mark.fast
+
 NAMES = {
     "\x1b": "escape",
     "\r": "enter",

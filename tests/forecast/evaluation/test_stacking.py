@@ -19,6 +19,8 @@ from fieldkit.forecast.evaluation.stacking import (
     weights_after,
 )
 
+pytestmark = pytest.mark.fast
+
 LEVELS = (np.arange(400) + 0.5) / 400
 
 

@@ -5,6 +5,8 @@ import pytest
 
 from fieldkit.importing.tables.altos import Coefficients, mp3h6115, ms5607, net_acceleration, seconds, sound
 
+pytestmark = pytest.mark.fast
+
 TYPICAL = Coefficients(46372, 43981, 29059, 27842, 31553, 28165)
 """The worked example of the MS5607-02BA03 data sheet."""
 

@@ -12,6 +12,8 @@ from fieldkit.importing.tables.clocks import onward
 from fieldkit.importing.tables.columns import Channel, LogTable, read_columns
 from fieldkit.units import UNITS, Unit
 
+pytestmark = pytest.mark.fast
+
 CHANNELS = (Channel("time", 0, needed=True), Channel("altitude", 1, Unit(0.3048), header="Alt"))
 
 

@@ -5,6 +5,8 @@ import pytest
 
 from fieldkit.inference.laplace.apogee_scatter import FACTORS, TAIL, apogee_spread
 
+pytestmark = pytest.mark.fast
+
 FLIGHTS = 400
 
 

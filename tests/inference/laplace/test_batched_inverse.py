@@ -5,6 +5,8 @@ import pytest
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 
+pytestmark = pytest.mark.fast
+
 
 @pytest.mark.parametrize("many", [(), (7,), (18, 5)])
 def test_inverses_and_determinants_are_those_of_lapack(many: tuple[int, ...]) -> None:

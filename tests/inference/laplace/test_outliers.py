@@ -13,6 +13,8 @@ from fieldkit.inference.laplace.outliers import fitting
 from fieldkit.motors import Found, catalogue
 from tests.forecast.test_predict import PLAN, Flown, season
 
+pytestmark = pytest.mark.fast
+
 
 def with_a_slip(flown: Flown, row: int = 0) -> Flown:
     """The same with the top speed of one flight typed in mph and taken for m/s."""

@@ -6,6 +6,8 @@ import pytest
 from fieldkit.inference.network.mixture import COMPONENTS, WIDTH, Mixture, logits, mixture
 from fieldkit.inference.validation.calibration import score
 
+pytestmark = pytest.mark.fast
+
 LOW, HIGH = np.array([-8.0, 0.75]), np.array([-6.0, 1.25])
 
 

@@ -7,6 +7,8 @@ from fieldkit.inference.validation.restricted import SUBSETS, Exact, Restricted,
 from fieldkit.model.observations import disc
 from fieldkit.physics.paper import DIAMETER
 
+pytestmark = pytest.mark.fast
+
 FLIGHTS = 300
 
 

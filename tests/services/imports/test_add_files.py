@@ -13,6 +13,8 @@ from fieldkit.ledger import Ledger, Renewal
 from fieldkit.services.imports import Receipt, bring_in, remeasured
 from tests.samples import SAMPLES, any_motor
 
+pytestmark = pytest.mark.fast
+
 PNUT = next(sample for sample in SAMPLES if sample.name.startswith("perfectflite__"))
 KINDS = ("app__low", "app__high", "summary")
 RAVEN = {name: next(s for s in SAMPLES if s.name.startswith(f"blueraven_{name}")) for name in KINDS}
