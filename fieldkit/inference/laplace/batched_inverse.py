@@ -7,4 +7,4 @@ from fieldkit.shapes import Array, Float
 
 def inverses(matrices: Float[Array, "*many n n"]) -> tuple[Float[Array, "*many n n"], Float[Array, "*many"]]:
     """The inverse of each positive definite matrix and the logarithm of its determinant."""
-    return np.linalg.inv(matrices), np.asarray(np.linalg.slogdet(matrices).logabsdet)
+    return np.asarray(np.linalg.inv(matrices), float), np.asarray(np.linalg.slogdet(matrices).logabsdet, float)
