@@ -120,7 +120,7 @@ class Hyperprior:
 
 SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))
 READING_GRID = tuple(float(x) for x in np.round(np.geomspace(0.2, 3.0, 5), 4))
-"""Coarse for long histories: there a finer grid moves the 95 % quantile of an apogee by some 2 % of the interval."""
+"""Coarse for long histories: a finer grid moves the 95 % quantile of an apogee there by some 2 % of its interval."""
 
 CERTIFIED_PRIOR = Hyperprior(
     kind="certified",
@@ -212,12 +212,13 @@ START = Hyperprior(
     reading=Scale(READING_GRID, 1.0, 0.7),
 )
 """What learning begins from, and stays near where flights cannot tell: round figures from before any real flight was
-looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them differ
-by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and wadding are not
-always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices differ from each
-other in noise (`reading`) stays a judgment: the open flights come from one. What a log shows of drag
-and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it a rocket
-that climbs 15 degrees from vertical brakes by 1/cos 15 = 1.035 of its drag and gains cos 15 = 0.97 of its impulse."""
+looked at. Cd as in `CERTIFIED_PRIOR`; motor types within 5 % of their certificate (the tests that certify them
+differ by that: NFPA 1125 allows 10 %), burn and delay within 5 and 10 %; masses 5 %, for altimeter, recovery and
+wadding are not always weighed; a device 5 % off in what all of its kind show; single flights 6 %. How far devices
+differ from each other in noise (`reading`) stays a judgment: the open flights come from one. What a log shows of
+drag and impulse has the standard deviation that analysis gives it (`ratio` is for one that was lost); beside it a
+rocket that climbs 15 degrees from vertical brakes by 1/cos 15 = 1.035 of its drag and gains cos 15 = 0.97 of its
+impulse."""
 
 
 def certified() -> Hyperprior:

@@ -12,7 +12,6 @@ from fieldkit.model.rocket_model import groups
 from fieldkit.physics.setups import recorded
 from fieldkit.scoring.score import forecasts_of
 from fieldkit.selection.diagnose import Diagnosis
-from fieldkit.selection.rank_tests import kruskal, spearman, spread_p, student_p
 from fieldkit.selection.trial import Trial
 from fieldkit.shapes import Array, Flags, Float
 
@@ -82,6 +81,8 @@ def spreads(diagnosis: Diagnosis) -> list[ResidualDistribution]:
 
 def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistribution:
     """How residuals in the order flown are distributed, and how likely that is by chance."""
+    from scipy.stats import ttest_1samp
+
     count, nan = len(error), float("nan")
     if count < 4 or error.std() == 0:
         return ResidualDistribution(readout, count, float(error.mean()), nan, nan, nan, nan, nan)
@@ -93,12 +94,21 @@ def spread_of(readout: str, error: Float[Array, "flight"]) -> ResidualDistributi
         readout,
         count,
         float(error.mean()),
-        student_p(float(error.mean() / (error.std(ddof=1) / np.sqrt(count))), count - 1),
+        float(ttest_1samp(error, 0.0).pvalue),
         float(error.std(ddof=1)),
-        spread_p(float(((error - error.mean()) ** 2).sum()), count - 1),
+        _variance_p(error),
         float(alike),
         float((beyond + 1) / (SHUFFLES + 1)),
     )
+
+
+def _variance_p(error: Float[Array, "flight"]) -> float:
+    """Chance of a variance as far from one, to either side, by chi squared."""
+    from scipy.stats import chi2
+
+    around_mean = chi2(len(error) - 1)
+    squares = float(((error - error.mean()) ** 2).sum())
+    return 2 * float(min(around_mean.cdf(squares), around_mean.sf(squares)))
 
 
 def _lag(error: Float[Array, "*shuffle flight"]) -> Float[Array, "*shuffle"]:
@@ -150,17 +160,21 @@ def associations(
     error: Float[Array, "flight"], numbers: Mapping[str, Array], kinds: Mapping[str, Sequence[str]]
 ) -> list[tuple[str, float, float]]:
     """Each column's name, statistic and uncorrected p against residuals; nan is not recorded."""
+    from scipy.stats import kruskal, spearmanr
+
     seen = np.isfinite(error)
     found: list[tuple[str, float, float]] = []
     for name, values in numbers.items():
         both = seen & np.isfinite(values)
         if both.sum() >= 5 and len(np.unique(values[both])) > 2 and len(np.unique(error[both])) > 1:
-            found.append((name, *spearman(values[both], error[both])))
+            ranks = spearmanr(values[both], error[both])
+            found.append((name, float(ranks.statistic), float(ranks.pvalue)))
     for name, group in kinds.items():
         own = np.array(group)[seen]
         parts = [error[seen][own == kind] for kind in np.unique(own)]
         if len(parts) > 1 and min(len(part) for part in parts) >= 2 and len(np.unique(error[seen])) > 1:
-            found.append((name, *kruskal(parts)))
+            apart = kruskal(*parts)
+            found.append((name, float(apart.statistic), float(apart.pvalue)))
     return found
 
 
