@@ -18,11 +18,11 @@ from types import MappingProxyType
 
 from fieldkit.errors import DamagedModel
 
-SHELVES = ("parsers", "models")
+PLUGIN_FOLDERS = ("parsers", "models")
 
 
-def shelf_folder(shelf: str) -> Path:
-    """The folder of a shelf, which may not be there: inside the package, else beside it."""
+def plugin_folder(shelf: str) -> Path:
+    """A plug-in folder, which may be missing: inside the package, else beside it."""
     package = Path(__file__).parent
     inside = package / shelf
     return inside if inside.is_dir() else package.parent / shelf
@@ -30,8 +30,8 @@ def shelf_folder(shelf: str) -> Path:
 
 def mount() -> None:
     """Make the shelves importable below `fieldkit`, without importing anything from them."""
-    for shelf in SHELVES:
-        folder = shelf_folder(shelf)
+    for shelf in PLUGIN_FOLDERS:
+        folder = plugin_folder(shelf)
         name = f"fieldkit.{shelf}"
         if folder.parent == Path(__file__).parent or not folder.is_dir() or name in sys.modules:
             continue
@@ -58,13 +58,13 @@ def plugins(shelf: str, attribute: str) -> Mapping[str, object]:
 
 def trained() -> list[str]:
     """The names of the trained ensembles, in alphabetical order: each is a folder with a `card.json`."""
-    folder = shelf_folder("models") / "trained"
+    folder = plugin_folder("models") / "trained"
     return sorted(card.parent.name for card in folder.glob("*/card.json"))
 
 
 def trained_digests() -> dict[str, str]:
     """The digest of each trained ensemble's graph by name, as its card has it; nothing is loaded or checked."""
-    folder = shelf_folder("models") / "trained"
+    folder = plugin_folder("models") / "trained"
     cards = {name: json.loads((folder / name / "card.json").read_text(encoding="utf-8")) for name in trained()}
     return {name: str(card["digests"]["ensemble.onnx"]) for name, card in cards.items()}
 
@@ -73,4 +73,4 @@ def trained_folder(name: str) -> Path:
     """The folder of a trained ensemble. Raises DamagedModel that lists the names there are."""
     if name not in trained():
         raise DamagedModel(f"no trained ensemble is called {name!r}; there are {', '.join(trained()) or 'none'}")
-    return shelf_folder("models") / "trained" / name
+    return plugin_folder("models") / "trained" / name

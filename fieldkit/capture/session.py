@@ -229,7 +229,7 @@ _NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(ran
 
 
 def _overheard(heard: bytes) -> list[str]:
-    return [name for name, one in known_devices().items() if one.overhears(heard)]
+    return [name for name, one in known_devices().items() if one.recognizes_stream(heard)]
 
 
 def _become(link: Link, name: str, baud: int, heard: bytes) -> None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
-from fieldkit.cli.predictions import foretold, say_foretold
+from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
@@ -134,7 +134,7 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
         complain("it is in the ledger already")
         return
     print_card(flight, added.new[0])
-    say_foretold(foretold(ledger, flight))
+    print_prediction(prediction_of(ledger, flight))
     for line in implausible_flights([flight], MotorCheck().catalogue):
         complain(f"note: {line}")
     complain("added; `fieldkit undo` takes it back")

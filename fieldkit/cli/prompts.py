@@ -7,7 +7,7 @@ from fieldkit.cli.screen import complain
 from fieldkit.cli.session import MotorCheck
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
@@ -100,7 +100,7 @@ def _answered(talk: Conversation, question: Question, text: str) -> bool:
         except (BadValue, UnknownMotor) as error:
             complain(f"{question.title}: {error}")
             return False
-        odd = oddities(talk.flight, question.name, manual_entry.usual(talk.ledger, talk.flight))
+        odd = implausible_answers(talk.flight, question.name, manual_entry.usual(talk.ledger, talk.flight))
         for phrase in odd:
             complain(f"  odd: {phrase}")
         again = talk.listen("  Enter keeps it, or type it again: ") if odd and talk.patient else ""

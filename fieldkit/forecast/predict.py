@@ -15,7 +15,7 @@ from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
-from fieldkit.inference.laplace.outliers import fitting
+from fieldkit.inference.laplace.outliers import consistency_check
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import observe
@@ -132,7 +132,7 @@ def learn(
     order flown, by default the next for all of them; the rest as in `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
-    flights[: len(flown)], left_out = fitting(flights[: len(flown)], found)
+    flights[: len(flown)], left_out = consistency_check(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     order = [*range(len(flown)), *(turns or [len(flown)] * len(planned))]
@@ -174,15 +174,15 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
 
 
 def fly_ahead(
-    learnt: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
+    fitted: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
 ) -> list[Prediction]:
     """Fly the planned flights on what was learned, each a batch of draws.
 
     With `paired` all flights share the random draw of the day, so that they differ by what is planned alone. `delay_sd`
     is how far delays stray from what is printed, as a ratio, in place of what the model takes.
     """
-    part, values, rng = learnt.model, learnt.values, learnt.rng
-    scatter_scale = learnt.scales[:, :1]
+    part, values, rng = fitted.model, fitted.values, fitted.rng
+    scatter_scale = fitted.scales[:, :1]
     shape = (len(values), len(part.flights))
 
     def draw() -> Array:
@@ -218,9 +218,9 @@ def fly_ahead(
         Prediction(
             plan=flight,
             found=motor,
-            rests_on=learnt.rests_on,
-            model=learnt.name,
-            left_out=learnt.left_out,
+            rests_on=fitted.rests_on,
+            model=fitted.name,
+            left_out=fitted.left_out,
             luck=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
             **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )

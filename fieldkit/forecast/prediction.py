@@ -52,13 +52,13 @@ class Prediction:
 
     def widened(self, factor: float) -> "Prediction":
         """The same with draws of the apogee that lie further from their median, by ratio."""
-        return replace(self, apogee=apart(self.apogee, factor), true_apogee=apart(self.true_apogee, factor))
+        return replace(self, apogee=spread_out(self.apogee, factor), true_apogee=spread_out(self.true_apogee, factor))
 
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
         """The same with the spread of the apogee multiplied about its median, by ratio; None changes nothing."""
         if factor is None:
             return self
-        return replace(self, apogee=apart(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
+        return replace(self, apogee=spread_out(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
 
     def narrowed(self, more: float) -> float:
         """How wide the interval would be, over what it is, after so many more clean flights like the plan. [1]
@@ -95,8 +95,8 @@ def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Flo
     return np.interp(levels * (len(draws) - 1), np.arange(len(draws)), np.sort(draws))
 
 
-def apart(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
-    """Draws of an apogee further from their median, by ratio; those that stay on the pad are left there."""
+def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
+    """Draws of an apogee moved away from their median, by ratio; draws that stay on the pad are unchanged."""
     flown = apogee > 0
     if factor == 1.0 or not flown.any():
         return apogee

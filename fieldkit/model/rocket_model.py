@@ -20,7 +20,7 @@ from fieldkit.physics.effect import Effect
 from fieldkit.physics.flight import apogees
 from fieldkit.physics.setups import dry_masses, field_setup, recorded
 from fieldkit.physics.state import Setup
-from fieldkit.physics.unique import fly_alike
+from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
 EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
@@ -61,8 +61,8 @@ class Scatter:
     sd: float
 
 
-TILT = np.radians(5.0)
-"""The lean that scatter in tilt is measured in. [rad]"""
+REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
+"""The launch angle that its scatter is measured in. [rad]"""
 COARSE_SETTINGS: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
 """Thrust curves and steps of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less
 than 2 % for nineteen motors in twenty, in wind by twice as much, which are a small part of how far flights scatter."""
@@ -242,7 +242,7 @@ def shown(
     `scatter` bends single flights. A flight that would not leave the pad has nan throughout.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
-    flown = fly_alike(setup)
+    flown = fly_unique(setup)
     readings: Mapping[str, Any] = flown.readouts()
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)
@@ -286,8 +286,8 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
         opening_time=np.maximum(bend("opening"), 0.0),
     )
     if np.any(tilt := bend("tilt")):
-        lean = TILT * np.sqrt(np.abs(tilt))
-        setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, lean))
+        launch_angle = REFERENCE_LAUNCH_ANGLE * np.sqrt(np.abs(tilt))
+        setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, launch_angle))
     strengths = _strengths(model, values)
     for effect, strength in strengths:
         setup = effect.bend_setup(setup, strength, model.flights)

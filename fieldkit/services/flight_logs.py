@@ -12,7 +12,7 @@ MAX_LOGS = 6
 OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs, which alone are read"
 
 
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: ReportProgress = no_op) -> dict[str, Recorded | str]:
+def recorded_logs(ledger: Ledger, diagnosis: Diagnosis, tell: ReportProgress = no_op) -> dict[str, Recorded | str]:
     """What the logs of the flights behind a diagnosis show, by flight id; in place of one there may be why not.
 
     The latest are read, the others are `OLDER_LOGS_NOTE`.

@@ -57,7 +57,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (folder / "a season.csv").write_text("flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,1o4\n2,Comet,C6-5,210\n")
     monkeypatch.chdir(folder)
     monkeypatch.setattr("fieldkit.capture.ports", list)
-    monkeypatch.setattr("fieldkit.tui.screens.import_files.told", lambda folder: folder.name)
+    monkeypatch.setattr("fieldkit.tui.screens.import_files.folder_text", lambda folder: folder.name)
     monkeypatch.setattr("fieldkit.paths.motor_folder", lambda: Path("/home/flyer/motors"))
     monkeypatch.setattr("fieldkit.paths.settings_file", lambda: Path("/home/flyer/settings.json"))
     monkeypatch.setattr("fieldkit.tui.next.desk.Desk.name", "/home/flyer/ledger.db")

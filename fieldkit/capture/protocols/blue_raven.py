@@ -33,7 +33,7 @@ def frame(line: bytes) -> bytes | None:
     return line[start:].rstrip()
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """A frame with its checksum, such as the live status."""
     return any(frame(line) for line in heard.splitlines()[:-1])
 
@@ -92,4 +92,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content)] if b"@ " in content else []
 
 
-PROTOCOL = Protocol("Featherweight Blue Raven (USB)", PortSettings(115_200), talk, logs, overhears)
+PROTOCOL = Protocol("Featherweight Blue Raven (USB)", PortSettings(115_200), talk, logs, recognizes_stream)

@@ -23,7 +23,7 @@ MIN_NUMBERS = 3
 """Smallest count of numbers in a row: time, height and speed. [1]"""
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """The header that its tables begin with."""
     return _HEADER.search(heard) is not None
 
@@ -54,6 +54,6 @@ PROTOCOL = Protocol(
     PortSettings(9600),
     talk,
     logs,
-    overhears,
+    recognizes_stream,
     invites="press the unit's button for its summary, again for the detail; half a minute of silence ends the capture",
 )

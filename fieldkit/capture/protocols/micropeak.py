@@ -112,7 +112,7 @@ def _size(header: bytes) -> int:
     return 12 + 2 * ((word & 0xFFF) | int.from_bytes(header[10:12], "little") << 12)
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """`MP` and a whole header."""
     stream = Stream()
     return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
@@ -177,6 +177,6 @@ PROTOCOL = Protocol(
     PortSettings(9600),
     talk,
     logs,
-    overhears,
+    recognizes_stream,
     invites="hold the unit's LED over the adapter and switch the unit on",
 )

@@ -23,7 +23,7 @@ TITLE = "StratoLogger live telemetry, captured by fieldkit"
 _NUMBER = re.compile(r"-?\d{1,6}")
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """Six lines of one integer each, with the line ends that the unit has, and nothing else."""
     whole = heard[: heard.rfind(b"\n") + 1]
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
@@ -61,6 +61,6 @@ PROTOCOL = Protocol(
     PortSettings(9600),
     talk,
     logs,
-    overhears,
+    recognizes_stream,
     invites="switch the unit on; the capture goes on until it is stopped or the unit goes silent",
 )

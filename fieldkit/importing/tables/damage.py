@@ -6,7 +6,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.text import is_cut
 
-MOST_TOLD = 20
+MAX_REPORTED = 20
 """So many damaged lines are told of one by one. [1]"""
 
 
@@ -21,7 +21,7 @@ class Damaged:
     def add(self, error: DamagedLog) -> None:
         """Count one more."""
         self.last = error
-        self.first += [error] if len(self.first) < MOST_TOLD else []
+        self.first += [error] if len(self.first) < MAX_REPORTED else []
         self.count += 1
 
     def told(self, what: str, *, cut: bool = False) -> list[Found]:

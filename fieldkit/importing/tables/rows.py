@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.cell import MAX_CELL_VALUE, Channel, converter, gaps, number_in
-from fieldkit.importing.tables.damage import MOST_TOLD
+from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import ENDLESS_LINE_MARK, shown
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -162,7 +162,7 @@ class Rows:
                 continue
             numbers = self._numbers(row, line, cells)
             if isinstance(numbers, DamagedLog):
-                self.told += [numbers] if len(self.told) < MOST_TOLD else []
+                self.told += [numbers] if len(self.told) < MAX_REPORTED else []
                 self.damaged, self.last_damaged = self.damaged + 1, max(row, self.last_damaged)
             else:
                 whole.append((row, numbers, [cells[i] if i < len(cells) else "" for i in self.words.values()]))

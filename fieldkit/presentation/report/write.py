@@ -12,7 +12,7 @@ from fieldkit.presentation.report.card import Card
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import svg
 from fieldkit.presentation.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
-from fieldkit.presentation.report.pictures import forecast, foretold_flown, log, picture
+from fieldkit.presentation.report.pictures import forecast, forecasts_and_apogees, log, picture
 from fieldkit.presentation.report.style import bound, drawn, styled
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
@@ -101,7 +101,9 @@ def _card(card: Card) -> dict[str, Any]:
 
 
 def _overview(book: FlightReport, kind: str) -> bytes:
-    return picture(partial(foretold_flown, cards=book.cards), (PICTURE_WIDTH, 1.0 + 0.26 * len(book.cards)), kind)
+    return picture(
+        partial(forecasts_and_apogees, cards=book.cards), (PICTURE_WIDTH, 1.0 + 0.26 * len(book.cards)), kind
+    )
 
 
 def _markdown(book: FlightReport, path: Path, tell: ReportProgress) -> Iterator[tuple[Path, bytes]]:

@@ -22,13 +22,13 @@ from fieldkit.tui.imports.import_look import (
     Look,
     ReadOptions,
     by_keys,
+    folder_text,
     in_a_line,
     left_out,
     listed,
     look_at,
     name_and_size,
     store,
-    told,
     what_it_brings,
     what_it_holds,
 )
@@ -122,7 +122,7 @@ class ImportScreen(PageScreen):
 
     def _listed(self, folder: Path, mark: Path | None, paths: list[Path]) -> None:
         self._folder = folder
-        self.query_one("#where", Static).update(Content(printable(told(folder))))
+        self.query_one("#where", Static).update(Content(printable(folder_text(folder))))
         rows = {path: name_and_size(path) for path in paths}
         self._reading = replace(self._reading, marked=tuple(path for path in self._reading.marked if path in rows))
         table = self.query_one("#files", Table)

@@ -282,9 +282,9 @@ class NextScreen(PageScreen):
         self.ask(work, self._kept, "keep")
 
     def _kept(self, made: "list[Prediction]") -> None:
-        from fieldkit.tui.next.next_words import kept_in_words
+        from fieldkit.tui.next.next_words import saved_in_words
 
-        self.tell(kept_in_words(made[0], self.desk.settings.units))
+        self.tell(saved_in_words(made[0], self.desk.settings.units))
         self.changed_for_others()
 
     def copied(self) -> str:

@@ -106,7 +106,7 @@ def test_many_damaged_rows_are_told_of_as_one() -> None:
     log = b"".join(b"%d,1\nx,1\n" % i for i in range(500))
     table = read_columns(log, CHANNELS, after=0)
     assert len(table) == 500
-    assert told(table)[rows.MOST_TOLD :] == ["found 480 more rows that are damaged"]
+    assert told(table)[rows.MAX_REPORTED :] == ["found 480 more rows that are damaged"]
 
 
 def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
