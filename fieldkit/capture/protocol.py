@@ -56,14 +56,14 @@ def unheard(heard: bytes) -> bool:
 class Protocol:
     """One kind of unit on a serial port.
 
-    `talk` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
+    `dialogue` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
     it got, when a lost unit is back. `recognizes_stream` says whether bytes heard unasked can only be from it. `logs`
     takes out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
     """
 
     title: str
     settings: PortSettings
-    talk: Callable[[Link, CaptureOptions, Captured], Dialogue[bool]]
+    dialogue: Callable[[Link, CaptureOptions, Captured], Dialogue[bool]]
     logs: Callable[[Captured], list[Log]] = as_it_came
     recognizes_stream: Callable[[bytes], bool] = unheard
     invites: str = ""

@@ -171,7 +171,7 @@ def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
     one = known_devices()[link.line.protocol]
     if one.invites:
         yield Instruction(one.invites)
-    return (yield from one.talk(link, wishes, read_capture(link.line.tape.file)))
+    return (yield from one.dialogue(link, wishes, read_capture(link.line.tape.file)))
 
 
 def _reopened(

@@ -62,9 +62,9 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
     from fieldkit.services.planning import rocket_of
 
     motors = known_motors()
-    with open_ledger(context) as ledger, progress("planning") as tell:
+    with open_ledger(context) as ledger, progress("planning") as on_progress:
         name = which_rocket(ledger, given.get("rocket"))
-        tell(f"flying {name} on what its flights taught", 0.3)
+        on_progress(f"flying {name} on what its flights taught", 0.3)
         flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         yield PlanContext(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())

@@ -49,12 +49,12 @@ def score(
         check_picture(out)
         force = settled(out, force)
     other = read_hyperprior(hyperprior) if hyperprior else None
-    with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
+    with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as on_progress:
         motors = known_motors()
         name = which_rocket(ledger, rocket) if rocket else None
         made = [one for one in list_forecasts(ledger, motors) if name in (None, one.made.rocket)]
         before = record(ledger, motors, made)
-        rows = replayed(ledger, motors, name, hyperprior=other, tell=tell)
+        rows = replayed(ledger, motors, name, hyperprior=other, on_progress=on_progress)
         if other is None:
             keep_forecasts(ledger, rows)
     if not rows:

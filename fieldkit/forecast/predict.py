@@ -42,13 +42,13 @@ def forecast_model(
     found: Sequence[Found],
     accepted: Sequence[Place] = (),
     flown: int | None = None,
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
     hyperprior: Hyperprior | None = None,
 ) -> Model:
     """The model of a rocket that its next flight is forecast with, by default with the learned hyperprior; arguments as
     in `rocket_model`."""
-    return rocket_model(flights, found, accepted, hyperprior or learned(), flown, turns, shared)
+    return rocket_model(flights, found, accepted, hyperprior or learned(), flown, flight_index, shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -58,7 +58,7 @@ def model_name(accepted: Sequence[Place]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class FittedForecast:
-    """What a rocket's flights taught of planned ones: draws of every term, ready to be flown.
+    """The posterior of a rocket's flights for planned ones: draws of every term, ready to be flown.
 
     `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
     flights that taught it, `name` names it; from `rng` comes the luck of single flights. `left_out` as in `Prediction`.
@@ -97,12 +97,12 @@ def predict(
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
-        own, turns = [planned[row] for row in rows], [len(flown) + row for row in rows]
+        own, flight_index = [planned[row] for row in rows], [len(flown) + row for row in rows]
         taught = learn(
             flown,
             own,
             accepted,
-            turns,
+            flight_index,
             declared=declared,
             cds=cds,
             shared=shared,
@@ -119,7 +119,7 @@ def learn(
     flown: Sequence[tuple[Flight, Found]],
     planned: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     *,
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
@@ -135,7 +135,7 @@ def learn(
     flights[: len(flown)], left_out = consistency_check(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    order = [*range(len(flown)), *(turns or [len(flown)] * len(planned))]
+    order = [*range(len(flown)), *(flight_index or [len(flown)] * len(planned))]
     own = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
     if own and shared:  # a design takes the place of what other rockets show of drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
@@ -221,7 +221,7 @@ def fly_ahead(
             rests_on=fitted.rests_on,
             model=fitted.name,
             left_out=fitted.left_out,
-            luck=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
+            random_draws=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
             **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
@@ -250,12 +250,12 @@ def _drawn(
     sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, taught] = learned
-    luck: dict[str, Float[Array, "draw"]] = {}
+    random_draws: dict[str, Float[Array, "draw"]] = {}
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
         kind = _level(term.name)
-        luck[kind] = luck[kind] if kind in luck else rng.normal(size=draws)
-        values[:, i] = np.clip(term.mean + sds[:, i] * luck[kind], term.low, term.high)
+        random_draws[kind] = random_draws[kind] if kind in random_draws else rng.normal(size=draws)
+        values[:, i] = np.clip(term.mean + sds[:, i] * random_draws[kind], term.low, term.high)
     return values, _scales(result, which)
 
 

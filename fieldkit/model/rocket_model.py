@@ -74,15 +74,15 @@ class Model:
 
     `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms
     they have in common with this one. A `coarse` one flies by `COARSE_SETTINGS` curves and steps: to fit flights, or
-    for hundreds of motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer
-    chooses among share one.
+    for hundreds of motors at once. `flight_index` are the places of the flights in the order flown, from 0; plans that
+    a flyer chooses among share one.
     """
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
-    turns: tuple[int, ...]
+    flight_index: tuple[int, ...]
     hyperprior: Hyperprior = CERTIFIED_PRIOR
     shared: SharedPrior | None = None
     coarse: bool = False
@@ -113,7 +113,7 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "turns")}
+        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "flight_index")}
         return replace(self, **kept, terms=terms)
 
 
@@ -148,12 +148,12 @@ def base_model(
     found: Sequence[Found],
     hyperprior: Hyperprior = CERTIFIED_PRIOR,
     flown: int | None = None,
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
     """The model of a rocket without effects: every random effect that the hyperprior has, for the groups there are.
 
-    `flown` as in `reference_area`, `turns` and `shared` as in `Model`, the turns by default one after the other.
+    `flown` as in `reference_area`, `flight_index` and `shared` as in `Model`, the turns by default one after the other.
     """
     area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
@@ -162,7 +162,7 @@ def base_model(
     if unknown:
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
-    order = tuple(turns or range(len(flights)))
+    order = tuple(flight_index or range(len(flights)))
     return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
 
 

@@ -139,7 +139,7 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing
-        for listings in catalogue.shelf.values()
+        for listings in catalogue.listings.values()
         for listing in listings
         if listing.diameter < widest and (wanted.retired or listing.available)
     ]

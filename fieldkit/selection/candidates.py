@@ -132,7 +132,7 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
     first = names.index(place.since) if place.since in names else 0
-    since = np.array(model.turns) - first
+    since = np.array(model.flight_index) - first
     weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
     if effect.lacks:
         weight = weight * np.isnan(recorded(model.flights, effect.lacks))

@@ -63,12 +63,12 @@ class Findings:
 def findings(
     rocket: str,
     diagnosis: Diagnosis,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
-    forward = ahead(diagnosis, tell)
+    forward = ahead(diagnosis, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
     return Findings(
         rocket=rocket,

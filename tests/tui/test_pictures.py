@@ -72,7 +72,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
     if scene == "log":
         with Ledger.open(file) as ledger:
             bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
-    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, tell: looked_at()):
+    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, on_progress: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
             for theme in THEMES:

@@ -72,7 +72,7 @@ def _frame(content: bytes) -> AnswerFrame:
     return AnswerFrame(content, good, len(data) - good, end >= 0)
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
@@ -227,5 +227,5 @@ def logs(captured: Captured) -> list[Log]:
 
 
 PROTOCOL = Protocol(
-    "bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", PortSettings(38_400), talk, logs, recognizes_stream
+    "bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", PortSettings(38_400), dialogue, logs, recognizes_stream
 )

@@ -28,7 +28,7 @@ def recognizes_stream(heard: bytes) -> bool:
     return _HEADER.search(heard) is not None
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -52,7 +52,7 @@ def logs(captured: Captured) -> list[Log]:
 PROTOCOL = Protocol(
     "Eggtimer Classic, TRS (text, as printed)",
     PortSettings(9600),
-    talk,
+    dialogue,
     logs,
     recognizes_stream,
     invites="press the unit's button for its summary, again for the detail; half a minute of silence ends the capture",

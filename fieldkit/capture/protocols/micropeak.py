@@ -118,7 +118,7 @@ def recognizes_stream(heard: bytes) -> bool:
     return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     stream = Stream()
     useful = time.monotonic()
     base = link.samples
@@ -175,7 +175,7 @@ def _end(raw: bytes, record: Record) -> int:
 PROTOCOL = Protocol(
     "Altus Metrum MicroPeak, MicroKite, MicroPeak 2",
     PortSettings(9600),
-    talk,
+    dialogue,
     logs,
     recognizes_stream,
     invites="hold the unit's LED over the adapter and switch the unit on",

@@ -29,7 +29,7 @@ def recognizes_stream(heard: bytes) -> bool:
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -59,7 +59,7 @@ def logs(captured: Captured) -> list[Log]:
 PROTOCOL = Protocol(
     "PerfectFlite StratoLogger live telemetry (its memory is read by the vendor's program only)",
     PortSettings(9600),
-    talk,
+    dialogue,
     logs,
     recognizes_stream,
     invites="switch the unit on; the capture goes on until it is stopped or the unit goes silent",

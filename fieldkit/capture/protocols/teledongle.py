@@ -52,7 +52,7 @@ def recognizes_stream(heard: bytes) -> bool:
     return any(packet(line) for line in heard.decode("latin-1").splitlines()[:-1])
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
     yield from silence_echo(link)
     if not (yield from version(link)):
@@ -88,4 +88,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join(lines) + b"\n")] if lines else []
 
 
-PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", PortSettings(9600), talk, logs, recognizes_stream)
+PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", PortSettings(9600), dialogue, logs, recognizes_stream)

@@ -76,13 +76,13 @@ def fit_lanes(
     angle_slope: Float[Array, "flight readout"],
     rounds: int = ROUNDS,
     worth: float = -np.inf,
-    tell: Callable[[float], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
     *,
     near: bool = False,
 ) -> list[Fit]:
     """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
 
-    A lane whose log evidence stays below `worth` is not followed further. `tell` hears the share done.
+    A lane whose log evidence stays below `worth` is not followed further. `on_progress` hears the share done.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
@@ -92,8 +92,8 @@ def fit_lanes(
     for turn in range(rounds):
         along = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], angle_slope)
         for number, (i, tangent) in enumerate(zip(moving, along, strict=True)):
-            if tell:
-                tell((turn + (number + 1) / len(moving)) / rounds)
+            if on_progress:
+                on_progress((turn + (number + 1) / len(moving)) / rounds)
             results[i] = solve(parts[i], data, tangent)
         best = _best(lanes, results)
         moving = [

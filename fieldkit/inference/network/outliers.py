@@ -23,7 +23,7 @@ FALSE_ALARMS = 0.01
 
 @dataclass(frozen=True, slots=True)
 class PredictedReadouts:
-    """Each readout as the others foretell it, on the scale of `shown`; nan where there is no readout."""
+    """Each readout as predicted from the others, on the scale of `shown`; nan if there is no readout."""
 
     shown: Float[Array, "flight seen"]
     mean: Float[Array, "flight seen"]

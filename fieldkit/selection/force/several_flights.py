@@ -72,7 +72,7 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
     if len(climbs) < MIN_CLIMBS:
         return ()
     known = {term.name: term for term in terms}
-    scatters = {term.name: term.luck for term in terms if term.luck}
+    scatters = {term.name: term.random_draw_sd for term in terms if term.random_draw_sd}
     candidates = [name for name in known if sum(name in climb.columns for climb in climbs) >= MIN_CLIMBS]
     chosen = forward(candidates, partial(_steady_gain, climbs, scatters, len(candidates)))
     names = [one.name for one in chosen]
@@ -112,13 +112,13 @@ def _mean(climbs: Sequence[Regression], scatters: Mapping[str, float], name: str
         if name in climb.columns:
             able = _shown(climb, names)
             place = able.index(name)
-            each.append([column[place] for column in (*climb.solve(able), climb.luck(able, scatters))])
-    value, sd, luck = np.array(each).T
+            each.append([column[place] for column in (*climb.solve(able), climb.random_draw_sd(able, scatters))])
+    value, sd, random_draw_sd = np.array(each).T
     weight = 1 / sd**2
     middle = weight @ value / weight.sum()
     excess = weight @ (value - middle) ** 2 - (len(value) - 1)
     between = max(excess / (weight.sum() - (weight**2).sum() / weight.sum()), 0.0)
-    apart, least = 1 / (sd**2 + between), 1 / (sd**2 + luck**2)
+    apart, least = 1 / (sd**2 + between), 1 / (sd**2 + random_draw_sd**2)
     weight = np.minimum(apart, least)
     shown, lucky = float(apart.sum() ** -0.5), float(least.sum() ** -0.5)
     return Mean(float(weight @ value / weight.sum()), shown, lucky, len(value))

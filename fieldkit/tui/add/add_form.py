@@ -35,7 +35,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class FormStart:
-    """What the form begins with: what was typed halfway, the units typed last, what the last flight suggests."""
+    """What the form starts with: what was typed so far, the units typed last, what the last flight suggests."""
 
     draft: Mapping[str, str]
     units: Mapping[str, str]

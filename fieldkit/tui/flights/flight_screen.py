@@ -259,7 +259,7 @@ class FlightScreen(PageScreen):
         self.change(change, self._changed)
 
     def _changed(self, flight: Flight) -> None:
-        self.tell(
+        self.show_notice(
             f"{self._flight_id} changed; u takes it back"
             if flight != self._flight
             else f"{self._flight_id} is so already"
