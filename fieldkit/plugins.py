@@ -1,6 +1,6 @@
-"""Finding plug-ins: every module on a shelf that binds one upper-case name.
+"""Finding plug-ins: every module in a plug-in folder that binds one upper-case name.
 
-The shelves are folders without `__init__.py`. In a checkout they stand beside `fieldkit/`, in the
+The plug-in folders have no `__init__.py`. In a checkout they stand beside `fieldkit/`, in the
 installed wheel inside it; in both they are mounted as `fieldkit.parsers` and `fieldkit.models`, so
 nobody else's `models` is ever taken for ours.
 """
@@ -18,39 +18,39 @@ from types import MappingProxyType
 
 from fieldkit.errors import DamagedModel
 
-SHELVES = ("parsers", "models")
+PLUGIN_FOLDERS = ("parsers", "models")
 
 
-def shelf_folder(shelf: str) -> Path:
-    """The folder of a shelf, which may not be there: inside the package, else beside it."""
+def plugin_folder(group: str) -> Path:
+    """A plug-in folder, which may be missing: inside the package, else beside it."""
     package = Path(__file__).parent
-    inside = package / shelf
-    return inside if inside.is_dir() else package.parent / shelf
+    inside = package / group
+    return inside if inside.is_dir() else package.parent / group
 
 
 def mount() -> None:
-    """Make the shelves importable below `fieldkit`, without importing anything from them."""
-    for shelf in SHELVES:
-        folder = shelf_folder(shelf)
-        name = f"fieldkit.{shelf}"
+    """Make the plug-in folders importable below `fieldkit`, without importing anything from them."""
+    for group in PLUGIN_FOLDERS:
+        folder = plugin_folder(group)
+        name = f"fieldkit.{group}"
         if folder.parent == Path(__file__).parent or not folder.is_dir() or name in sys.modules:
             continue
         spec = ModuleSpec(name, None, is_package=True)
         spec.submodule_search_locations = [str(folder)]
         module = module_from_spec(spec)
         sys.modules[name] = module
-        setattr(sys.modules["fieldkit"], shelf, module)
+        setattr(sys.modules["fieldkit"], group, module)
 
 
 @cache
-def plugins(shelf: str, attribute: str) -> Mapping[str, object]:
-    """What the modules of a shelf bind to `attribute`, by module name in alphabetical order.
+def plugins(group: str, attribute: str) -> Mapping[str, object]:
+    """What the modules of a plug-in folder bind to `attribute`, by module name in alphabetical order.
 
     `plugins("parsers", "PARSER")`, `plugins("models.effects", "EFFECT")`. Modules whose name begins
     with an underscore are helpers and left out. A module without the attribute is a fault of ours
     and raises AttributeError.
     """
-    package = import_module(f"fieldkit.{shelf}")
+    package = import_module(f"fieldkit.{group}")
     names = sorted(m.name for m in iter_modules(package.__path__) if not (m.ispkg or m.name.startswith("_")))
     modules = {name: import_module(f"{package.__name__}.{name}") for name in names}
     return MappingProxyType({name: getattr(module, attribute) for name, module in modules.items()})
@@ -58,13 +58,13 @@ def plugins(shelf: str, attribute: str) -> Mapping[str, object]:
 
 def trained() -> list[str]:
     """The names of the trained ensembles, in alphabetical order: each is a folder with a `card.json`."""
-    folder = shelf_folder("models") / "trained"
+    folder = plugin_folder("models") / "trained"
     return sorted(card.parent.name for card in folder.glob("*/card.json"))
 
 
 def trained_digests() -> dict[str, str]:
     """The digest of each trained ensemble's graph by name, as its card has it; nothing is loaded or checked."""
-    folder = shelf_folder("models") / "trained"
+    folder = plugin_folder("models") / "trained"
     cards = {name: json.loads((folder / name / "card.json").read_text(encoding="utf-8")) for name in trained()}
     return {name: str(card["digests"]["ensemble.onnx"]) for name, card in cards.items()}
 
@@ -73,4 +73,4 @@ def trained_folder(name: str) -> Path:
     """The folder of a trained ensemble. Raises DamagedModel that lists the names there are."""
     if name not in trained():
         raise DamagedModel(f"no trained ensemble is called {name!r}; there are {', '.join(trained()) or 'none'}")
-    return shelf_folder("models") / "trained" / name
+    return plugin_folder("models") / "trained" / name

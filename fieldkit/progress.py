@@ -1,15 +1,15 @@
-"""Long work tells how far it is: whoever waits for it hands it something to tell."""
+"""Progress callbacks: long work reports what it is doing and the fraction that is done."""
 
 from collections.abc import Callable
 
 ReportProgress = Callable[[str, float], None]
-"""Told what is being done and the share that is done."""
+"""Callback that receives what is being done and the fraction that is done. [1]"""
 
 
 def no_op(_text: str, _share: float) -> None:
-    """Where nobody listens."""
+    """The callback that ignores every report."""
 
 
-def part(tell: ReportProgress, start: float, share: float) -> ReportProgress:
-    """What a part of some work is to tell, which begins at one share of the whole and is another."""
-    return lambda text, done: tell(text, start + share * done)
+def part(on_progress: ReportProgress, start: float, share: float) -> ReportProgress:
+    """The callback for a part of some work, which starts at one fraction of the whole and covers `share` of it."""
+    return lambda text, done: on_progress(text, start + share * done)

@@ -40,7 +40,7 @@ COLUMNS = {
 """The ten readouts as the journal names them: field of `Flight`, unit."""
 LAUNCH = ("LaunchID", "RocketID", "LaunchNumber", "Date", "Motors", "DelayNote", *COLUMNS, "Note")
 ROCKET = ("RocketID", "Name", "Weight")
-KEPT_FIELDS = ("LaunchNumber", "DelayNote")
+COPIED_FIELDS = ("LaunchNumber", "DelayNote")
 STAGE_MARK = re.compile(r"\s+[\xbd?]\s+")
 DEVICE = "AltimeterTwo"
 
@@ -134,7 +134,7 @@ def _launch(row: int, record: Mapping[str, str]) -> Reading:
         "motor": "Motors",
         "flight_id": "LaunchID",
     }
-    extra = {name: record[name] for name in KEPT_FIELDS if record[name]}
+    extra = {name: record[name] for name in COPIED_FIELDS if record[name]}
     return Reading(stated, extra, columns, row, rocket_key=record["RocketID"], device=DEVICE)
 
 

@@ -83,7 +83,7 @@ def read(log: bytes) -> list[Found]:
         if samples > MAX_SAMPLES or len(live) > MAX_SAMPLES * 8 or len(flights) > MOST_FLIGHTS:
             more = f"{MOST_FLIGHTS} flights" if len(flights) > MOST_FLIGHTS else f"{MAX_SAMPLES} samples"
             raise DamagedLog(f"found more than {more}, expected at most what an altimeter holds", row=row)
-    found = damaged.told("sentences")
+    found = damaged.reported("sentences")
     if log.rfind(b"$") > log.rfind(b";"):
         found.append(Note("ends within a sentence, left out", row=log.count(b"\n") + 1))
     device = f"bdureau {board}".strip()

@@ -30,7 +30,7 @@ ERASED_VOLTAGE = 25.50
 FEET, FEET_A_SECOND = units.unit("length", "ft"), units.unit("speed", "ft/s")
 DATA = re.compile(r"\s*\"?Data\s*:.*Time.*Altitude", re.IGNORECASE)
 STATED_READOUTS = {"apogee": "Apogee", "site_elevation": "Ground Elevation"}
-KEPT_FIELDS = (
+COPIED_FIELDS = (
     *("Software", "Flight Number", "Main Setting", "Apogee Delay", "Drogue At", "Main At"),
     *("Max Drogue Current", "Max Main Current"),
 )
@@ -54,7 +54,7 @@ def read(log: bytes) -> list[Found]:
     parts, found = written.flights()
     first = Reading(
         stated=_stated(header, remarks),
-        extra={name: header[name] for name in KEPT_FIELDS if header.get(name)},
+        extra={name: header[name] for name in COPIED_FIELDS if header.get(name)},
         columns=STATED_READOUTS,
         series=parts[0].series(),
         events=_events(header),

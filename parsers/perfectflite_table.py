@@ -16,7 +16,7 @@ from fieldkit.importing import Found, Note, Parser, Reading
 from fieldkit.importing.tables.columns import Channel, read_columns
 from fieldkit.importing.tables.text import first_lines, shown
 
-WARMTH = re.compile(r"-?\d{1,3}(?:[.,]\d*)?\s*([CF])$")
+TEMPERATURE_WORDS = re.compile(r"-?\d{1,3}(?:[.,]\d*)?\s*([CF])$")
 NUMBER = re.compile(r"-?\d{1,6}(?:[.,]\d*)?$")
 FIRST_ROWS = 20
 
@@ -90,7 +90,7 @@ def _layout(log: bytes) -> ExportLayout | None:
 def _kind(line: str, separator: str) -> tuple[str, str] | None:
     """What ends the cells of temperature and of voltage in a row, None if it is not one of an export."""
     cells = _cells(line, separator)
-    warmth = WARMTH.match(cells[2]) if len(cells) == 4 else None
+    warmth = TEMPERATURE_WORDS.match(cells[2]) if len(cells) == 4 else None
     if not warmth or not NUMBER.match(cells[0]) or not NUMBER.match(cells[1]):
         return None
     return warmth[1], "V" if cells[3].endswith("V") else ""

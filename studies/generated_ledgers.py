@@ -18,7 +18,7 @@ from fieldkit.model.readout_data import IS_LOGARITHMIC, reading_sd
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model, bent, groups, shared_names, shown
 from fieldkit.motors import Found, Motor, catalogue
 from fieldkit.physics.setups import field_setup
-from fieldkit.physics.unique import fly_alike
+from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
 SUBSETS: Mapping[str, tuple[str, ...]] = {
@@ -145,7 +145,7 @@ def _with_delays(
     """Each motor type with a delay near the coast of a rocket of Cd 0.6."""
     flights, found = zip(*rows, strict=True)
     area = np.full(len(rows), np.pi / 4 * caliber**2 * 0.6)
-    coast = fly_alike(field_setup(flights, found, area)).coast_time
+    coast = fly_unique(field_setup(flights, found, area)).coast_time
     kinds = groups(flights, found, "motor")
     delays: dict[str, float] = {}
     for kind, seconds in zip(kinds, coast.tolist(), strict=True):

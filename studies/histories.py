@@ -48,16 +48,18 @@ class History:
     said: tuple[str, ...]
 
 
-def histories(rockets: Mapping[str, Sequence[tuple[Flight, Found]]], tell: ReportProgress = no_op) -> list[History]:
+def histories(
+    rockets: Mapping[str, Sequence[tuple[Flight, Found]]], on_progress: ReportProgress = no_op
+) -> list[History]:
     """Every rocket with flights enough, most flights first."""
     known = {name: flown for name, flown in rockets.items() if len(_clean(flown)) >= MIN_CLEAN_FLIGHTS}
     found = []
     for number, (name, flown) in enumerate(known.items()):
 
-        def told(flight: str, share: float, name: str = name, number: int = number) -> None:
-            tell(f"{name} {flight}", (number + share) / len(known))
+        def report_flight(flight: str, share: float, name: str = name, number: int = number) -> None:
+            on_progress(f"{name} {flight}", (number + share) / len(known))
 
-        found.append(_history(name, flown, told))
+        found.append(_history(name, flown, report_flight))
     return sorted(found, key=lambda one: -one.flights)
 
 
@@ -65,11 +67,11 @@ def _clean(flown: Sequence[tuple[Flight, Found]]) -> list[int]:
     return [row for row, (flight, _) in enumerate(flown) if flight.clean and flight.apogee is not None]
 
 
-def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], tell: ReportProgress) -> History:
+def _history(rocket: str, flown: Sequence[tuple[Flight, Found]], on_progress: ReportProgress) -> History:
     clean = _clean(flown)
     rows = []
     for place, row in enumerate(clean[MIN_CLEAN_FLIGHTS:], start=MIN_CLEAN_FLIGHTS):
-        tell(flown[row][0].flight_id, place / len(clean))
+        on_progress(flown[row][0].flight_id, place / len(clean))
         rows.append(_forecast(flown[:row], flown[row]))
     whole = _close(flown)
     columns = np.array([row[:4] for row in rows], float).reshape(-1, 4).T

@@ -13,7 +13,7 @@ import pytest
 from bench import score
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.inference.training import parts
-from fieldkit.model.prior_predictive import Truth, motors_apart
+from fieldkit.model.prior_predictive import Truth, split_motors
 from fieldkit.parallel import done, workers
 
 
@@ -88,8 +88,8 @@ def test_a_cluster_that_loses_a_worker_flies_the_same_flights(tmp_path: Path, mo
 
 def test_parts_of_another_seed_are_not_taken(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(parts, "SIZE", 60)
-    few = motors_apart()[0][::50]
-    monkeypatch.setattr(parts, "motors_apart", lambda: (few, []))
+    few = split_motors()[0][::50]
+    monkeypatch.setattr(parts, "split_motors", lambda: (few, []))
     told: list[tuple[int, int]] = []
     with ThreadPoolExecutor(1) as pool:
         one = parts.simulate_parts(tmp_path, 1, 100, (), pool, lambda *said: told.append(said))

@@ -21,7 +21,7 @@ from fieldkit.inference.network.field_ensemble import posterior
 from fieldkit.inference.network.mixture import Mixture
 from fieldkit.model.observation_noise import SUBSETS, measure
 from fieldkit.model.observations import ALPHA_RANGE, ALPHA_SD, CD_RANGE, disc
-from fieldkit.model.prior_predictive import Truth, flown_motors, motors_apart, simulate
+from fieldkit.model.prior_predictive import Truth, flown_motors, simulate, split_motors
 from fieldkit.motors import catalogue
 from fieldkit.plugins import trained_folder
 from studies.exact.integrated import Draws, integrate
@@ -118,7 +118,7 @@ def main() -> None:
     motors = flown_motors(catalogue().motors)
     rng = np.random.default_rng(options.seed)
     began = time.process_time()
-    truth = simulate(rng, motors_apart()[1] if options.held_out else motors_apart()[0], options.flights)
+    truth = simulate(rng, split_motors()[1] if options.held_out else split_motors()[0], options.flights)
     whole = measure(rng, truth)
     settings = {"held_out": options.held_out, "seed": options.seed, "draws": options.draws, "asked": options.flights}
     before = json.loads(options.out.read_text(encoding="utf-8")) if options.out.exists() else {}

@@ -26,7 +26,7 @@ from fieldkit.inference.training.field import batch
 from fieldkit.inference.training.fit import one_thread
 from fieldkit.model.field_features import features
 from fieldkit.model.observation_noise import SUBSETS, forget, measure
-from fieldkit.model.prior_predictive import motors_apart, simulate
+from fieldkit.model.prior_predictive import simulate, split_motors
 from fieldkit.plugins import trained_folder
 
 JUDGED = 5000
@@ -121,7 +121,7 @@ def main() -> None:
     parser.add_argument("--shipped", type=Path, default=None)
     parser.add_argument("--without", nargs="*", default=[], help="rivals to leave out")
     options = parser.parse_args()
-    known, _ = motors_apart()
+    known, _ = split_motors()
     streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(options.seed + 1000).spawn(4)]
     truth = simulate(streams[0], known, options.flights)
     fresh = simulate(streams[1], known, JUDGED)

@@ -25,7 +25,7 @@ def restores_beside_writers(folder: Path, writers: int, each: int, restores: int
     file = folder / "ledger.db"
     season(file)
     outcome = Outcome("histories", f"{writers} writers beside {restores} restores")
-    with patch.object(backups, "KEPT", ENOUGH):
+    with patch.object(backups, "MAX_BACKUPS", ENOUGH):
         assert fieldkit(file, "tag", "1", "mine")[0] == 0  # before which the copy is made that is put back
         context = multiprocessing.get_context("fork")
         running = [context.Process(target=_add, args=(file, place, each)) for place in range(writers)]

@@ -80,8 +80,10 @@ def phases(grid: Grid, marks: Marks) -> Int[Integers, "interval"]:
     return np.select([pad, thrust, opens, middle < marks.released], [0, 1, 4, 2], 3)
 
 
-def wanders(phase: Int[Integers, "interval"], thrust: float, coast: float, opening: float) -> Float[Array, "interval"]:
-    """The variance that acceleration gains in a second, in each interval. [m^2/s^5]"""
+def noise_variance(
+    phase: Int[Integers, "interval"], thrust: float, coast: float, opening: float
+) -> Float[Array, "interval"]:
+    """Variance that the acceleration gains per second, by interval. [m^2/s^5]"""
     return np.asarray(np.choose(phase, [_PAD_NOISE, thrust, coast, _DESCENT_NOISE, opening]))
 
 
@@ -104,7 +106,7 @@ class FittedCurve:
 
     def again(self, samples: Samples, guess: Guess, marks: Marks) -> CurvePosterior:
         """The curve about another guess with the same settings."""
-        wander = wanders(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
+        wander = noise_variance(phases(samples.grid, marks), self.thrust, self.coast, self.opening)
         return fit(samples.splines, samples.above(guess), 1 / self.variance, wander)
 
 
@@ -158,7 +160,7 @@ class _Model:
 
     def curve(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> CurvePosterior:
         """The curve through the rest."""
-        wander = wanders(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
+        wander = noise_variance(self.phase, float(np.exp(settings[0])), float(np.exp(settings[1])), self.opening)
         return fit(self.samples.splines, self.rest, weight / self.variance(settings), wander)
 
     def left(self, settings: Float[Array, "four"], weight: Float[Array, "time"]) -> Float[Array, "time"]:

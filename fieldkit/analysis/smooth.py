@@ -1,10 +1,10 @@
 """A curve through noisy heights whose acceleration wanders: its posterior, its derivatives, and draws of it.
 
 The height is a cubic spline on even knots. Between knots its acceleration takes a random step of variance
-`wander` × interval, which is the third-order smoothing spline in its state-space form (Wahba 1978; Kohn and Ansley
-1987); `wander` may change from phase to phase. Observations are heights with normal errors; Student's t errors
-come about by weights that are set anew after each fit (Lange, Little and Taylor 1989). All matrices are banded, so a
-fit costs time in proportion to the number of knots.
+`process_noise` × interval, which is the third-order smoothing spline in its state-space form (Wahba 1978; Kohn and
+Ansley 1987); `process_noise` may change from phase to phase. Observations are heights with normal errors; Student's t
+errors come about by weights that are set anew after each fit (Lange, Little and Taylor 1989). All matrices are banded,
+so a fit costs time in proportion to the number of knots.
 """
 
 from dataclasses import dataclass
@@ -123,16 +123,16 @@ def fit(
     samples: SplineDesign,
     height: Float[Array, "time"],
     precision: Float[Array, "time"],
-    wander: Float[Array, "interval"],
+    process_noise: Float[Array, "interval"],
 ) -> CurvePosterior:
     """The posterior of the curve. Raises LinAlgError where samples are so wild that there is none.
 
-    `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `wander` the
+    `precision` is one over the variance of each height [1/m^2], zero for one that does not count; `process_noise` the
     variance that acceleration gains in a second, for each interval [m^2/s^5].
     """
     from scipy.linalg.lapack import dpbtrf, dpbtrs
 
-    weight = 1 / (wander * samples.grid.step**5)
+    weight = 1 / (process_noise * samples.grid.step**5)
     band = (samples.products @ precision + samples.jumps @ weight).reshape(_DEGREE + 1, -1)
     band[0] += 1e-9  # of a curve that no sample ties down
     right = samples.sums @ (precision * height)

@@ -46,7 +46,7 @@ class Recognised:
 
 @dataclass(frozen=True, slots=True)
 class Instruction:
-    """Something the flyer should do or know, in one line."""
+    """An instruction or a fact for the flyer, in one line."""
 
     text: str
 

@@ -58,7 +58,7 @@ class Link:
         """Send a command of the table. Raises PortLost."""
         self.line.send(command)
 
-    def farewell(self, command: bytes) -> None:
+    def last_command(self, command: bytes) -> None:
         """Send a last command, if there still is somebody to send it to."""
         try:
             self.line.send(command)

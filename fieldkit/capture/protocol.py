@@ -56,16 +56,16 @@ def unheard(heard: bytes) -> bool:
 class Protocol:
     """One kind of unit on a serial port.
 
-    `talk` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
-    it got, when a lost unit is back. `overhears` says whether bytes heard unasked can only be from it. `logs` takes
-    out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
+    `dialogue` reads it all and returns whether nothing is missing; it is called again with the same capture, as far as
+    it got, when a lost unit is back. `recognizes_stream` says whether bytes heard unasked can only be from it. `logs`
+    takes out of a capture what parsers read. Both see noise and torn pieces, and raise nothing.
     """
 
     title: str
     settings: PortSettings
-    talk: Callable[[Link, CaptureOptions, Captured], Dialogue[bool]]
+    dialogue: Callable[[Link, CaptureOptions, Captured], Dialogue[bool]]
     logs: Callable[[Captured], list[Log]] = as_it_came
-    overhears: Callable[[bytes], bool] = unheard
+    recognizes_stream: Callable[[bytes], bool] = unheard
     invites: str = ""
     """What the flyer has to do, said when the port is open."""
 
@@ -113,5 +113,5 @@ def logs_in(file: Path) -> list[Log]:
 
 def _overheard(raw: bytes) -> Protocol | None:
     """The one protocol that bytes can be from, where the journal does not say it."""
-    fitting = [one for one in known_devices().values() if one.overhears(raw)]
+    fitting = [one for one in known_devices().values() if one.recognizes_stream(raw)]
     return fitting[0] if len(fitting) == 1 else None

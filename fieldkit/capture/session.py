@@ -171,7 +171,7 @@ def _converse(link: Link, wishes: CaptureOptions) -> Dialogue[bool]:
     one = known_devices()[link.line.protocol]
     if one.invites:
         yield Instruction(one.invites)
-    return (yield from one.talk(link, wishes, read_capture(link.line.tape.file)))
+    return (yield from one.dialogue(link, wishes, read_capture(link.line.tape.file)))
 
 
 def _reopened(
@@ -229,7 +229,7 @@ _NON_TEXT_BYTES = frozenset(set(range(0x80, 0x100)) | set(range(0x09)) | set(ran
 
 
 def _overheard(heard: bytes) -> list[str]:
-    return [name for name, one in known_devices().items() if one.overhears(heard)]
+    return [name for name, one in known_devices().items() if one.recognizes_stream(heard)]
 
 
 def _become(link: Link, name: str, baud: int, heard: bytes) -> None:

@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
-from fieldkit.cli.predictions import foretold, say_foretold
+from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, print_card
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
@@ -74,35 +74,35 @@ def _from_answers(ledger: "Ledger", *, resume: bool) -> "tuple[Flight, str | Non
     from fieldkit.services.manual_entry import DRAFT, UNITS, with_offers
 
     person = sys.stdin.isatty()
-    talk = Conversation(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
-    _take_up(talk, ledger.draft(DRAFT), resume=resume)
-    talk.units |= (ledger.draft(UNITS) or {}) if person else {}
-    before = dict(talk.units)
-    finished = converse(talk)
-    if person and talk.units != before:
-        ledger.keep_draft(UNITS, talk.units)
+    conversation = Conversation(ledger, _listen_to_person if person else _listen_to_pipe, person, MotorCheck())
+    _take_up(conversation, ledger.draft(DRAFT), resume=resume)
+    conversation.units |= (ledger.draft(UNITS) or {}) if person else {}
+    before = dict(conversation.units)
+    finished = converse(conversation)
+    if person and conversation.units != before:
+        ledger.keep_draft(UNITS, conversation.units)
     if not finished and person:
         complain("kept as it is; `fieldkit add` goes on with it")
         raise typer.Exit(1)
-    return with_offers(ledger, talk.flight, set(talk.answers)), DRAFT if talk.keeps else None
+    return with_offers(ledger, conversation.flight, set(conversation.answers)), DRAFT if conversation.keeps else None
 
 
-def _take_up(talk: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
+def _take_up(conversation: "Conversation", draft: dict[str, str] | None, *, resume: bool) -> None:
     """Go on with a draft where the flyer wants to; a script that says nothing leaves it where it is."""
     if not draft:
         return
     named = ", ".join(f"{name} {text}" for name, text in draft.items() if text)
     if resume:
-        talk.answers |= draft
-    elif talk.patient:
-        answer = talk.listen(f"A flight was typed halfway ({named}). Go on with it? [Y/n]: ")
+        conversation.answers |= draft
+    elif conversation.patient:
+        answer = conversation.listen(f"A flight was typed halfway ({named}). Go on with it? [Y/n]: ")
         if answer is None:
             raise typer.Exit(1)
         if not answer.strip().lower().startswith("n"):
-            talk.answers |= draft
+            conversation.answers |= draft
     else:
         complain(f"note: a flight was typed halfway ({named}); `fieldkit add --resume` goes on with it")
-        talk.keeps = False
+        conversation.keeps = False
 
 
 def _listen_to_person(prompt: str) -> str | None:
@@ -134,7 +134,7 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
         complain("it is in the ledger already")
         return
     print_card(flight, added.new[0])
-    say_foretold(foretold(ledger, flight))
+    print_prediction(prediction_of(ledger, flight))
     for line in implausible_flights([flight], MotorCheck().catalogue):
         complain(f"note: {line}")
     complain("added; `fieldkit undo` takes it back")

@@ -34,9 +34,9 @@ def demo(context: typer.Context) -> None:
     with ExitStack() as stack:
         folder = stack.enter_context(TemporaryDirectory(prefix="fieldkit-"))
         ledger = stack.enter_context(Ledger.open(named or Path(folder) / "demo.db"))
-        with progress("demo") as tell:
-            found = demo(ledger, catalogue(), part(tell, 0.0, 0.7))
-            paper = _paper(part(tell, 0.7, 0.3))
+        with progress("demo") as on_progress:
+            found = demo(ledger, catalogue(), part(on_progress, 0.0, 0.7))
+            paper = _paper(part(on_progress, 0.7, 0.3))
     _import(found)
     _infer(found)
     _predict(found)
@@ -122,13 +122,13 @@ def _loop(found: "Demo") -> None:
     say()
 
 
-def _paper(tell: ReportProgress) -> "PaperReport | None":
+def _paper(on_progress: ReportProgress) -> "PaperReport | None":
     """The reference paper put to the test, where the studies are here."""
     if not studies_are_here():
         return None
     from studies.paper.report import report
 
-    tell("flying the published thrust", 0.0)
+    on_progress("flying the published thrust", 0.0)
     return report()
 
 

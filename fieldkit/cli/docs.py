@@ -41,9 +41,9 @@ def docs(
 
 
 def _text(name: str) -> str:
-    from fieldkit.plugins import shelf_folder
+    from fieldkit.plugins import plugin_folder
 
-    return Path(shelf_folder("docs") / f"{name}.md").read_text(encoding="utf-8")
+    return Path(plugin_folder("docs") / f"{name}.md").read_text(encoding="utf-8")
 
 
 def _title(name: str) -> str:

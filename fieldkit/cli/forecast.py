@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.options import PLAN_TEXTS, takes_plan
-from fieldkit.cli.planning import about_plan, begun_plan, print_safety, safety_of
+from fieldkit.cli.planning import about_plan, plan_from_options, print_safety, safety_of
 from fieldkit.cli.screen import complain, in_both_units, print_json, print_table, progress, say
 from fieldkit.cli.session import MotorCheck, open_ledger
 
@@ -79,7 +79,7 @@ def _plan(ledger: "Ledger", given: dict[str, str | None], check: MotorCheck) -> 
 
     if not given.get("motor"):
         raise typer.BadParameter("found no --motor, expected one such as F24-4W, or --flights with a table of plans")
-    plan = begun_plan(ledger, check.catalogue, given)
+    plan = plan_from_options(ledger, check.catalogue, given)
     if complaint := check(plan.motor):
         raise BadValue(f"--motor: {complaint}")
     return plan

@@ -28,13 +28,13 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
-    from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, fitting, guide, lifts
+    from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
     from fieldkit.planning.safety import ADVICE_NOTE
 
     target = length(fit["target"])
     with planning(context, given) as plan:
         wanted = _wanted(plan, fit, adapter=adapter, retired=retired, shortlisted=shortlisted)
-        motors = fitting(plan.motors, wanted)
+        motors = suitable_motors(plan.motors, wanted)
         mass = plan.flight.dry_mass or 0.0  # without one the guide says so
         strong = [motor for motor in motors if lifts(motor, mass)] or motors
         weak = [motor.designation for motor in motors if not lifts(motor, mass)] if strong is not motors else []

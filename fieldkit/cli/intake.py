@@ -166,9 +166,9 @@ def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:
     if not ledger.predictions():
         return
     from fieldkit.cli.session import known_motors
-    from fieldkit.services.saved_forecasts import by_flight, in_words, kept
+    from fieldkit.services.saved_forecasts import by_flight, in_words, list_forecasts
 
-    said = by_flight(kept(ledger, known_motors()))
+    said = by_flight(list_forecasts(ledger, known_motors()))
     flights = ledger.flights(ids=ids)
     for id, flight in zip(ledger.ids(flights), flights, strict=True):
         if one := said.get((flight.rocket, flight.flight_id)):

@@ -64,11 +64,11 @@ def learn(
     force = settled(out, force) if out else force
     motors = known_motors()
     flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
-    with progress("learning") as tell:
-        found = learned_from(flyers, afresh=afresh, since=since.date() if since else None, tell=tell)
+    with progress("learning") as on_progress:
+        found = learned_from(flyers, afresh=afresh, since=since.date() if since else None, on_progress=on_progress)
     if check:
-        with workers(cluster) if cluster else nullcontext() as pool, progress("leaving each rocket out") as tell:
-            checked = left_out(flyers, found, afresh=afresh, pool=pool, tell=tell)
+        with workers(cluster) if cluster else nullcontext() as pool, progress("leaving each rocket out") as on_progress:
+            checked = left_out(flyers, found, afresh=afresh, pool=pool, on_progress=on_progress)
         found = replace(found, about={**found.about, "scores": scores(checked)})
     text = dumps(found.json(), indent=1, sort_keys=False)
     if out:

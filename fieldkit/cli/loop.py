@@ -48,8 +48,8 @@ def loop(
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
         given = effect.split("+") if effect else []
-        with progress("looking for an effect") as tell:
-            found = close_loop.look(ledger, known_motors(), name, tell, accept=not look, given=given)
+        with progress("looking for an effect") as on_progress:
+            found = close_loop.look(ledger, known_motors(), name, on_progress, accept=not look, given=given)
     if page is not None:
         write_page(found, page, force=force)
         complain(f"report written to {page}")

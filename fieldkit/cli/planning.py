@@ -62,15 +62,15 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
     from fieldkit.services.planning import rocket_of
 
     motors = known_motors()
-    with open_ledger(context) as ledger, progress("planning") as tell:
+    with open_ledger(context) as ledger, progress("planning") as on_progress:
         name = which_rocket(ledger, given.get("rocket"))
-        tell(f"flying {name} on what its flights taught", 0.3)
-        flight = begun_plan(ledger, motors, {**given, "rocket": name})
+        on_progress(f"flying {name} on what its flights taught", 0.3)
+        flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         yield PlanContext(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
 
 
-def begun_plan(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
+def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
     """The flight that options describe; rocket, configuration, mass, rail and site are the last flown where not said.
 
     Raises BadValue.
@@ -78,7 +78,7 @@ def begun_plan(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.safety import motor_temperature
-    from fieldkit.services.planning import begun
+    from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
 
     changes = {name: text for name, text in given.items() if text is not None and name not in dict(FIELD)}
@@ -88,7 +88,7 @@ def begun_plan(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
-    return begun(ledger, motors, plan, read_settings())
+    return completed_plan(ledger, motors, plan, read_settings())
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
@@ -179,9 +179,9 @@ _WIDTH = 79
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan and all safety lines, well or not, and who decides."""
-    from fieldkit.planning.safety import told
+    from fieldkit.planning.safety import safety_text
 
     print_conditions(plan, starts)
     say("  safety")
-    for text in told(lines):
+    for text in safety_text(lines):
         say_wrapped(f"    {text}", "  ")

@@ -24,11 +24,11 @@ def predictions(
 ) -> None:
     """List the predictions kept: those still open, those that became stale and why, and those flown."""
     from fieldkit.services.forecasts import which_rocket
-    from fieldkit.services.saved_forecasts import LISTED_STATES, kept, standing
+    from fieldkit.services.saved_forecasts import LISTED_STATES, list_forecasts, standing
 
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket) if rocket else None
-        found = kept(ledger, known_motors(), name)
+        found = list_forecasts(ledger, known_motors(), name)
         where = ledger.name
     shown = [one for one in found if every or one.state in LISTED_STATES]
     if json:
@@ -67,8 +67,8 @@ def _cells(one: "SavedForecast") -> list[str]:
     ]
 
 
-def foretold(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
-    """The prediction that a flight is measured against; a ledger without any wakes nothing to say so."""
+def prediction_of(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
+    """The prediction that a flight is measured against, or None."""
     if not ledger.predictions(flight.rocket):
         return None
     from fieldkit.services.saved_forecasts import of_flight
@@ -76,8 +76,8 @@ def foretold(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
     return of_flight(ledger, known_motors(), flight)
 
 
-def say_foretold(said: "SavedForecast | None") -> None:
-    """Print what was foretold for a flight beside what it flew, where something was."""
+def print_prediction(said: "SavedForecast | None") -> None:
+    """Print the forecast of a flight beside what it flew, if there is one."""
     if said is None:
         return
     from fieldkit.services.saved_forecasts import in_words

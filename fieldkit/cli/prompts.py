@@ -7,7 +7,7 @@ from fieldkit.cli.screen import complain
 from fieldkit.cli.session import MotorCheck
 from fieldkit.errors import BadValue, UnknownMotor
 from fieldkit.flight import Flight
-from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
 from fieldkit.ledger import Ledger
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
@@ -36,111 +36,115 @@ class Conversation:
     keeps: bool = True
 
 
-def converse(talk: Conversation) -> bool:
+def converse(conversation: Conversation) -> bool:
     """Ask all that is not answered yet; False when the answers ended early."""
-    place = _caught_up(talk)
+    place = _caught_up(conversation)
     while place < len(QUESTIONS):
         question = QUESTIONS[place]
-        text = talk.listen(_prompt(talk, question))
+        text = conversation.listen(_prompt(conversation, question))
         if text is None:
             return False
         if text.strip() == BACK:
             place = max(0, place - 1)
         elif text.strip() == "?":
-            _explain(talk, question)
+            _explain(conversation, question)
         elif question.name == "motor" and text.strip().startswith("?"):
-            _search(talk, text.strip()[1:])
+            _search(conversation, text.strip()[1:])
         else:
-            place += _answered(talk, question, text)
+            place += _answered(conversation, question, text)
     return True
 
 
-def _caught_up(talk: Conversation) -> int:
+def _caught_up(conversation: Conversation) -> int:
     """Take the answers that a draft holds; the place of the first question that it leaves open."""
     for place, question in enumerate(QUESTIONS):
-        text = talk.answers.get(question.name)
+        text = conversation.answers.get(question.name)
         if text is None:
             return place
         try:
-            _take(talk, question, text)
+            _take(conversation, question, text)
         except (BadValue, UnknownMotor) as error:  # a motor file may be gone since
             complain(f"{question.title}: {error}")
-            del talk.answers[question.name]
+            del conversation.answers[question.name]
             return place
     return len(QUESTIONS)
 
 
-def offer(talk: Conversation, question: Question) -> str:
+def offer(conversation: Conversation, question: Question) -> str:
     """What Enter takes: the answer given before, or the one of the last flight like this."""
-    if question.name in talk.answers:
-        return talk.answers[question.name]
-    return manual_entry.offer(talk.ledger, talk.flight, question)
+    if question.name in conversation.answers:
+        return conversation.answers[question.name]
+    return manual_entry.offer(conversation.ledger, conversation.flight, question)
 
 
-def _prompt(talk: Conversation, question: Question) -> str:
-    offered = offer(talk, question)
-    unit = f" ({spelled(_unit(talk, question))})" if question.column else ""
+def _prompt(conversation: Conversation, question: Question) -> str:
+    offered = offer(conversation, question)
+    unit = f" ({spelled(_unit(conversation, question))})" if question.column else ""
     return f"{question.title}{unit}{f' [{printable(offered)}]' if offered else ''}: "
 
 
-def _unit(talk: Conversation, question: Question) -> str:
+def _unit(conversation: Conversation, question: Question) -> str:
     """The unit of a number typed without one."""
     column = question.column
     if column is None:
         return ""
-    return talk.units.get(manual_entry.kind(column), column.unit) if talk.patient else column.unit
+    return conversation.units.get(manual_entry.kind(column), column.unit) if conversation.patient else column.unit
 
 
-def _answered(talk: Conversation, question: Question, text: str) -> bool:
+def _answered(conversation: Conversation, question: Question, text: str) -> bool:
     """Take an answer if it can be read and, where it is odd, is kept on being asked."""
-    text = text.strip() or offer(talk, question)
+    text = text.strip() or offer(conversation, question)
     while True:
         try:
-            _take(talk, question, text)
+            _take(conversation, question, text)
         except (BadValue, UnknownMotor) as error:
             complain(f"{question.title}: {error}")
             return False
-        odd = oddities(talk.flight, question.name, manual_entry.usual(talk.ledger, talk.flight))
+        odd = implausible_answers(
+            conversation.flight, question.name, manual_entry.usual(conversation.ledger, conversation.flight)
+        )
         for phrase in odd:
             complain(f"  odd: {phrase}")
-        again = talk.listen("  Enter keeps it, or type it again: ") if odd and talk.patient else ""
+        again = conversation.listen("  Enter keeps it, or type it again: ") if odd and conversation.patient else ""
         if not again or not again.strip():
             break
         if again.strip() == BACK:
             return False
         text = again.strip()
-    talk.answers[question.name] = _with_unit(talk, question, text)
-    if talk.keeps:
-        talk.ledger.keep_draft(manual_entry.DRAFT, talk.answers)
+    conversation.answers[question.name] = _with_unit(conversation, question, text)
+    if conversation.keeps:
+        conversation.ledger.keep_draft(manual_entry.DRAFT, conversation.answers)
     return True
 
 
-def _take(talk: Conversation, question: Question, text: str) -> None:
+def _take(conversation: Conversation, question: Question, text: str) -> None:
     """Read an answer into the flight. Raises BadValue or UnknownMotor."""
     if text == NOT_RECORDED:
         text = ""
     if question.name == "rocket" and not text:
         raise BadValue("found nothing, expected the rocket's name")
     if question.name == "motor" and text:
-        _look_up(talk, text)
-    value = read_answer(question.name, text, _unit(talk, question))
-    talk.flight = talk.flight.with_changes(**{question.name: value})
+        _look_up(conversation, text)
+    value = read_answer(question.name, text, _unit(conversation, question))
+    conversation.flight = conversation.flight.with_changes(**{question.name: value})
 
 
-def _with_unit(talk: Conversation, question: Question, text: str) -> str:
+def _with_unit(conversation: Conversation, question: Question, text: str) -> str:
     """A number with the unit it was meant in, which is remembered for the next; another text as it is."""
     column = question.column
     if column is None or text in ("", NOT_RECORDED):
         return text
-    unit = talk.units[manual_entry.kind(column)] = manual_entry.typed_unit(text) or _unit(talk, question)
+    unit = conversation.units[manual_entry.kind(column)] = manual_entry.typed_unit(text) or _unit(
+        conversation, question
+    )
     return manual_entry.with_unit(text, unit)
 
 
-def _look_up(talk: Conversation, text: str) -> None:
+def _look_up(conversation: Conversation, text: str) -> None:
     if _several(text):
         complain("Motor: several at once; the tag `cluster` keeps the flight from teaching the model")
         return
-    for note in talk.motors.catalogue.resolve(text).notes:
+    for note in conversation.motors.catalogue.resolve(text).notes:
         complain(f"Motor: {note}")
 
 
@@ -150,17 +154,17 @@ def _several(motor: str) -> bool:
     return is_cluster(motor)
 
 
-def _explain(talk: Conversation, question: Question) -> None:
+def _explain(conversation: Conversation, question: Question) -> None:
     """What a question is about, and what was answered to it so far."""
     complain(question.help)
     if question.name in ("rocket", "config", "motor", "site"):
-        rocket = None if question.name in ("rocket", "site") else talk.flight.rocket
-        if known := talk.ledger.names(question.name, rocket):
+        rocket = None if question.name in ("rocket", "site") else conversation.flight.rocket
+        if known := conversation.ledger.names(question.name, rocket):
             complain(f"  so far {', '.join(known)}")
 
 
-def _search(talk: Conversation, text: str) -> None:
-    found = talk.motors.catalogue.search(text)
+def _search(conversation: Conversation, text: str) -> None:
+    found = conversation.motors.catalogue.search(text)
     for motor in found[:10]:
         size = f"{motor.diameter * 1e3:g} mm, {motor.total_impulse:.4g} N s"
         complain(f"  {motor.maker} {motor.designation}, {size}")

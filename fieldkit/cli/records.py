@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import flight_ids, rocket_names
-from fieldkit.cli.predictions import foretold, say_foretold
+from fieldkit.cli.predictions import prediction_of, print_prediction
 from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
@@ -72,7 +72,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         found = ledger.flight(flight)
         (id,) = ledger.ids([found])
         recording = _recording(ledger, flight) if found.log or "log_format" in found.extra else None
-        said = foretold(ledger, found)
+        said = prediction_of(ledger, found)
     if json:
         from fieldkit.cli.compare import document as measured
 
@@ -83,7 +83,7 @@ def show(context: typer.Context, flight: FlightId, json: AsJson = False) -> None
         )
         return
     print_card(found, id)
-    say_foretold(said)
+    print_prediction(said)
     if recording:
         _print_events(recording)
         if _measures_otherwise(found, recording):

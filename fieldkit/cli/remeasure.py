@@ -34,9 +34,9 @@ def remeasure(
     choices, found, without, errors = list(remembered()), list[Remeasured](), 0, dict[str, str]()
     with open_ledger(context) as ledger:
         ids = flights or ledger.ids(ledger.flights(rocket))
-        with progress("reading logs again") as tell:
+        with progress("reading logs again") as on_progress:
             for place, id in enumerate(ids):
-                tell(id, place / len(ids))
+                on_progress(id, place / len(ids))
                 try:
                     one = remeasured(ledger, id, choices)
                 except FieldkitError as error:

@@ -29,7 +29,7 @@ def report(
 
     check_report(out)
     force = settled(out, force)
-    with open_ledger(context) as ledger, progress("report") as tell:
-        made = book(ledger, known_motors(), what, part(tell, 0.0, 0.6))
-        files = write_report(made, out, part(tell, 0.6, 0.4), force=force)
+    with open_ledger(context) as ledger, progress("report") as on_progress:
+        made = book(ledger, known_motors(), what, part(on_progress, 0.0, 0.6))
+        files = write_report(made, out, part(on_progress, 0.6, 0.4), force=force)
     say(f"{made.title}: {', '.join(str(file) for file in files[:3])}{' and more' if len(files) > 3 else ''}")

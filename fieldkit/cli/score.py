@@ -38,9 +38,9 @@ def score(
     from fieldkit.forecast.evaluation.comparison import judged_report
     from fieldkit.forecast.evaluation.forward_in_time import corrected_coverage, next_weights
     from fieldkit.forecast.evaluation.rivals import LABELS
-    from fieldkit.presentation.json_documents import finite, kept_document, replayed_document
+    from fieldkit.presentation.json_documents import finite, replayed_document, saved_forecasts_document
     from fieldkit.services.forecasts import keep_forecasts, which_rocket
-    from fieldkit.services.saved_forecasts import kept
+    from fieldkit.services.saved_forecasts import list_forecasts
     from fieldkit.services.track_record import read_hyperprior, record, replayed
 
     if out is not None:
@@ -49,12 +49,12 @@ def score(
         check_picture(out)
         force = settled(out, force)
     other = read_hyperprior(hyperprior) if hyperprior else None
-    with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as tell:
+    with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as on_progress:
         motors = known_motors()
         name = which_rocket(ledger, rocket) if rocket else None
-        made = [one for one in kept(ledger, motors) if name in (None, one.made.rocket)]
+        made = [one for one in list_forecasts(ledger, motors) if name in (None, one.made.rocket)]
         before = record(ledger, motors, made)
-        rows = replayed(ledger, motors, name, hyperprior=other, tell=tell)
+        rows = replayed(ledger, motors, name, hyperprior=other, on_progress=on_progress)
         if other is None:
             keep_forecasts(ledger, rows)
     if not rows:
@@ -71,7 +71,7 @@ def score(
     if json:
         stale = sum(one.stale for one in made if one.flown is not None)
         document = replayed_document(later, first, weights)
-        print_json(finite({**document, "kept": None if said is None else kept_document(said, stale)}))
+        print_json(finite({**document, "kept": None if said is None else saved_forecasts_document(said, stale)}))
         return
     if said is not None:
         say_wrapped(f"Predictions kept, made before the flight: {len(said.rows)} flown and clean")

@@ -45,11 +45,11 @@ def rockets(
     from studies.histories import histories, page
 
     force = out is not None and settled(out, force)
-    with open_ledger(context) as ledger, progress("closing the loop of every rocket") as tell:
+    with open_ledger(context) as ledger, progress("closing the loop of every rocket") as on_progress:
         motors = known_motors()
         known = {name: flown(ledger, motors, name) for name in ledger.names("rocket")}
-        found = histories(known, part(tell, 0.0, 0.7))
-        forecasts = [row for row in replayed(ledger, motors, tell=part(tell, 0.7, 0.3)) if row.earlier]
+        found = histories(known, part(on_progress, 0.0, 0.7))
+        forecasts = [row for row in replayed(ledger, motors, on_progress=part(on_progress, 0.7, 0.3)) if row.earlier]
     _hand_out(page(found, forecasts, unnamed=unnamed), out, force)
 
 

@@ -63,7 +63,7 @@ def train(
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
 
-        def tell(epoch: int, epochs: int, loss: float) -> None:
+        def on_progress(epoch: int, epochs: int, loss: float) -> None:
             progress.update(task, completed=epoch, total=epochs, description=f"loss {loss:.5f}")
 
         more: dict[str, Any] = {} if n_train is None else {"n_train": n_train}
@@ -71,7 +71,7 @@ def train(
             more["effects"] = names
         if cluster:
             more["cluster"] = cluster
-        summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=tell, **more)
+        summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=on_progress, **more)
     if json:
         print_json(summary)
         return

@@ -64,7 +64,7 @@ MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
 """Largest impulse or thrust of a motor, relative to its certified curve. [1]"""
 READ_TOO_HIGH = 1.2
 """No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
-STEEPEST_LEAN = math.radians(45)
+MAX_LAUNCH_ANGLE = math.radians(45)
 """A rail leans less: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes up. [rad]"""
 MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 """The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
@@ -138,8 +138,8 @@ def _misfit(flight: Flight, motor: Burning) -> str:
             _figure(BY_NAME["diameter"], ratio * motor.diameter) for ratio in (MIN_CALIBER_RATIO, MAX_CALIBER_RATIO)
         )
         return f"{_at_fault('diameter', flight)}, expected {low} to {high} around {motor.designation}"
-    if flight.rail_angle is not None and abs(flight.rail_angle) > STEEPEST_LEAN + 1e-9:
-        return f"{_at_fault('rail_angle', flight)}, expected at most {_figure(BY_NAME['rail_angle'], STEEPEST_LEAN)}"
+    if flight.rail_angle is not None and abs(flight.rail_angle) > MAX_LAUNCH_ANGLE + 1e-9:
+        return f"{_at_fault('rail_angle', flight)}, expected at most {_figure(BY_NAME['rail_angle'], MAX_LAUNCH_ANGLE)}"
     return ""
 
 

@@ -15,7 +15,7 @@ from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
-from fieldkit.inference.laplace.outliers import fitting
+from fieldkit.inference.laplace.outliers import consistency_check
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import observe
@@ -42,13 +42,13 @@ def forecast_model(
     found: Sequence[Found],
     accepted: Sequence[Place] = (),
     flown: int | None = None,
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
     hyperprior: Hyperprior | None = None,
 ) -> Model:
     """The model of a rocket that its next flight is forecast with, by default with the learned hyperprior; arguments as
     in `rocket_model`."""
-    return rocket_model(flights, found, accepted, hyperprior or learned(), flown, turns, shared)
+    return rocket_model(flights, found, accepted, hyperprior or learned(), flown, flight_index, shared)
 
 
 def model_name(accepted: Sequence[Place]) -> str:
@@ -58,7 +58,7 @@ def model_name(accepted: Sequence[Place]) -> str:
 
 @dataclass(frozen=True, slots=True)
 class FittedForecast:
-    """What a rocket's flights taught of planned ones: draws of every term, ready to be flown.
+    """The posterior of a rocket's flights for planned ones: draws of every term, ready to be flown.
 
     `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
     flights that taught it, `name` names it; from `rng` comes the luck of single flights. `left_out` as in `Prediction`.
@@ -97,12 +97,12 @@ def predict(
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
-        own, turns = [planned[row] for row in rows], [len(flown) + row for row in rows]
+        own, flight_index = [planned[row] for row in rows], [len(flown) + row for row in rows]
         taught = learn(
             flown,
             own,
             accepted,
-            turns,
+            flight_index,
             declared=declared,
             cds=cds,
             shared=shared,
@@ -119,7 +119,7 @@ def learn(
     flown: Sequence[tuple[Flight, Found]],
     planned: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     *,
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
@@ -132,10 +132,10 @@ def learn(
     order flown, by default the next for all of them; the rest as in `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
-    flights[: len(flown)], left_out = fitting(flights[: len(flown)], found)
+    flights[: len(flown)], left_out = consistency_check(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
-    order = [*range(len(flown)), *(turns or [len(flown)] * len(planned))]
+    order = [*range(len(flown)), *(flight_index or [len(flown)] * len(planned))]
     own = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
     if own and shared:  # a design takes the place of what other rockets show of drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
@@ -174,15 +174,15 @@ def _designed(model: Model, cds: Mapping[str, float]) -> Model:
 
 
 def fly_ahead(
-    learnt: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
+    fitted: FittedForecast, *, paired: bool = False, delay_sd: Float[Array, "flight"] | None = None
 ) -> list[Prediction]:
     """Fly the planned flights on what was learned, each a batch of draws.
 
     With `paired` all flights share the random draw of the day, so that they differ by what is planned alone. `delay_sd`
     is how far delays stray from what is printed, as a ratio, in place of what the model takes.
     """
-    part, values, rng = learnt.model, learnt.values, learnt.rng
-    scatter_scale = learnt.scales[:, :1]
+    part, values, rng = fitted.model, fitted.values, fitted.rng
+    scatter_scale = fitted.scales[:, :1]
     shape = (len(values), len(part.flights))
 
     def draw() -> Array:
@@ -218,10 +218,10 @@ def fly_ahead(
         Prediction(
             plan=flight,
             found=motor,
-            rests_on=learnt.rests_on,
-            model=learnt.name,
-            left_out=learnt.left_out,
-            luck=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
+            rests_on=fitted.rests_on,
+            model=fitted.name,
+            left_out=fitted.left_out,
+            random_draws=tuple(drawn[:, i] for drawn in (*scatter.values(), own, reading)),
             **{name: values[:, i] for name, values in figures.items()},  # type: ignore[arg-type]  # of draws, all
         )
         for i, (flight, motor) in enumerate(zip(part.flights, part.found, strict=True))
@@ -250,12 +250,12 @@ def _drawn(
     sds = term_sds(model)[which]
     values = np.empty((draws, len(model.terms)))
     values[:, taught] = learned
-    luck: dict[str, Float[Array, "draw"]] = {}
+    random_draws: dict[str, Float[Array, "draw"]] = {}
     for i in sorted(set(range(len(model.terms))) - set(taught)):
         term = model.terms[i]
         kind = _level(term.name)
-        luck[kind] = luck[kind] if kind in luck else rng.normal(size=draws)
-        values[:, i] = np.clip(term.mean + sds[:, i] * luck[kind], term.low, term.high)
+        random_draws[kind] = random_draws[kind] if kind in random_draws else rng.normal(size=draws)
+        values[:, i] = np.clip(term.mean + sds[:, i] * random_draws[kind], term.low, term.high)
     return values, _scales(result, which)
 
 

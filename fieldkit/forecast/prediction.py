@@ -18,9 +18,9 @@ class Prediction:
     `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from
     apogee to the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of
     the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
-    flown with, `luck` what single flights differ by, cause by cause. `rests_on` counts the flights that taught the
-    model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts` fared, 1
-    where there are too few of them. `left_out` has a line for each readout that does not fit the rest of its flight
+    flown with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that taught
+    the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts` fared,
+    1 where there are too few of them. `left_out` has a line for each readout that does not fit the rest of its flight
     and taught nothing.
     """
 
@@ -39,7 +39,7 @@ class Prediction:
     drift: Float[Array, "draw"]
     cd: Float[Array, "draw"]
     alpha: Float[Array, "draw"]
-    luck: tuple[Float[Array, "draw"], ...]
+    random_draws: tuple[Float[Array, "draw"], ...]
     rests_on: int
     model: str
     stretched_by: float = 1.0
@@ -52,13 +52,13 @@ class Prediction:
 
     def widened(self, factor: float) -> "Prediction":
         """The same with draws of the apogee that lie further from their median, by ratio."""
-        return replace(self, apogee=apart(self.apogee, factor), true_apogee=apart(self.true_apogee, factor))
+        return replace(self, apogee=spread_out(self.apogee, factor), true_apogee=spread_out(self.true_apogee, factor))
 
     def corrected(self, factor: float | None, earlier: int) -> "Prediction":
         """The same with the spread of the apogee multiplied about its median, by ratio; None changes nothing."""
         if factor is None:
             return self
-        return replace(self, apogee=apart(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
+        return replace(self, apogee=spread_out(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
 
     def narrowed(self, more: float) -> float:
         """How wide the interval would be, over what it is, after so many more clean flights like the plan. [1]
@@ -76,10 +76,10 @@ class Prediction:
     def _luck_share(self) -> float:
         """Share of the variance of the logarithm of the apogee that single flights' luck makes. [1]"""
         flown = self.apogee > 0
-        if np.count_nonzero(flown) <= len(self.luck):
+        if np.count_nonzero(flown) <= len(self.random_draws):
             return 1.0
         logs = np.log(self.apogee[flown])
-        causes = np.stack(self.luck, axis=-1)[flown]
+        causes = np.stack(self.random_draws, axis=-1)[flown]
         logs, causes = logs - logs.mean(), causes - causes.mean(axis=0)
         explained = causes @ np.linalg.lstsq(causes, logs, rcond=None)[0]
         return float(explained @ explained / (logs @ logs)) if logs.any() else 1.0
@@ -95,8 +95,8 @@ def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Flo
     return np.interp(levels * (len(draws) - 1), np.arange(len(draws)), np.sort(draws))
 
 
-def apart(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
-    """Draws of an apogee further from their median, by ratio; those that stay on the pad are left there."""
+def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:
+    """Draws of an apogee moved away from their median, by ratio; draws that stay on the pad are unchanged."""
     flown = apogee > 0
     if factor == 1.0 or not flown.any():
         return apogee

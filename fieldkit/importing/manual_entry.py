@@ -138,7 +138,7 @@ def answer_text(flight: Flight, name: str) -> str:
     return "; ".join(value) if isinstance(value, tuple) else str(value)
 
 
-def oddities(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[str]:
+def implausible_answers(flight: Flight, name: str, usual: Mapping[str, float] | None = None) -> list[str]:
     """What is odd about one answer, a phrase each: alone, beside the others, and beside the `usual` readouts, which are
     `sanity.middles`."""
     every = doubts(flight, usual or {})

@@ -9,7 +9,7 @@ from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
 from fieldkit.importing.reading import ColumnChoice, Intake, Reading
-from fieldkit.importing.recognize import ParsedLog, open_log, told
+from fieldkit.importing.recognize import ParsedLog, open_log, shown_damage
 from fieldkit.importing.to_flights import CheckMotor, intake_of, plan_of
 
 
@@ -42,7 +42,7 @@ def read_together(
     )
 
 
-def read_kept(
+def read_stored(
     logs: Sequence[bytes], source: str, format: str | None, choices: Sequence[ColumnChoice] = ()
 ) -> list[Flight]:
     """The flights of files that were taken in before, of one flight or more; `format` reads the first of them.
@@ -102,10 +102,10 @@ def read_plans(table: bytes, source: str, check_motor: CheckMotor, format: str |
     plans = []
     for item in open_log(table, source, format).found:
         if isinstance(item, DamagedLog):
-            raise told(item, source)
+            raise shown_damage(item, source)
         if isinstance(item, Reading) and item.describes == "flight":
             try:
                 plans.append(plan_of(item, check_motor))
             except DamagedLog as error:
-                raise told(error, source, item.row) from error
+                raise shown_damage(error, source, item.row) from error
     return plans

@@ -76,8 +76,8 @@ def _near(log: bytes) -> str:
     """The formats that a file comes near to, and what it lacks of each."""
     shelf = parsers()
     near = (f"{shelf[name].title} ({name}) {_lacks(like)}" for name, like in nearest(shelf, log))
-    told = "; ".join(near)
-    return f"; nearest are {told}" if told else ", and it is near to none"
+    shown_damage = "; ".join(near)
+    return f"; nearest are {shown_damage}" if shown_damage else ", and it is near to none"
 
 
 def _lacks(like: Likeness) -> str:
@@ -143,7 +143,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
         tried.append(opened)
     first = tried[0]
     if isinstance(first, DamagedLog):
-        raise told(first, source) from first
+        raise shown_damage(first, source) from first
     return first
 
 
@@ -221,11 +221,11 @@ def _stated_column(field: str, name: str) -> ColumnRead:
     return ColumnRead(name or (column.header if column else field), field, unit, "stated")
 
 
-MOST_TOLD = 1500
+MAX_REPORTED = 1500
 """A message is no longer than this, whatever a log holds. [characters]"""
 
 
-def told(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
-    """What is wrong with a log as it is shown: with its name, on one line, and harmless for a terminal."""
-    column = printable(error.column)[:MOST_TOLD] if error.column else None
-    return DamagedLog(printable(error.found)[:MOST_TOLD], row=row or error.row, column=column, source=source)
+def shown_damage(error: DamagedLog, source: str, row: int | None = None) -> DamagedLog:
+    """An error of a damaged log as it is shown: with the log's name, on one line, safe for a terminal."""
+    column = printable(error.column)[:MAX_REPORTED] if error.column else None
+    return DamagedLog(printable(error.found)[:MAX_REPORTED], row=row or error.row, column=column, source=source)

@@ -9,7 +9,7 @@ from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, MEASURED, READOUTS, Flight, Series
 from fieldkit.flight.plausibility import check, doubts
 from fieldkit.importing.reading import Found, Intake, Mapped, Note, Reading, Rejected
-from fieldkit.importing.recognize import told
+from fieldkit.importing.recognize import shown_damage
 from fieldkit.importing.tables.text import shown
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def intake_of(
                 notes += _keep(flight, item.row, kept)
                 recorded.setdefault((flight.rocket, flight.flight_id), item.recorded)
         except DamagedLog as error:
-            whole = told(error, source)
+            whole = shown_damage(error, source)
             rejected.append(Rejected(source, whole.row, whole.column, whole.found))
     if found and all(isinstance(item, Reading) and item.describes == "rocket" for item in found):
         notes.append(Note(f"describes {len(found)} rockets and no flight; import it with the flights"))
@@ -48,7 +48,7 @@ def intake_of(
     strangers = {item.rocket_key for item in found if isinstance(item, Reading)} - {"", *rockets}
     if strangers:
         notes.append(Note(_FOREIGN_MOTORS.format(len(strangers))))
-    lines = (str(told(DamagedLog(note.text, row=note.row), source)) for note in notes)
+    lines = (str(shown_damage(DamagedLog(note.text, row=note.row), source)) for note in notes)
     flights, places = zip(*kept.values(), strict=True) if kept else ((), ())
     mapped = tuple(item for item in found if isinstance(item, Mapped))
     measured = tuple(recorded[name] for name in kept)

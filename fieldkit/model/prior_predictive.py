@@ -106,8 +106,8 @@ def flown_motors(motors: Sequence[Motor]) -> list[Motor]:
     return [motor for motor in motors if motor.impulse_class in CLASSES and motor.diameter > MIN_MOTOR_DIAMETER]
 
 
-def motors_apart() -> tuple[list[Motor], list[Motor]]:
-    """Every motor up to class I but those of the maker held out, and those."""
+def split_motors() -> tuple[list[Motor], list[Motor]]:
+    """All motors up to class I except those of the held-out maker, and those of that maker."""
     flown = flown_motors(catalogue().motors)
     return [m for m in flown if m.maker != HELD_OUT], [m for m in flown if m.maker == HELD_OUT]
 

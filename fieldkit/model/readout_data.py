@@ -30,12 +30,12 @@ class Data:
     trust: Float[Array, "flight readout"]
 
 
-def observe(flights: Sequence[Flight], teach: Sequence[bool], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Data:
-    """The observed readouts of flights, those that `teach` marked as seen."""
+def observe(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior = CERTIFIED_PRIOR) -> Data:
+    """The observed readouts of flights, those that `used_in_fit` marked as seen."""
     with np.errstate(invalid="ignore", divide="ignore"):
         raw = np.stack([recorded(flights, name) for name in OBSERVED_READOUTS], axis=-1)
         raw = _speed_from_average(raw, flights)
-        seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & np.asarray(teach, bool)[:, None]
+        seen = np.isfinite(raw) & (~IS_LOGARITHMIC | (raw > 0)) & np.asarray(used_in_fit, bool)[:, None]
         values = np.where(seen, compared(raw), 0.0)
     own = own_sd(flights)
     sd = np.where(np.isfinite(own), own, reading_sd(raw, hyperprior))

@@ -21,7 +21,7 @@ from fieldkit.physics.flight import apogees
 from fieldkit.physics.logged import burn_impulse, coast_drag
 from fieldkit.physics.setups import dry_masses, field_setup, recorded
 from fieldkit.physics.state import Setup
-from fieldkit.physics.unique import fly_alike
+from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
 EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
@@ -62,8 +62,8 @@ class Scatter:
     sd: float
 
 
-TILT = np.radians(5.0)
-"""The lean that scatter in tilt is measured in. [rad]"""
+REFERENCE_LAUNCH_ANGLE = np.radians(5.0)
+"""The launch angle that its scatter is measured in. [rad]"""
 COARSE_SETTINGS: dict[str, Any] = {"steps": 8, "knots": 12, "stride": 2.0}
 """Thrust curves and steps of a coarse model: they move apogees by less than 0.2 % and the speed off the rail by less
 than 2 % for nineteen motors in twenty, in wind by twice as much, which are a small part of how far flights scatter."""
@@ -75,15 +75,15 @@ class Model:
 
     `hyperprior` says how far everything may differ, and `shared` what other rockets of the ledger show of the terms
     they have in common with this one. A `coarse` one flies by `COARSE_SETTINGS` curves and steps: to fit flights, or
-    for hundreds of motors at once. `turns` are the places of the flights in the order flown, from 0; plans that a flyer
-    chooses among share one.
+    for hundreds of motors at once. `flight_index` are the places of the flights in the order flown, from 0; plans that
+    a flyer chooses among share one.
     """
 
     flights: tuple[Flight, ...]
     found: tuple[Found, ...]
     area: Float[Array, "flight"]
     terms: tuple[Term, ...]
-    turns: tuple[int, ...]
+    flight_index: tuple[int, ...]
     hyperprior: Hyperprior = CERTIFIED_PRIOR
     shared: SharedPrior | None = None
     coarse: bool = False
@@ -114,7 +114,7 @@ class Model:
     def part(self, rows: slice) -> "Model":
         """The same unknowns acting on some of the flights."""
         terms = tuple(replace(term, weight=term.weight[rows]) for term in self.terms)
-        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "turns")}
+        kept = {name: getattr(self, name)[rows] for name in ("flights", "found", "area", "flight_index")}
         return replace(self, **kept, terms=terms)
 
 
@@ -154,12 +154,12 @@ def base_model(
     found: Sequence[Found],
     hyperprior: Hyperprior = CERTIFIED_PRIOR,
     flown: int | None = None,
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
     """The model of a rocket without effects: every random effect that the hyperprior has, for the groups there are.
 
-    `flown` as in `reference_area`, `turns` and `shared` as in `Model`, the turns by default one after the other.
+    `flown` as in `reference_area`, `flight_index` and `shared` as in `Model`, the turns by default one after the other.
     """
     area = reference_area(flights, flown)
     unknown = bool(np.isnan(recorded(flights, "diameter")).any())
@@ -169,7 +169,7 @@ def base_model(
     if unknown:
         terms = [_with_unknown_area(term, hyperprior) if term.name == "drag" else term for term in terms]
     terms.append(Term(OPENING, "opening", *hyperprior.opening, np.ones(len(flights)), low=0.0))
-    order = tuple(turns or range(len(flights)))
+    order = tuple(flight_index or range(len(flights)))
     return with_shared(Model(tuple(flights), tuple(found), area, tuple(terms), order, hyperprior), shared)
 
 
@@ -249,7 +249,7 @@ def shown(
     `scatter` bends single flights. A flight that would not leave the pad has nan throughout.
     """
     setup, readings_bends = _bent_setup(model, values, scatter)
-    flown = fly_alike(setup)
+    flown = fly_unique(setup)
     readings: Mapping[str, Any] = flown.readouts()
     for effect, strength in readings_bends:
         readings = effect.bend_reading(readings, strength)
@@ -297,8 +297,8 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
         opening_time=np.maximum(bend("opening"), 0.0),
     )
     if np.any(tilt := bend("tilt")):
-        lean = TILT * np.sqrt(np.abs(tilt))
-        setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, lean))
+        launch_angle = REFERENCE_LAUNCH_ANGLE * np.sqrt(np.abs(tilt))
+        setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, launch_angle))
     strengths = _strengths(model, values)
     for effect, strength in strengths:
         setup = effect.bend_setup(setup, strength, model.flights)

@@ -25,24 +25,24 @@ DATA = Path(__file__).with_name("catalogue.json.gz")
 class Catalogue:
     """Motors by name. `about` says where they are from, and how many were left out and why."""
 
-    shelf: Listings
+    listings: Listings
     about: Mapping[str, Any]
 
     def __len__(self) -> int:
-        return sum(map(len, self.shelf.values()))
+        return sum(map(len, self.listings.values()))
 
     @property
     def motors(self) -> list[Motor]:
         """Every motor, each curve built when first asked for."""
-        return [listing.motor() for listings in self.shelf.values() for listing in listings]
+        return [listing.motor() for listings in self.listings.values() for listing in listings]
 
     def find(self, text: str, maker: str = "") -> Found:
         """The one motor that a text means; see `fieldkit.motors.search.find`."""
-        return search.find(self.shelf, text, maker)
+        return search.find(self.listings, text, maker)
 
     def resolve(self, text: str, maker: str = "") -> Found:
         """The motor that a text most likely means; see `fieldkit.motors.search.resolve`."""
-        return search.resolve(self.shelf, text, maker)
+        return search.resolve(self.listings, text, maker)
 
     def complaint(self, text: str) -> str | None:
         """What is wrong with a motor's name in one line, or None where there is such a motor, or several."""
@@ -54,14 +54,14 @@ class Catalogue:
 
     def search(self, text: str) -> list[Motor]:
         """Every motor that a text could mean, best first; see `fieldkit.motors.search.search`."""
-        return search.search(self.shelf, text)
+        return search.search(self.listings, text)
 
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
         """The same catalogue with the flyer's own motors, which win over any other of their name."""
-        shelf = dict(self.shelf)
+        listings = dict(self.listings)
         for motor in motors:
-            shelf[motor.name] = (_own(motor), *shelf.get(motor.name, ()))
-        return Catalogue(MappingProxyType(shelf), self.about)
+            listings[motor.name] = (_own(motor), *listings.get(motor.name, ()))
+        return Catalogue(MappingProxyType(listings), self.about)
 
 
 @cache
@@ -70,10 +70,10 @@ def catalogue() -> Catalogue:
     data = json.loads(gzip.decompress(DATA.read_bytes()))
     entries = [dict(zip(data["columns"], row, strict=True)) for row in data.pop("motors")]
     build = cache(lambda number: _motor(entries[number], data["source"]))
-    shelf: dict[str, list[Listing]] = {}
+    listings: dict[str, list[Listing]] = {}
     for number, entry in enumerate(entries):
-        shelf.setdefault(entry["name"], []).append(_shipped(entry, partial(build, number)))
-    return Catalogue(MappingProxyType(shelf), MappingProxyType(data))
+        listings.setdefault(entry["name"], []).append(_shipped(entry, partial(build, number)))
+    return Catalogue(MappingProxyType(listings), MappingProxyType(data))
 
 
 def _shipped(entry: Mapping[str, Any], motor: Callable[[], Motor]) -> Listing:

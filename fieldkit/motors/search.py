@@ -79,77 +79,77 @@ Listings = Mapping[str, Sequence[Listing]]
 """Listings by their plain name: `F24`."""
 
 
-def find(shelf: Listings, text: str, maker: str = "") -> Found:
+def find(listings: Listings, text: str, maker: str = "") -> Found:
     """The one motor that a text means.
 
     Raises UnknownMotor with the nearest names, and AmbiguousMotor with a line for each that it could be.
     """
-    name, candidates = _candidates(shelf, text, maker)
+    name, candidates = _candidates(listings, text, maker)
     if len(candidates) > 1:
         raise AmbiguousMotor(f"{text.strip()}: found {len(candidates)} motors, expected one of\n{_table(candidates)}")
     return _found(name, candidates[0])
 
 
-def resolve(shelf: Listings, text: str, maker: str = "") -> Found:
+def resolve(listings: Listings, text: str, maker: str = "") -> Found:
     """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
 
     Of several, one in production comes first, then the maker most widely flown in that class, then the
     one that has been in the catalogue for longest.
     """
-    name, candidates = _candidates(shelf, text, maker)
+    name, candidates = _candidates(listings, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
     note = f"taken for {best.label}; it could be {', '.join(other.label for other in others)}" if others else ""
     return _found(name, best, note)
 
 
-def search(shelf: Listings, text: str) -> list[Motor]:
+def search(listings: Listings, text: str) -> list[Motor]:
     """Every motor that a text could mean, best first: names, makers, `24mm`, cases, propellants, or parts.
 
     The empty text finds them all; a text that nothing fits finds the motors with the nearest names.
     """
-    name = _parsed(shelf, text)
-    meant = _fitting(shelf, name, name.maker)
+    name = _parsed(listings, text)
+    meant = _fitting(listings, name, name.maker)
     words = tidy(text).replace(" MM", "MM").split()
-    fitting = [listing for listing in _all(shelf) if all(map(listing.mentions, words))]
+    fitting = [listing for listing in _all(listings) if all(map(listing.mentions, words))]
     ranked = [*sorted(meant, key=_likelihood), *sorted(fitting, key=_in_order)]
     unique = {id(listing): listing for listing in ranked}
-    return [listing.motor() for listing in unique.values() or nearest(shelf, name)]
+    return [listing.motor() for listing in unique.values() or nearest(listings, name)]
 
 
-def nearest(shelf: Listings, name: Name, limit: int = 5) -> list[Listing]:
+def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
     """The listings with the names most like a name: the next thrusts of its class, or similar letters."""
-    same = [key for key in shelf if name.core and _class(key) == _class(name.core)]
+    same = [key for key in listings if name.core and _class(key) == _class(name.core)]
     keys = sorted(same, key=lambda key: abs(_thrust(key) - _thrust(name.core)))[:limit]
     if not keys:
         squeezed = {
-            squeeze(text): listing.name for listing in _all(shelf) for text in (listing.name, listing.designation)
+            squeeze(text): listing.name for listing in _all(listings) for text in (listing.name, listing.designation)
         }
         keys = [squeezed[key] for key in difflib.get_close_matches(name.squeezed, squeezed, n=limit, cutoff=0.5)]
-    listings = [listing for key in dict.fromkeys(keys) for listing in sorted(shelf[key], key=_likelihood)]
-    return listings[:limit]
+    near = [listing for key in dict.fromkeys(keys) for listing in sorted(listings[key], key=_likelihood)]
+    return near[:limit]
 
 
-def _candidates(shelf: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
+def _candidates(listings: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
     if is_cluster(text):
         raise UnknownMotor(
             f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor, "
             "expected a single one such as C6-5"
         )
-    name = _parsed(shelf, f"{maker} {text}" if maker else text)
-    candidates = _fitting(shelf, name, name.maker)
+    name = _parsed(listings, f"{maker} {text}" if maker else text)
+    candidates = _fitting(listings, name, name.maker)
     if not candidates:
-        raise UnknownMotor(_unknown(shelf, text, name))
+        raise UnknownMotor(_unknown(listings, text, name))
     return name, candidates
 
 
-def _fitting(shelf: Listings, name: Name, maker: str) -> list[Listing]:
+def _fitting(listings: Listings, name: Name, maker: str) -> list[Listing]:
     """The listings that fit all that a name says, narrowed by what speaks for some and against none."""
-    fitting = [listing for listing in shelf.get(name.core, ()) if _fits(listing, name)]
+    fitting = [listing for listing in listings.get(name.core, ()) if _fits(listing, name)]
     if not fitting and len(name.squeezed) > 2:
         ways = (name.squeezed, name.squeezed.removesuffix("P"))
-        fitting = [listing for listing in _all(shelf) if squeeze(listing.designation) in ways]
+        fitting = [listing for listing in _all(listings) if squeeze(listing.designation) in ways]
     if not fitting and name.core:
-        fitting = [listing for listing in _all(shelf) if listing.former and _formerly(listing, name)]
+        fitting = [listing for listing in _all(listings) if listing.former and _formerly(listing, name)]
     fitting = [
         listing
         for listing in fitting
@@ -235,32 +235,32 @@ def _thrust(name: str) -> float:
     return float(digits) if digits and digits.count(".") < 2 and digits != "." else 0.0
 
 
-def _parsed(shelf: Listings, text: str) -> Name:
+def _parsed(listings: Listings, text: str) -> Name:
     """What a text says, the makers of own motors among it; they are looked for where words are left over."""
     name = parse(text)
     if name.core and len(name.letters) < _WORD:
         return name
-    return parse(text, {listing.maker for listing in _all(shelf) if listing.own and listing.maker})
+    return parse(text, {listing.maker for listing in _all(listings) if listing.own and listing.maker})
 
 
-def _all(shelf: Listings) -> Iterable[Listing]:
-    return (listing for listings in shelf.values() for listing in listings)
+def _all(listings: Listings) -> Iterable[Listing]:
+    return (listing for group in listings.values() for listing in group)
 
 
-def _unknown(shelf: Listings, text: str, name: Name) -> str:
+def _unknown(listings: Listings, text: str, name: Name) -> str:
     if _UNKNOWN_CLASS.match(tidy(text)):
         return (
             f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
         )
-    elsewhere = shelf.get(name.core, ())
+    elsewhere = listings.get(name.core, ())
     if elsewhere and (swapped := _SWAPPED_SUFFIX.fullmatch(name.letters)):
         meant = f"{name.core}-{swapped[2]}{swapped[1]}"
-        labels = ", ".join(listing.label for listing in _fitting(shelf, parse(meant), name.maker))
+        labels = ", ".join(listing.label for listing in _fitting(listings, parse(meant), name.maker))
         return (
             f"{text.strip()!r}: found letters before a delay; did you mean {meant}{f' ({labels})' if labels else ''}?"
         )
     last = name if name.core else parse(text.split()[-1]) if text.split() else name
-    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(shelf, last if last.core else name)
+    near = sorted(elsewhere, key=_likelihood) if elsewhere else nearest(listings, last if last.core else name)
     offer = ", ".join(listing.label for listing in near[:5]) or "a name such as F24-4W"
     return f"{text.strip()!r}: found no such motor; {'nearest' if near else 'expected'}: {offer}"
 

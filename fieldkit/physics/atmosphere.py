@@ -38,7 +38,7 @@ class Air:
     temperature: Float[Array, "*#draw"]
     scale_height: float | None = None
 
-    def thinning(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
+    def density_ratio(self, height: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
         """Density at a height above the pad over density at the pad. [1]"""
         if self.scale_height is not None:
             share = np.asarray(height * (-1 / self.scale_height))

@@ -88,7 +88,7 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
     even = np.maximum((0.5 * setup.drag_area * setup.air.density) / mass, LEAST_DRAG) / g
     time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
     zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
-    thin = even * setup.air.thinning(height)
+    thin = even * setup.air.density_ratio(height)
     yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero)
     count = _count(np.log1p(thin * upward**2) / (thin * (2 * LAYER * g)))
     share = upward / count
@@ -97,7 +97,7 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
         total, fall = upward + slower, upward - slower
         squares = total * fall
         middle = height + squares * (0.25 / g) / (1 + 0.25 * thin * total**2)
-        thin = even * setup.air.thinning(middle)
+        thin = even * setup.air.density_ratio(middle)
         height = height + np.log1p(squares * thin / (1 + thin * slower**2)) / thin * (0.5 / g)
         if timed:
             root = np.sqrt(thin)

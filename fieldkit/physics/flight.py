@@ -102,7 +102,7 @@ def _fall(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> tuple[Array,
     falls = np.isfinite(wait)
     height = np.where(falls, top.height - np.where(falls, drop, 0.0), top.height)
     opens = height > 0
-    slowly = setup.descent_speed / np.sqrt(setup.air.thinning(0.5 * np.maximum(height, 0.0)))
+    slowly = setup.descent_speed / np.sqrt(setup.air.density_ratio(0.5 * np.maximum(height, 0.0)))
     under = top.time + np.where(falls, wait, 0.0) + np.maximum(height, 0.0) / slowly
     steep = np.expm1(np.minimum(top.height * setup.gravity / terminal**2, 300.0))
     hard = top.time + terminal / setup.gravity * np.log1p(steep + np.sqrt(steep * (steep + 2)))

@@ -42,7 +42,7 @@ class EquationsOfMotion:
 
     def _drag(self, height: Array, speed: Array) -> Array:
         """Force of drag. [N]"""
-        drag = self.setup.air.thinning(height)
+        drag = self.setup.air.density_ratio(height)
         drag *= self.half_drag_area
         drag *= np.abs(speed)
         drag *= speed

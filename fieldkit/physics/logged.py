@@ -26,7 +26,7 @@ def coast_drag(setup: Setup, flown: FlightResult) -> Float[Array, "*draw"]:
     for part in _PARTS:
         speed = part * flown.top_speed
         height = flown.apogee - part**2 * (flown.apogee - np.maximum(begin, 0.0))
-        shape = setup.air.thinning(height) * speed**2
+        shape = setup.air.density_ratio(height) * speed**2
         slowed += shape * pull.drag_like(height, speed, mass)
         squares += shape**2
     return np.asarray(slowed / np.where(squares > 0, squares, np.nan))

@@ -12,8 +12,8 @@ MIXERS = np.random.default_rng(0).integers(1, 2**63, 64, dtype=np.uint64) | np.u
 """Odd multipliers, one an entry, that a draw's entries are mixed by. [1]"""
 
 
-def fly_alike(setup: Setup) -> FlightResult:
-    """As `fly`, each kind of draw once; for batches in which many draws are alike."""
+def fly_unique(setup: Setup) -> FlightResult:
+    """As `fly`, each distinct setup once; for batches in which many draws share a setup."""
     shape = setup.draw_shape
     flat = setup.flat(shape)
     first, kind = kinds(flat)

@@ -132,5 +132,5 @@ def _speed(flight: Flight) -> float | None:
         else float(np.sqrt(2 * height / STANDARD_GRAVITY))
     )
     under = flight.duration - rise - max(flight.apogee_to_eject or 0.0, 0.0)
-    thin = float(np.sqrt(_air([flight]).thinning(np.array([0.5 * height]))[0]))
+    thin = float(np.sqrt(_air([flight]).density_ratio(np.array([0.5 * height]))[0]))
     return height * thin / under if under > 0 else flight.descent_speed

@@ -59,25 +59,25 @@ def forecasts(
     """
 
     def said(rows: Sequence[int]) -> list[Prediction]:
-        learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
-        return flown_ahead(rocket, learnt, paired, None if delay_sd is None else delay_sd[list(rows)])
+        fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
+        return flown_ahead(rocket, fitted, paired, None if delay_sd is None else delay_sd[list(rows)])
 
     return by_kind(rocket.history, planned, said)
 
 
-def learnt_of(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
-    """What a rocket's flights taught of plans of a kind, each as the next flight, from the Cd of its design."""
+def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
+    """The forecast fitted to a rocket's flights for plans of one kind, each as the next flight."""
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
     return learn(rocket.history, planned, rocket.places, cds=cds, shared=rocket.shared, draws=draws)
 
 
 def flown_ahead(
     rocket: Rocket,
-    learnt: FittedForecast,
+    fitted: FittedForecast,
     paired: bool = True,
     delay_sd: Float[Array, "flight"] | None = None,
 ) -> list[Prediction]:
     """What was learnt, flown as in `fly_ahead`, with intervals as wide as this rocket's have to be."""
-    made = fly_ahead(learnt, paired=paired, delay_sd=delay_sd)
+    made = fly_ahead(fitted, paired=paired, delay_sd=delay_sd)
     made = [one.widened(rocket.widened).corrected(rocket.stretched, rocket.earlier) for one in made]
     return [replace(one, left_out=(*rocket.implausible, *one.left_out)) for one in made]

@@ -18,7 +18,7 @@ from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
 from fieldkit.planning.delay import tolerance
 from fieldkit.planning.descent import fall_of
-from fieldkit.planning.forecasts import Rocket, flown_ahead, learnt_of
+from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
 from fieldkit.planning.safety import SafetyCheck, safety_lines, thrust_to_weight
@@ -134,12 +134,12 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
     return max(alike or [found.motor.diameter for found in rocket.motors], default=None)
 
 
-def fitting(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
-    """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor where none does."""
+def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
+    """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor if none does."""
     widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing
-        for listings in catalogue.shelf.values()
+        for listings in catalogue.listings.values()
         for listing in listings
         if listing.diameter < widest and (wanted.retired or listing.available)
     ]
@@ -164,8 +164,8 @@ def guide(
     planned = [(plan.with_changes(motor=label(motor), delay=None), Found(motor, None)) for motor in motors]
 
     def flown(rows: Sequence[int]) -> list[ForecastWithDelay]:
-        learnt = learnt_of(rocket, [planned[row] for row in rows], draws)
-        return _flown(rocket, replace(learnt, model=replace(learnt.model, coarse=True)))
+        fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
+        return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
     known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
     return [
@@ -186,19 +186,19 @@ ForecastWithDelay = tuple[float | None, Prediction]
 """The delay that suits a motor best, if any is on sale [s], and its flight."""
 
 
-def _flown(rocket: Rocket, learnt: FittedForecast) -> list[ForecastWithDelay]:
+def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
     """Each motor of what was learnt, with the delay that suits it."""
-    coasts = coast_times(learnt.model, learnt.at)
-    delays = [_nearest(found.motor, coast) for found, coast in zip(learnt.model.found, coasts, strict=True)]
+    coasts = coast_times(fitted.model, fitted.at)
+    delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))
-    made = flown_ahead(rocket, _with_delays(learnt, delays), delay_sd=sd)
+    made = flown_ahead(rocket, _with_delays(fitted, delays), delay_sd=sd)
     return list(zip(delays, made, strict=True))
 
 
-def _with_delays(learnt: FittedForecast, delays: Sequence[float | None]) -> FittedForecast:
-    planned = zip(learnt.model.flights, delays, strict=True)
+def _with_delays(fitted: FittedForecast, delays: Sequence[float | None]) -> FittedForecast:
+    planned = zip(fitted.model.flights, delays, strict=True)
     flights = tuple(flight.with_changes(delay=delay) for flight, delay in planned)
-    return replace(learnt, model=replace(learnt.model, flights=flights))
+    return replace(fitted, model=replace(fitted.model, flights=flights))
 
 
 def _nearest(motor: Motor, coast: float) -> float | None:

@@ -93,7 +93,7 @@ def motor_temperature(plan: Flight) -> float | None:
 
 
 def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> list[SafetyCheck]:
-    """Every safety line of a forecast, at a site, for a rocket that comes down as `fall` says."""
+    """All checks as lines of text, and who decides."""
     plan, motor = said.plan, said.found.motor
     return [
         _rail(said.rail_speed, plan.wind, limits),
@@ -113,7 +113,7 @@ def by_chance(chance: float) -> Verdict:
     return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
 
 
-def told(lines: Sequence[SafetyCheck]) -> Iterator[str]:
+def safety_text(lines: Sequence[SafetyCheck]) -> Iterator[str]:
     """All lines as text, and who decides."""
     yield from (line.words() for line in lines)
     yield ADVICE_NOTE

@@ -127,8 +127,8 @@ def replayed_document(later: ScoreReport, first: ScoreReport, weights: Mapping[s
     return {**score_document(later), "first_flights": own, "stacking": {"weights": dict(weights)}}
 
 
-def kept_document(found: ScoreReport, stale: int) -> dict[str, Any]:
-    """Kept predictions in the same words; `stale` of them no longer follow from what the ledger holds."""
+def saved_forecasts_document(found: ScoreReport, stale: int) -> dict[str, Any]:
+    """Saved predictions in the same words; `stale` of them no longer follow from the ledger."""
     document = score_document(found)
     del document["corrected"]
     return document | {"evaluation": "as predicted before the flight", "stale": stale}

@@ -72,10 +72,10 @@ def effect_terms(place: Place, model: Model) -> tuple[Term, ...]:
     )
 
 
-def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
+def effect_candidates(model: Model, used_in_fit: Flags) -> Iterator[Candidate]:
     """Every effect that these flights could show, everywhere and in each group it may differ in.
 
-    `teach` marks the flights that teach: a beginning is only looked for between them.
+    `used_in_fit` marks the flights that teach: a beginning is only looked for between them.
     """
     acting = {name: effect for name, effect in effects().items() if _can_act(effect, model)}
     places = {name: list(_groups(name, effect, model)) for name, effect in acting.items()}
@@ -83,7 +83,7 @@ def effect_candidates(model: Model, teach: Flags) -> Iterator[Candidate]:
     for name, effect in acting.items():
         prior = effect.prior
         starts = effect.starts or ((prior.mean, 0.02 * prior.sd) if np.isfinite(prior.low) else (prior.mean,))
-        since = list(_beginnings(name, effect, model, teach))
+        since = list(_beginnings(name, effect, model, used_in_fit))
         share, form = SINCE_SHARE if since else 0.0, forms[spoken(name)]
         for place in places[name]:
             yield Candidate(place, effect_terms(place, model), starts, np.log((1 - share) / len(places[name]) / form))
@@ -114,14 +114,14 @@ def _groups(name: str, effect: Effect, model: Model) -> Iterator[Place]:
             yield from (Place(name, kind) for kind in dict.fromkeys(group) if kind)
 
 
-def _beginnings(name: str, effect: Effect, model: Model, teach: Flags) -> Iterator[Place]:
+def _beginnings(name: str, effect: Effect, model: Model, used_in_fit: Flags) -> Iterator[Place]:
     """Flights of each group from which on an effect may be there, with a flight that teaches on either side."""
     if not effect.starts_anywhere:
         return
     group = groups(model.flights, model.found, effect.per) if effect.per else [""] * len(model.flights)
     several = len(set(group)) > 1
     for kind in dict.fromkeys(group):
-        rows = [row for row, own in enumerate(group) if own == kind and teach[row]]
+        rows = [row for row, own in enumerate(group) if own == kind and used_in_fit[row]]
         margin = 1 if len(rows) < 6 else 2
         for row in rows[margin : len(rows) - margin + 1]:
             yield Place(name, kind if several else "", model.flights[row].flight_id)
@@ -132,7 +132,7 @@ def place_weight(place: Place, model: Model) -> Float[Array, "flight"]:
     effect = effects()[place.effect]
     names = [flight.flight_id for flight in model.flights]
     first = names.index(place.since) if place.since in names else 0
-    since = np.array(model.turns) - first
+    since = np.array(model.flight_index) - first
     weight = np.maximum(since, 0.0) if effect.grows else np.where(since >= 0, 1.0, 0.0)
     if effect.lacks:
         weight = weight * np.isnan(recorded(model.flights, effect.lacks))

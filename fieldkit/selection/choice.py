@@ -173,7 +173,7 @@ def _ranked(
     misses = _misses(forecasts, truth, seen)
     log_bayes = float(np.logaddexp.reduce(whole + share) - plainer.log_evidence)
     fold_log_bayes = np.logaddexp.reduce(folds + share[:, None], axis=0) - plainer.fold_evidence
-    steady, fold_steady = steady_evidence(log_bayes, fold_log_bayes, seen)
+    steady, fold_steady = robust_evidence(log_bayes, fold_log_bayes, seen)
     fold_misses, fold_plain = misses.sum() - misses, plain_misses.sum() - plain_misses
     return Ranked(
         effect=name,
@@ -190,7 +190,7 @@ def _ranked(
     )
 
 
-def steady_evidence(
+def robust_evidence(
     log_bayes: float, without: Float[Array, "flight"], seen: Flags
 ) -> tuple[float, Float[Array, "flight"]]:
     """Evidence less what its strongest flight says, for all flights and for all but each one.

@@ -94,7 +94,7 @@ class _Verdict:
     pattern: tuple[Place, ...] = ()
 
 
-def diagnose(model: Model, data: Data, tell: ReportProgress = no_op, given: Sequence[str] = ()) -> Diagnosis:
+def diagnose(model: Model, data: Data, on_progress: ReportProgress = no_op, given: Sequence[str] = ()) -> Diagnosis:
     """Weigh everything that could be missing from a model against the flights that teach.
 
     `given` are effects to take whatever the evidence for them, each where it is most at home. Raises UnknownEffect
@@ -103,7 +103,7 @@ def diagnose(model: Model, data: Data, tell: ReportProgress = no_op, given: Sequ
     truth, seen = data.values[:, 0], data.seen[:, 0]
     families = by_effect([*effect_candidates(model, seen), *pattern_candidates(model)])
     _check(given, families)
-    base, trials = _search(model, data, fit(model, data), families, part(tell, 0.0, 0.5))
+    base, trials = _search(model, data, fit(model, data), families, part(on_progress, 0.0, 0.5))
     ranking = rank(trials, base, truth, seen)
     before = forecasts_of(base.left_out)
     plain_score = score(before, truth, seen)
@@ -112,8 +112,10 @@ def diagnose(model: Model, data: Data, tell: ReportProgress = no_op, given: Sequ
         chosen = _given(ranking, data, families, given)
         after, verdict = chosen.forecasts, _accepted((*ranking, chosen), chosen)
     else:
-        seconds = _seconds(ranking, data, families, tell)
-        options = _further((*ranking, *(pair for second in seconds for pair in second.ranking)), data, families, tell)
+        seconds = _seconds(ranking, data, families, on_progress)
+        options = _further(
+            (*ranking, *(pair for second in seconds for pair in second.ranking)), data, families, on_progress
+        )
         after = choose_in_folds(options, before)
         verdict = _verdict(options, choose(options), score(after, truth, seen), plain_score)
     if verdict.effect == "none":
@@ -143,19 +145,23 @@ Families = Mapping[str, Sequence[Candidate]]
 """Candidates by the effect that a verdict would speak of, patterns under no name."""
 
 
-def _seconds(ranking: Sequence[Ranked], data: Data, families: Families, tell: ReportProgress) -> tuple[Second, ...]:
+def _seconds(
+    ranking: Sequence[Ranked], data: Data, families: Families, on_progress: ReportProgress
+) -> tuple[Second, ...]:
     """Second effects beside the likeliest ones."""
     found: list[Second] = []
     for number, first in enumerate(firsts := likely_firsts(ranking)):
 
         def said(text: str, share: float, done: int = number, name: str = first.effect) -> None:
-            tell(f"{name or 'a pattern'} and {text}", 0.5 + 0.5 * (done + share) / len(firsts))
+            on_progress(f"{name or 'a pattern'} and {text}", 0.5 + 0.5 * (done + share) / len(firsts))
 
         found.append(_beside(first, data, _others(first, families), said))
     return tuple(found)
 
 
-def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: ReportProgress) -> tuple[Ranked, ...]:
+def _further(
+    options: tuple[Ranked, ...], data: Data, families: Families, on_progress: ReportProgress
+) -> tuple[Ranked, ...]:
     """The options, and what is tried beside the best two effects, the best three, as long as those may be chosen."""
     for count in range(2, MOST_EFFECTS):
         best = choose([item for item in options if len(item.effects) == count])
@@ -163,7 +169,7 @@ def _further(options: tuple[Ranked, ...], data: Data, families: Families, tell: 
             break
 
         def said(text: str, share: float, names: str = "+".join(best.effects)) -> None:
-            tell(f"{names} and {text}", 1.0)
+            on_progress(f"{names} and {text}", 1.0)
 
         options = (*options, *_beside(best, data, _others(best, families), said).ranking)
     return options
@@ -174,11 +180,11 @@ def _others(first: Ranked, families: Families) -> Families:
     return {name: family for name, family in families.items() if name and name not in first.effects}
 
 
-def _beside(first: Ranked, data: Data, families: Families, tell: ReportProgress) -> Second:
+def _beside(first: Ranked, data: Data, families: Families, on_progress: ReportProgress) -> Second:
     """Every family tried beside an effect in the place in which that is most at home."""
     fitted = first.best.fit
     worth = fitted.log_evidence + SECOND
-    with_first, found = _search(fitted.model, data, fitted, families, tell, turns=1, worth=worth)
+    with_first, found = _search(fitted.model, data, fitted, families, on_progress, searches=1, worth=worth)
     return Second(first, with_first, rank(found, with_first, data.values[:, 0], data.seen[:, 0], beside=first))
 
 
@@ -204,16 +210,16 @@ def _search(
     data: Data,
     plain: Fit,
     families: Families,
-    tell: ReportProgress,
-    turns: int = MAX_SEARCHES,
+    on_progress: ReportProgress,
+    searches: int = MAX_SEARCHES,
     worth: float = -np.inf,
 ) -> tuple[Trial, list[Trial]]:
     """Every candidate tried beside a model, and the model itself, whose best fit the trials help to find."""
     count = sum(len(family) for family in families.values())
-    for turn in range(turns):
+    for turn in range(searches):
 
         def done(share: float, turn: int = turn) -> None:
-            tell(f"{count} candidates", (turn + share) / turns)
+            on_progress(f"{count} candidates", (turn + share) / searches)
 
         trials = try_all(model, data, families, plain, worth, done)
         better = plain_again(model, data, plain, trials)

@@ -18,14 +18,14 @@ def rocket_model(
     accepted: Sequence[Place] = (),
     hyperprior: Hyperprior = CERTIFIED_PRIOR,
     flown: int | None = None,
-    turns: Sequence[int] | None = None,
+    flight_index: Sequence[int] | None = None,
     shared: SharedPrior | None = None,
 ) -> Model:
     """The model of a rocket with the effects and patterns that were accepted into it; the rest as in `base_model`.
 
     Patterns are those of the first `flown` flights, by default of all.
     """
-    model = base_model(flights, found, hyperprior, flown, turns, shared)
+    model = base_model(flights, found, hyperprior, flown, flight_index, shared)
     known = [place for place in accepted if place.effect in effects()]
     odd = [place for place in accepted if not place.effect]
     past = len(flights) if flown is None else flown

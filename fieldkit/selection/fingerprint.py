@@ -89,12 +89,12 @@ def _along(
 ) -> Float[Array, "flight"]:
     """How much of the effect each flight should show, in the readout that shows it most, of size one."""
     strongest = int(np.argmax((np.where(seen, expected, 0.0) ** 2).sum(axis=0)))
-    teach = seen.any(axis=1)
-    along = np.where(teach, expected[:, strongest], 0.0)
-    size = float(np.sqrt((along[teach] ** 2).mean())) if teach.any() else 0.0
+    used_in_fit = seen.any(axis=1)
+    along = np.where(used_in_fit, expected[:, strongest], 0.0)
+    size = float(np.sqrt((along[used_in_fit] ** 2).mean())) if used_in_fit.any() else 0.0
     if size < 1e-3:
-        return np.asarray(teach, float)
-    return np.asarray(along / size * (np.sign(shift[teach, strongest].sum()) or 1.0))
+        return np.asarray(used_in_fit, float)
+    return np.asarray(along / size * (np.sign(shift[used_in_fit, strongest].sum()) or 1.0))
 
 
 def _mark(name: str, expected: Array, found: Array, along: Array, seen: Flags, *, fitted: bool) -> FingerprintMark:
@@ -127,8 +127,8 @@ def _others(
     return rows
 
 
-def _other(name: str, miss: Any, shift: Any, along: Array, teach: Flags) -> FingerprintMark:
-    seen = np.isfinite(miss) & np.isfinite(shift) & teach & (along != 0)
+def _other(name: str, miss: Any, shift: Any, along: Array, used_in_fit: Flags) -> FingerprintMark:
+    seen = np.isfinite(miss) & np.isfinite(shift) & used_in_fit & (along != 0)
     if seen.sum() < 4:
         nan = float("nan")
         return FingerprintMark(name, nan, nan, nan, fitted=False)

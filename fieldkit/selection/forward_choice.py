@@ -42,7 +42,7 @@ class Ahead:
     chosen: tuple[str, ...]
 
 
-def ahead(diagnosis: Diagnosis, tell: ReportProgress = no_op) -> Ahead:
+def ahead(diagnosis: Diagnosis, on_progress: ReportProgress = no_op) -> Ahead:
     """Forecasts of a diagnosed history forward in time."""
     teach = diagnosis.data.seen[:, 0]
     count = len(teach)
@@ -51,7 +51,7 @@ def ahead(diagnosis: Diagnosis, tell: ReportProgress = no_op) -> Ahead:
     past = _Past(diagnosis)
     rows = []
     for flight in range(count):
-        tell("forward in time", flight / count)
+        on_progress("forward in time", flight / count)
         rows.append(past.said_of(flight) if judged[flight] else (_nothing(), _nothing(), ""))
     before, after, chosen = zip(*rows, strict=True) if rows else ((), (), ())
     return Ahead(_joined(before), _joined(after), judged, chosen)

@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import BY_NAME, Flight
-from fieldkit.inference.laplace.linearization import Tangent, lean_slope, tangents
+from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit, residual_variance
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, reading_sd
 from fieldkit.model.rocket_model import Model
@@ -75,8 +75,8 @@ class Explanation:
     fit: Fit
 
 
-def telling(model: Model, first: Explanation, second: Explanation) -> list[Advice]:
-    """What would tell two explanations of a rocket's flights apart, the most telling first."""
+def informative_readouts(model: Model, first: Explanation, second: Explanation) -> list[Advice]:
+    """The readouts and tests that would distinguish two explanations, the most informative first."""
     tests = [*_flights(model, first, second), *_measurements(first), *_measurements(second)]
     return sorted(tests, key=lambda test: -test.expected)
 
@@ -161,7 +161,7 @@ def _forecast(
     """Mean and covariance of the readouts of flights that are planned, as they are compared."""
     at = side.fit.tangent.at
     terms = tuple(range(len(at)))
-    (near,) = tangents(ahead, [(terms, at)], lean_slope(ahead, at))
+    (near,) = tangents(ahead, [(terms, at)], launch_angle_slope(ahead, at))
     best = int(np.argmax(side.fit.log_weight))
     mean = near.values + near.slope @ (side.fit.mean[best] - at)
     shared = near.slope @ np.linalg.solve(side.fit.precision[best], np.swapaxes(near.slope, 1, 2))

@@ -38,7 +38,7 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
 
 def _weighed(weigh: Weigh, model: Model, flown: int) -> Float[Array, "flight"]:
     """How strongly a pattern acts on the flights flown, and on each plan as if those before its turn were its like."""
-    past, planned = model.flights[:flown], zip(model.flights[flown:], model.turns[flown:], strict=True)
+    past, planned = model.flights[:flown], zip(model.flights[flown:], model.flight_index[flown:], strict=True)
     ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
     return np.array([*weigh(past), *ahead])
 
@@ -58,8 +58,8 @@ def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
         yield {"the hour of the day": lambda some: np.nan_to_num((_hours(some) - middle) / 4)}
     yield {f"every flight from {flights[k].flight_id} on": _from(k) for k in range(3, len(flights) - 2)}
     if len(flights) >= 8:
-        turns = [(n, k) for n in (2, 3) for k in range(n - (n == 2))]
-        yield {f"every {n} flights, as {flights[k].flight_id}": _every(n, k) for n, k in turns}
+        flight_index = [(n, k) for n in (2, 3) for k in range(n - (n == 2))]
+        yield {f"every {n} flights, as {flights[k].flight_id}": _every(n, k) for n, k in flight_index}
 
 
 def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:

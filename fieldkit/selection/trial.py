@@ -69,7 +69,7 @@ def try_all(
     families: Mapping[str, Sequence[Candidate]],
     near: Fit,
     worth: float = -np.inf,
-    tell: Callable[[float], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
 ) -> list[Trial]:
     """Fit the candidates of every effect side by side, each from all its starts, from where a smaller model ended.
 
@@ -85,7 +85,7 @@ def try_all(
             for start in candidate.starts:
                 lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest]), name))
                 owners.append(candidate)
-    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], worth=worth, tell=tell)
+    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], worth=worth, on_progress=on_progress)
     best: dict[Place, Fit] = {}
     for candidate, result in zip(owners, fits, strict=True):
         known = best.get(candidate.place)

@@ -18,7 +18,7 @@ from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.unexplained import Leftover
 from fieldkit.services.findings import Findings, findings
-from fieldkit.services.flight_logs import kept_logs
+from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_places, accepted_widening, flown
 
 
@@ -28,7 +28,7 @@ def close_loop(
     rocket: str,
     *,
     accept: bool = True,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
     given: Sequence[str] = (),
 ) -> Diagnosis:
     """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
@@ -38,14 +38,14 @@ def close_loop(
     UnknownEffect for a given effect that these flights could not show.
     """
     history = flown(ledger, motors, rocket)
-    teach = [flight.clean and flight.apogee is not None for flight, _ in history]
-    if sum(teach) < 4:
+    used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
+    if sum(used_in_fit) < 4:
         raise NoFlights(
-            f"{rocket}: found {sum(teach)} clean flights with an apogee, expected at least 4 to close the loop"
+            f"{rocket}: found {sum(used_in_fit)} clean flights with an apogee, expected at least 4 to close the loop"
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history])
-    diagnosis = diagnose(model, observe(flights, teach), tell, given)
+    diagnosis = diagnose(model, observe(flights, used_in_fit), on_progress, given)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
@@ -55,7 +55,7 @@ def look(
     ledger: Ledger,
     motors: Catalogue,
     rocket: str,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
     *,
     accept: bool = False,
     given: Sequence[str] = (),
@@ -64,9 +64,9 @@ def look(
 
     Raises as `close_loop`; nothing is changed unless `accept`.
     """
-    diagnosis = close_loop(ledger, motors, rocket, accept=accept, tell=part(tell, 0.0, 0.6), given=given)
-    logs = kept_logs(ledger, diagnosis, part(tell, 0.6, 0.1))
-    return findings(rocket, diagnosis, part(tell, 0.7, 0.3), logs)
+    diagnosis = close_loop(ledger, motors, rocket, accept=accept, on_progress=part(on_progress, 0.0, 0.6), given=given)
+    logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
+    return findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

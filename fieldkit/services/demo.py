@@ -34,22 +34,22 @@ class Demo:
     loop: Findings
 
 
-def demo(ledger: Ledger, motors: Catalogue, tell: ReportProgress) -> Demo:
+def demo(ledger: Ledger, motors: Catalogue, on_progress: ReportProgress) -> Demo:
     """Import, infer, predict, close the loop.
 
     Raises LedgerError for a ledger that holds flights: it is somebody's.
     """
     if count := len(ledger.flights()):
         raise LedgerError(f"{ledger.name}: found {count} flights, the demo wants an empty ledger or none at all")
-    tell("importing", 0.0)
+    on_progress("importing", 0.0)
     bring_in(ledger, [REFERENCE_FLIGHTS], lambda name: None)
     flights = ledger.flights()
-    tell("inferring", 0.1)
+    on_progress("inferring", 0.1)
     inferred, by_paper = (infer(flights, motors, model).inferred for model in ENSEMBLES)
     rocket = which_rocket(ledger, None)
-    tell("predicting", 0.15)
+    on_progress("predicting", 0.15)
     predictions = predict_plans(ledger, motors, plans(flights))
-    found = look(ledger, motors, rocket, part(tell, 0.2, 0.8), accept=True)
+    found = look(ledger, motors, rocket, part(on_progress, 0.2, 0.8), accept=True)
     return Demo(rocket, flights, inferred, by_paper, predictions, found)
 
 

@@ -9,9 +9,9 @@ from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
-from fieldkit.selection.force.log_evidence import LogEvidence, testify
+from fieldkit.selection.force.log_evidence import LogEvidence, compare_with_logs
 from fieldkit.selection.forward_choice import Ahead, ahead
-from fieldkit.selection.next_experiment import Advice, Explanation, telling
+from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
 from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover
@@ -63,12 +63,12 @@ class Findings:
 def findings(
     rocket: str,
     diagnosis: Diagnosis,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
     logs: Mapping[str, Recorded | str] | None = None,
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
-    forward = ahead(diagnosis, tell)
+    forward = ahead(diagnosis, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
     return Findings(
         rocket=rocket,
@@ -89,7 +89,7 @@ def findings(
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
         unexplained=widened_leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
-        testimony=testify(diagnosis, logs or {}),
+        testimony=compare_with_logs(diagnosis, logs or {}),
     )
 
 
@@ -107,7 +107,7 @@ def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
     places = tuple(trial.candidate.place for trial in diagnosis.accepted)
     accepted = Explanation(places, diagnosis.accepted[-1].fit)
     rival = next(item.best for item in diagnosis.ranking if item.effect == diagnosis.also[0])
-    return distinct(telling(diagnosis.model, accepted, Explanation((rival.candidate.place,), rival.fit)))
+    return distinct(informative_readouts(diagnosis.model, accepted, Explanation((rival.candidate.place,), rival.fit)))
 
 
 def distinct(tests: list[Advice]) -> tuple[Advice, ...]:

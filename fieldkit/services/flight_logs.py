@@ -12,7 +12,9 @@ MAX_LOGS = 6
 OLDER_LOGS_NOTE = f"older than the {MAX_LOGS} latest logs, which alone are read"
 
 
-def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: ReportProgress = no_op) -> dict[str, Recorded | str]:
+def recorded_logs(
+    ledger: Ledger, diagnosis: Diagnosis, on_progress: ReportProgress = no_op
+) -> dict[str, Recorded | str]:
     """What the logs of the flights behind a diagnosis show, by flight id; in place of one there may be why not.
 
     The latest are read, the others are `OLDER_LOGS_NOTE`.
@@ -23,7 +25,7 @@ def kept_logs(ledger: Ledger, diagnosis: Diagnosis, tell: ReportProgress = no_op
     latest = logged[-MAX_LOGS:]
     found: dict[str, Recorded | str] = {flight.flight_id: OLDER_LOGS_NOTE for flight in logged[:-MAX_LOGS]}
     for number, (flight, id) in enumerate(zip(latest, ledger.ids(latest), strict=True)):
-        tell(f"the log of {id}", number / len(latest))
+        on_progress(f"the log of {id}", number / len(latest))
         try:
             recording = recording_of(ledger, id)
         except LedgerError as error:

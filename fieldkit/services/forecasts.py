@@ -11,7 +11,7 @@ import numpy as np
 from fieldkit.errors import NoFlights
 from fieldkit.flight import Flight
 from fieldkit.flight.start import Start, completed, design_cds, start_among
-from fieldkit.forecast.conformal import kept_surprises, stretch
+from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
@@ -102,7 +102,7 @@ def predict_plans(
     ImpossibleFlight for one without a mass.
     """
     answers: dict[int, Prediction] = {}
-    surprises = kept_surprises([kept.payload for kept in ledger.predictions()])
+    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
     for rocket in dict.fromkeys(plan.rocket for plan in plans):
         rows = [row for row, plan in enumerate(plans) if plan.rocket == rocket]
         history = flown(ledger, motors, rocket)

@@ -75,14 +75,14 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
 
 
 def learn(
-    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, tell: ReportProgress = no_op
+    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
     """The hyperprior that the flights of some flyers ask for, from the one in use, or `afresh` from `START`."""
     from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 
     start = START if afresh else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]
-    found = learn_hyperprior(fleets, start, FULL_ROUNDS, FULL_STEPS, tell=tell)
+    found = learn_hyperprior(fleets, start, FULL_ROUNDS, FULL_STEPS, on_progress=on_progress)
     about = {
         "name": "hyperprior",
         "command": " ".join(["fieldkit learn", *_options(afresh, since), *(flyer.name for flyer in flyers)]),
@@ -102,7 +102,7 @@ def _options(afresh: bool, since: date | None) -> list[str]:
 
 @dataclass(frozen=True, slots=True)
 class HeldOutRocket:
-    """A rocket whose flights are to be forecast with a hyperprior that was learned without them."""
+    """A rocket whose flights are forecast with a hyperprior fitted without them."""
 
     flyers: tuple[Flyer, ...]
     flyer: int
@@ -143,14 +143,14 @@ def check(
     *,
     afresh: bool = False,
     pool: Executor | None = None,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
 ) -> "dict[str, list[Forecast]]":
     """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
     works = list(left_out(flyers, hyperprior, afresh=afresh))
     apply: "Callable[..., Iterator[list[Forecast]]]" = pool.map if pool else map
     found: "dict[str, list[Forecast]]" = {flyer.name: [] for flyer in flyers}
     for number, (work, rows) in enumerate(zip(works, apply(forecasts_of, works), strict=True)):
-        tell(f"without {work.rocket}", (number + 1) / len(works))
+        on_progress(f"without {work.rocket}", (number + 1) / len(works))
         found[flyers[work.flyer].name] += rows
     for flyer in flyers:
         order = {(one.rocket, one.flight_id): place for place, (one, _) in enumerate(flyer.flown)}

@@ -4,7 +4,7 @@ from typing import Any
 
 from fieldkit.flight import Flight
 from fieldkit.flight.start import completed
-from fieldkit.forecast.conformal import kept_surprises, stretch
+from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.ledger import Ledger
 from fieldkit.ledger.sites import site_of
 from fieldkit.motors import Catalogue
@@ -20,7 +20,7 @@ SHORTLIST = "shortlist"
 
 def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
     """What a ledger holds of a rocket, read once."""
-    surprises = kept_surprises([kept.payload for kept in ledger.predictions()])
+    surprises = saved_surprises([kept.payload for kept in ledger.predictions()])
     return Rocket(
         history=tuple(flown(ledger, motors, name)),
         places=accepted_places(ledger, name),
@@ -33,7 +33,7 @@ def rocket_of(ledger: Ledger, motors: Catalogue, name: str) -> Rocket:
     )
 
 
-def begun(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
+def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Settings) -> Flight:
     """A plan with all that it leaves open and that is known: mass, diameter and rail as the rocket last flew, mass and
     diameter else of its design, the rail else the flyer's usual one; the site as last, and its elevation. Weather is
     the day's, and nothing is made up for it."""

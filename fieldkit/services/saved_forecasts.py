@@ -77,7 +77,7 @@ class SavedForecast:
         }
 
 
-def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[SavedForecast]:
+def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[SavedForecast]:
     """Every prediction of a rocket, or of all, oldest first; once for each flight that is measured against it."""
     predictions = [one for one in ledger.predictions(rocket) if "apogee_m" in one.payload]
     flights = ledger.flights(rocket) if predictions else []
@@ -104,7 +104,7 @@ def kept(ledger: Ledger, motors: Catalogue, rocket: str | None = None) -> list[S
 
 def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> SavedForecast | None:
     """The prediction that a flight is measured against, or None where none was made."""
-    return by_flight(kept(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
+    return by_flight(list_forecasts(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
 
 
 def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedForecast]:

@@ -31,7 +31,7 @@ def replayed(
     rocket: str | None = None,
     *,
     hyperprior: Hyperprior | None = None,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
 ) -> list[Forecast]:
     """Every clean flight of a ledger forecast from the flights of all rockets before it, in the order flown.
 
@@ -40,7 +40,7 @@ def replayed(
     known = ledger.flights()
     ledger.remark(*implausible_flights(known, motors))
     flights = followed(known, motors)
-    return corrected_by_earlier(with_stacked(forward(flights, rocket, hyperprior=hyperprior, tell=tell)))
+    return corrected_by_earlier(with_stacked(forward(flights, rocket, hyperprior=hyperprior, on_progress=on_progress)))
 
 
 def read_hyperprior(path: Path) -> Hyperprior:

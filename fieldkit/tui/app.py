@@ -146,7 +146,7 @@ class FieldkitApp(InOrder):
         """Let go of the ledger."""
         self.desk.close()
 
-    def tell(self, text: str, *, error: bool = False) -> None:
+    def show_notice(self, text: str, *, error: bool = False) -> None:
         """Say something; what went wrong waits until it is read, what went right makes room for the next."""
         self.notices = [notice for notice in self.notices if notice.error]
         notice = Notice(text, error)
@@ -167,7 +167,7 @@ class FieldkitApp(InOrder):
 
     def _show_notices(self, whole: bool = False) -> None:
         for bar in self.screen.query(NoticeBar):
-            bar.tell(self.notices, whole)
+            bar.show_notice(self.notices, whole)
 
     def changed(self) -> None:
         """The ledger has changed: pages fill themselves anew."""
@@ -221,7 +221,7 @@ class FieldkitApp(InOrder):
 
     def action_help_quit(self) -> None:
         """What ^C does where nothing can be copied: it says how to leave."""
-        self.tell("q leaves the app; so does ^Q, from a field as well")
+        self.show_notice("q leaves the app; so does ^Q, from a field as well")
 
     def action_undo(self) -> None:
         """Take back the last change, whoever made it."""
@@ -237,7 +237,7 @@ class FieldkitApp(InOrder):
             page.change(lambda: getattr(self.desk.ledger, method)(), partial(self._journalled, said))
 
     def _journalled(self, said: str, change: Any) -> None:
-        self.tell(f"{said}: {change.command} {change.what}")
+        self.show_notice(f"{said}: {change.command} {change.what}")
         self.changed()
 
     def action_next_theme(self) -> None:
@@ -263,9 +263,9 @@ class FieldkitApp(InOrder):
         try:
             self.desk.choose(settings)
         except FieldkitError as error:
-            self.tell(str(error), error=True)
+            self.show_notice(str(error), error=True)
         else:
-            self.tell(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
+            self.show_notice(said or "; ".join(f"{name} {value}" for name, value in changes.items()))
         self.theme = settings.theme
         if changes.keys() <= LOOKS:
             self.look += 1
@@ -290,7 +290,7 @@ class FieldkitApp(InOrder):
         try:
             target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
         except BadValue as error:
-            self.tell(f"target: {error}, such as 800ft", error=True)
+            self.show_notice(f"target: {error}, such as 800ft", error=True)
             return
         self.choose(f"target {measure(apogee, target, system)}" if target else "no target", target=target)
 

@@ -9,7 +9,7 @@ from fieldkit.tui.page import WAIT, PageScreen
 
 MOST_WAITS = 6000
 """How often at most a page that is opened is asked whether it can take keys."""
-MOST_TURNS = 200
+MAX_LOOP_CYCLES = 200
 """How often at most it is looked whether a key has reached all that it is for. [1]"""
 
 
@@ -29,7 +29,7 @@ class InOrder(App[None]):
 
     async def heard(self) -> None:
         """Wait until messages have reached the widgets they are for, and a screen that was opened can take keys."""
-        for _ in range(MOST_TURNS):
+        for _ in range(MAX_LOOP_CYCLES):
             pumps = (self.focused or self.screen).ancestors_with_self[:-1]
             if all(pump._message_queue.empty() for pump in pumps):
                 break

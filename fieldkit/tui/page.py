@@ -57,7 +57,7 @@ class Host(Protocol):
     def changed(self) -> None:
         """The ledger has changed: pages are to fill themselves again."""
 
-    def tell(self, text: str, *, error: bool = False) -> None:
+    def show_notice(self, text: str, *, error: bool = False) -> None:
         """Say something."""
 
     def choose(self, said: str = "", **changes: Any) -> None:
@@ -159,7 +159,7 @@ class PageScreen(Screen[None]):
         event.refresh_styles = False  # new colours were put on before, by the app: to do so again takes half of a key
         if not self.is_current:
             return  # made ready out of sight
-        self.query_one(NoticeBar).tell(self.field_app.notices)
+        self.query_one(NoticeBar).show_notice(self.field_app.notices)
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
 
     async def draw_ahead(self, pause: float) -> None:
@@ -238,13 +238,13 @@ class PageScreen(Screen[None]):
         """Change the ledger off the keys; every change is made, in the order of the keys that asked for them."""
         self.ask(question, answer, "change", in_turn=True)
 
-    def tell(self, text: str) -> None:
+    def show_notice(self, text: str) -> None:
         """Say something good."""
-        self.field_app.tell(text)
+        self.field_app.show_notice(text)
 
     def complain(self, text: str) -> None:
         """Say something that has to be read."""
-        self.field_app.tell(text, error=True)
+        self.field_app.show_notice(text, error=True)
 
     def check_action(self, action: str, parameters: tuple[object, ...]) -> bool | None:
         """A line is left where one is being typed in."""
@@ -269,9 +269,9 @@ class PageScreen(Screen[None]):
         text = self.copied()
         if text:
             self.app.copy_to_clipboard(text)
-            self.tell("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
+            self.show_notice("copied: " + (text.splitlines()[0] + (" …" if "\n" in text else "")))
         else:
-            self.tell("there is nothing here to copy")
+            self.show_notice("there is nothing here to copy")
 
     def action_back(self) -> None:
         """Read a notice; else leave a field; else leave the screen, where it lies above a page."""

@@ -194,11 +194,14 @@ def _pair(study: Study) -> Iterator[str]:
     yield ""
     yield from _table(
         ("written down", "pairs told apart"),
-        [(NAMES.get(tell.readout, tell.readout), f"{tell.apart} of {tell.pairs}") for tell in pair.tells],
+        [
+            (NAMES.get(on_progress.readout, on_progress.readout), f"{on_progress.apart} of {on_progress.pairs}")
+            for on_progress in pair.tells
+        ],
     )
     yield ""
     advice = [f"{cause.effect}: {effects()[cause.effect].tell_apart}" for cause in likely if cause.effect in effects()]
-    best = max(pair.tells[:-1], key=lambda tell: tell.apart)
+    best = max(pair.tells[:-1], key=lambda on_progress: on_progress.apart)
     yield _text(
         f"So the next flight of configuration A on the E35-5W should write down {NAMES[best.readout]} first, and "
         "all five "

@@ -61,7 +61,7 @@ def impulse_of(truth: Truth, rocket: Rocket) -> float:
     """Thrust over mass, integrated over the burn. [m/s]"""
     burning = truth.time <= truth.burnout
     air = pad_air(*(np.array(x) for x in (rocket.elevation, np.nan, np.nan, np.nan)))
-    drag = drag_of(rocket) * air.thinning(truth.height) * truth.speed**2
+    drag = drag_of(rocket) * air.density_ratio(truth.height) * truth.speed**2
     return float(np.trapezoid((truth.felt + drag)[burning], truth.time[burning]))
 
 

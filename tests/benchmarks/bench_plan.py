@@ -21,9 +21,9 @@ from fieldkit.planning.ballast import Goal, ballast
 from fieldkit.planning.contest import outlook, season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import Wanted, fitting, guide
+from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.planning import begun, rocket_of
+from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.settings import Settings
 from tests.benchmarks.timing import beside, measured
 
@@ -47,7 +47,7 @@ def motors() -> Catalogue:
 
 @pytest.fixture(scope="module")
 def every(motors: Catalogue) -> list[Motor]:
-    return fitting(motors, Wanted(mount=0.029, adapter=True))
+    return suitable_motors(motors, Wanted(mount=0.029, adapter=True))
 
 
 @pytest.fixture(scope="module")
@@ -55,9 +55,9 @@ def one(ledger: Ledger, motors: Catalogue) -> float:
     """One forecast as `predict` makes it, the least of some rounds. [s]"""
     rounds = []
     for _ in range(4):
-        begun = time.process_time()
+        completed_plan = time.process_time()
         predict_plans(ledger, motors, [PLAN], keep=False)
-        rounds.append(time.process_time() - begun)
+        rounds.append(time.process_time() - completed_plan)
     return min(rounds)
 
 
@@ -78,7 +78,9 @@ def test_the_whole_catalogue_for_one_rocket(
     day = PLAN.with_changes(wind=wind)
 
     def work() -> None:
-        guide(rocket_of(ledger, motors, "Astra"), begun(ledger, motors, day, Settings()), every, limits(), Site())
+        guide(
+            rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, day, Settings()), every, limits(), Site()
+        )
 
     benchmark.extra_info["motors"] = len(every)
     assert timed(benchmark, one, work) < CATALOGUE
@@ -93,15 +95,15 @@ def test_one_predict(
 
 
 def test_a_delay(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
-    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, motors, PLAN, Settings())
+    rocket, plan = rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, PLAN, Settings())
     timed(benchmark, one, lambda: delays(rocket, plan, motors.resolve("F67W"), 15.0))
 
 
 def test_ballast(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
-    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, motors, PLAN, Settings())
+    rocket, plan = rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, PLAN, Settings())
     timed(benchmark, one, lambda: ballast(rocket, plan, motors.resolve("F24-4W"), Goal(240.0, 3.0)))
 
 
 def test_a_contest(benchmark: BenchmarkFixture, one: float, ledger: Ledger, motors: Catalogue) -> None:
-    rocket, plan = rocket_of(ledger, motors, "Astra"), begun(ledger, motors, PLAN, Settings())
+    rocket, plan = rocket_of(ledger, motors, "Astra"), completed_plan(ledger, motors, PLAN, Settings())
     timed(benchmark, one, lambda: outlook(season(2027), rocket, plan, motors.resolve("F24-4W")))

@@ -404,7 +404,7 @@ def test_a_port_that_comes_back_and_goes_again_is_given_up(tmp_path: Path, monke
     def gone(self: object) -> bytes:
         raise PortLost("port: the port is gone (loose contact)")
 
-    monkeypatch.setattr("fieldkit.capture.line.Line.hear", gone)
+    monkeypatch.setattr("fieldkit.capture.line.SerialLine.hear", gone)
     monkeypatch.setattr("fieldkit.capture.session.PAUSE", 0.0)
     with played(devices.deaf) as wire:
         port = Port(wire.name)

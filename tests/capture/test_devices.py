@@ -640,7 +640,7 @@ def test_no_capture_is_so_torn_that_taking_logs_out_of_it_fails(
         marks.append(TapeMark(max(0, len(raw) + shift), float(len(raw)), {"sent": command}))
         raw += piece
     protocol = known_devices()[name]
-    assert protocol.overhears(raw) in (True, False)
+    assert protocol.recognizes_stream(raw) in (True, False)
     for log in protocol.logs(Captured(Path("a.raw"), raw, tuple(marks))):
         assert log.content
     protocol.logs(Captured(Path("a.raw"), raw))

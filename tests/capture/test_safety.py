@@ -289,7 +289,7 @@ def test_no_answer_makes_a_conversation_send_anything_else(tape: Tape, name: str
             lambda flights: [-3, 2**40, *(f.number for f in flights)], seed % 3 == 0, 434.55e6, wait=5, silence=5
         )
         try:
-            for _ in known_devices()[name].talk(link, wishes, Captured(tape.file, b"")):
+            for _ in known_devices()[name].dialogue(link, wishes, Captured(tape.file, b"")):
                 pass
         except (Stopped, FieldkitError):
             pass

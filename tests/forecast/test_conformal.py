@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from fieldkit.flight import Flight
-from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT, kept_surprises, stretch, stretched, surprise
+from fieldkit.forecast.conformal import MIN_FORECASTS_TO_CORRECT, saved_surprises, stretch, stretched, surprise
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_by_earlier
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
@@ -70,7 +70,7 @@ def test_only_flights_that_flew_before_correct_an_interval() -> None:
 def test_a_flight_scored_twice_counts_once() -> None:
     one = {"rocket": "Astra", "flight_id": "1", "interval_m": list(INTERVAL)}
     kept = [one | {"flown_m": 130.0}, one | {"flown_m": 169.0}, {"rocket": "Astra", "flight_id": "2", "apogee_m": {}}]
-    assert kept_surprises(kept) == pytest.approx([2.0])
+    assert saved_surprises(kept) == pytest.approx([2.0])
 
 
 def test_a_forecast_is_as_wide_as_scored_ones_had_to_be_and_says_so(tmp_path: Path) -> None:

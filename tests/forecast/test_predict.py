@@ -120,7 +120,7 @@ def made(known: float, luck: float, draws: int = 500) -> Prediction:
     (said,) = predict([], [(PLAN, catalogue().resolve("F24"))], draws=draws)
     apart = np.random.default_rng(8).normal(size=(draws, 2))
     common, chance = (np.linalg.qr(apart - apart.mean(axis=0))[0] * np.sqrt(draws)).T  # uncorrelated to the last digit
-    return replace(said, apogee=250 * np.exp(known * common + luck * chance), luck=(chance,))
+    return replace(said, apogee=250 * np.exp(known * common + luck * chance), random_draws=(chance,))
 
 
 @pytest.mark.parametrize("more", [0, 1, 4, 20, np.inf])

@@ -251,10 +251,10 @@ def faults_among(numbers: range) -> tuple[Counter[str], dict[str, str]]:
 def patience(seconds: float = PATIENCE) -> Iterator[None]:
     """Raises TimeoutError in what takes too long."""
 
-    def tell(signal_number: int, frame: object) -> None:
+    def on_progress(signal_number: int, frame: object) -> None:
         raise TimeoutError(f"took more than {seconds} s")
 
-    before = signal.signal(signal.SIGPROF, tell)
+    before = signal.signal(signal.SIGPROF, on_progress)
     signal.setitimer(signal.ITIMER_PROF, seconds)
     try:
         yield

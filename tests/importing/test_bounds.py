@@ -107,8 +107,8 @@ def test_designs_that_count_too_much_of_something_are_read_or_refused_at_once(tm
 def test_the_bounds_of_a_design_name_what_there_is_too_much_of(monkeypatch: pytest.MonkeyPatch) -> None:
     for module, name, most, text, said in (
         (archive, "MOST_ELEMENTS", 20, zipped(design()), "more than 20 elements"),
-        (archive, "DEEPEST", 5, zipped(design()), "nested more than 5 deep"),
-        (archive, "LONGEST", 20, zipped(design()), "without the end of a tag"),
+        (archive, "MAX_DEPTH", 5, zipped(design()), "nested more than 5 deep"),
+        (archive, "MAX_TAG_LENGTH", 20, zipped(design()), "without the end of a tag"),
         (archive, "MOST_FILES", 2, zipped(design(), names=3), "more than 2 files"),
         (designs, "MOST_PARTS", 1, zipped(design()), "parts along the body"),
     ):

@@ -32,17 +32,17 @@ def written(*rockets: Rocket, kind: str = "flight", stated: float | None = None,
 
 
 def _read(content: bytes) -> list[Reading]:
-    told = json.loads(content)
-    stated = {"apogee": told["stated"]} if told["stated"] else {}
+    reported = json.loads(content)
+    stated = {"apogee": reported["stated"]} if reported["stated"] else {}
     return [
         Reading(
             stated,
             series=Series(time=np.array(time), altitude=np.array(height)),
-            describes=told["kind"],
+            describes=reported["kind"],
             device="Lark 1",
             serial="7",
         )
-        for time, height in told["lark"]
+        for time, height in reported["lark"]
     ]
 
 
@@ -155,10 +155,10 @@ def test_compare_lays_a_flight_beside_another_device_and_a_simulation(run: Run, 
     sim.write_bytes(written(SMALL, kind="simulation", noise=0.0, start=0.0))
     (id,) = json.loads(run("import", one, "--json")[1])["flights"]
     status, out, _ = run("compare", id, two, sim, "--json")
-    told = json.loads(out)
+    reported = json.loads(out)
     assert status == 0
-    assert [one["kind"] for one in told["recordings"]] == ["Lark 1", "Lark 1", "simulation"]
-    for compared, shift in zip(told["compared"], (93.0, 100.0), strict=True):
+    assert [one["kind"] for one in reported["recordings"]] == ["Lark 1", "Lark 1", "simulation"]
+    for compared, shift in zip(reported["compared"], (93.0, 100.0), strict=True):
         assert compared["shift_s"] == pytest.approx(shift, abs=0.15)
         assert compared["rms_height_m"] < 1.5
         assert abs(compared["differences"]["apogee_m"]["difference"]) < 1.0

@@ -14,12 +14,12 @@ from fieldkit.physics.effect import Effect, effects
 from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
-from fieldkit.plugins import shelf_folder
+from fieldkit.plugins import plugin_folder
 
 pytestmark = pytest.mark.fast
 
 EFFECTS = effects()
-FILES = sorted((shelf_folder("models") / "effects").glob("[!_]*.py"))
+FILES = sorted((plugin_folder("models") / "effects").glob("[!_]*.py"))
 every_effect = pytest.mark.parametrize("name", EFFECTS)
 MAY_IMPORT = ("fieldkit.physics", "fieldkit.flight", "fieldkit.errors", "fieldkit.shapes", "numpy")
 PLAIN = ("collections", "dataclasses", "math", "typing", "functools")

@@ -25,8 +25,8 @@ from fieldkit.planning.forecasts import forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import guide
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.planning import begun, rocket_of
-from fieldkit.services.saved_forecasts import kept
+from fieldkit.services.planning import completed_plan, rocket_of
+from fieldkit.services.saved_forecasts import list_forecasts
 from fieldkit.settings import Settings
 
 pytestmark = pytest.mark.fast
@@ -190,17 +190,17 @@ def test_every_plan_starts_from_the_design_and_a_changed_one_makes_a_prediction_
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.keep_start(Start("Skylark", "A", 0.4, 0.066, 0.8, 1.0, "skylark.ork"))
         (predicted,) = predict_plans(ledger, motors, [plan])
-        rocket, begins = rocket_of(ledger, motors, "Skylark"), begun(ledger, motors, plan, Settings())
+        rocket, begins = rocket_of(ledger, motors, "Skylark"), completed_plan(ledger, motors, plan, Settings())
         assert (begins.dry_mass, begins.diameter) == (0.4, 0.066)
         planned = [(begins, motors.resolve("F24-4W"))]
         (said,) = forecasts(rocket, planned, draws=400)
         (choice,) = guide(rocket, begins, [planned[0][1].motor], limits(), Site(), draws=100)
         for one in (said, choice.prediction):
             assert np.median(one.apogee) == pytest.approx(np.median(predicted.apogee), rel=0.03)
-        (open_one,) = kept(ledger, motors)
+        (open_one,) = list_forecasts(ledger, motors)
         assert not open_one.stale
         ledger.keep_start(Start("Skylark", "A", 0.42, 0.066, 0.8, 0.6, "skylark.ork"))
-        (stale,) = kept(ledger, motors)
+        (stale,) = list_forecasts(ledger, motors)
     assert stale.changes == ("the design's Cd was 1, is 0.6", "the design's dry mass was 400 g, is 420 g")
 
 

@@ -383,14 +383,16 @@ def test_no_drag_is_the_limit_of_little_drag(area: float) -> None:
 @pytest.mark.parametrize(("height", "density"), [(0, 1.2250), (1000, 1.1117), (2000, 1.0066), (5000, 0.7364)])
 def test_the_air_is_the_standard_atmosphere(height: float, density: float) -> None:
     """U.S. Standard Atmosphere 1976, table I."""
-    assert STANDARD_AIR.density * STANDARD_AIR.thinning(np.asarray(float(height))) == pytest.approx(density, rel=6e-4)
+    assert STANDARD_AIR.density * STANDARD_AIR.density_ratio(np.asarray(float(height))) == pytest.approx(
+        density, rel=6e-4
+    )
     assert float(pad_air(np.asarray(float(height)), NAN, NAN, NAN).density) == pytest.approx(density, rel=6e-4)
 
 
 def test_air_thins_alike_from_the_pad_and_from_the_sea() -> None:
     high = pad_air(np.asarray(1500.0), NAN, NAN, NAN)
-    sea = STANDARD_AIR.density * STANDARD_AIR.thinning(np.asarray(2300.0))
-    np.testing.assert_allclose(high.density * high.thinning(np.asarray(800.0)), sea, rtol=1e-6)
+    sea = STANDARD_AIR.density * STANDARD_AIR.density_ratio(np.asarray(2300.0))
+    np.testing.assert_allclose(high.density * high.density_ratio(np.asarray(800.0)), sea, rtol=1e-6)
 
 
 def test_humid_and_hot_air_is_lighter_and_heavy_air_is_heavier() -> None:

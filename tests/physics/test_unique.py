@@ -8,7 +8,7 @@ import pytest
 from fieldkit.physics import unique
 from fieldkit.physics.flight import fly
 from fieldkit.physics.state import FlightResult, Setup
-from fieldkit.physics.unique import fly_alike, kinds
+from fieldkit.physics.unique import fly_unique, kinds
 from tests.physics.simulated import LONG, ROUGH, rocket
 
 pytestmark = pytest.mark.fast
@@ -28,7 +28,7 @@ def _same(one: FlightResult, other: FlightResult) -> None:
 
 
 def test_draws_that_are_alike_come_out_as_if_each_had_flown(doubled: Setup) -> None:
-    _same(fly_alike(doubled), fly(doubled))
+    _same(fly_unique(doubled), fly(doubled))
 
 
 def test_only_one_of_each_kind_is_flown(doubled: Setup, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -39,12 +39,12 @@ def test_only_one_of_each_kind_is_flown(doubled: Setup, monkeypatch: pytest.Monk
         return fly(setup)
 
     monkeypatch.setattr(unique, "fly", counted)
-    fly_alike(doubled)
+    fly_unique(doubled)
     assert flown == [5]
 
 
 def test_one_draw_flies() -> None:
-    _same(fly_alike(rocket(ROUGH)), fly(rocket(ROUGH)))
+    _same(fly_unique(rocket(ROUGH)), fly(rocket(ROUGH)))
 
 
 @pytest.mark.parametrize("name", ["dry_mass", "wind", "opening_time", "altimeter_gain"])

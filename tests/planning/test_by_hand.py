@@ -16,9 +16,9 @@ from fieldkit.physics.setups import field_setup
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
 from fieldkit.planning.descent import durations
-from fieldkit.planning.forecasts import Rocket, forecasts, learnt_of
+from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecasts
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import Wanted, fitting, guide
+from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.safety import thrust_to_weight
 from fieldkit.units import FOOT, STANDARD_GRAVITY
@@ -98,7 +98,9 @@ def test_a_season_is_the_table_of_its_organiser() -> None:
 
 @pytest.mark.parametrize(("wind", "lifted", "times"), [(0.0, 0.45, 1), (6.0, 0.7, 2)], ids=["still", "windy"])
 def test_coarse_flights_say_what_fine_ones_do(motors: Catalogue, wind: float, lifted: float, times: float) -> None:
-    every = fitting(motors, Wanted(mount=0.029, adapter=True, dry_mass=lifted))  # what barely lifts is blown over
+    every = suitable_motors(
+        motors, Wanted(mount=0.029, adapter=True, dry_mass=lifted)
+    )  # what barely lifts is blown over
     planned = [PLAN] * len(every), [Found(motor, None) for motor in every], np.full((1, len(every)), 0.002)
     blown = {"wind": np.array([wind])}
     exact = fly(field_setup(*planned).with_changes(**blown))
@@ -110,7 +112,7 @@ def test_coarse_flights_say_what_fine_ones_do(motors: Catalogue, wind: float, li
 
 
 def test_coast_times_are_those_flown(motors: Catalogue) -> None:
-    learnt = learnt_of(NEW, [(PLAN.with_changes(wind=4.0), motors.resolve(name)) for name in ("F39T", "E16W")], 4)
+    learnt = fitted_forecast(NEW, [(PLAN.with_changes(wind=4.0), motors.resolve(name)) for name in ("F39T", "E16W")], 4)
     model, at = replace(learnt.model, coarse=True), learnt.at
     assert coast_times(model, at) == pytest.approx(shown(model, at[None], {})["coast_time"][0], rel=1e-12)
 

@@ -24,13 +24,13 @@ from fieldkit.planning.delay import delays, drill_of, offered, tolerance
 from fieldkit.planning.descent import Fall
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
-from fieldkit.planning.motor_guide import Wanted, by_closeness, fitting, guide, mount_of
+from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors
 from fieldkit.planning.safety import SafetyCheck, first_thrust, safety_lines
 from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.manual_entry import enter, offer
-from fieldkit.services.planning import begun, rocket_of
+from fieldkit.services.planning import completed_plan, rocket_of
 from fieldkit.settings import Settings
 
 CHECK_SHAPES = False
@@ -74,7 +74,7 @@ def rocket(path: str, motors: Catalogue) -> Rocket:
 def plan(path: str) -> Flight:
     """The plan with mass and diameter as last flown."""
     with Ledger.open(path) as ledger:
-        return begun(ledger, catalogue(), PLAN, Settings())
+        return completed_plan(ledger, catalogue(), PLAN, Settings())
 
 
 @pytest.fixture(scope="module")
@@ -102,7 +102,7 @@ def test_plans_say_what_predictions_say(path: str, rocket: Rocket, plan: Flight,
 
 def test_the_guide_tells_every_check_of_every_motor(rocket: Rocket, plan: Flight, motors: Catalogue) -> None:
     wanted = Wanted(mount=mount_of(rocket, "A"), classes=("E", "F"), impulse=40.0)
-    choices = by_closeness(guide(rocket, plan, fitting(motors, wanted), limits(), Site(), draws=40), 250.0)
+    choices = by_closeness(guide(rocket, plan, suitable_motors(motors, wanted), limits(), Site(), draws=40), 250.0)
     misses = [abs(choice.apogee - 250.0) for choice in choices]
     assert misses == sorted(misses)
     assert all(choice.motor.total_impulse <= 40.0 and choice.motor.available for choice in choices)
@@ -113,9 +113,9 @@ def test_the_guide_tells_every_check_of_every_motor(rocket: Rocket, plan: Flight
 
 
 def test_a_shortlist_and_a_length_narrow_what_fits(motors: Catalogue) -> None:
-    every = fitting(motors, Wanted(mount=0.024, classes=("F", "F")))
-    short = fitting(motors, Wanted(mount=0.024, classes=("F", "F"), length=0.1))
-    named = fitting(motors, Wanted(mount=0.024, names=frozenset({"AeroTech F24W"})))
+    every = suitable_motors(motors, Wanted(mount=0.024, classes=("F", "F")))
+    short = suitable_motors(motors, Wanted(mount=0.024, classes=("F", "F"), length=0.1))
+    named = suitable_motors(motors, Wanted(mount=0.024, names=frozenset({"AeroTech F24W"})))
     assert {motor.designation for motor in short} < {motor.designation for motor in every}
     assert [motor.designation for motor in named] == ["F24W"]
 
@@ -292,7 +292,7 @@ def test_a_site_is_saved_beside_what_flights_say_of_it() -> None:
         keep_site(ledger, "Meadow", size=400.0)
         keep_site(ledger, "Meadow", ceiling=900.0)
         assert site_of(ledger, "Meadow") == Site("Meadow", 212.0, 400.0, 900.0)
-        plan = begun(ledger, catalogue(), Flight(rocket="A"), Settings(rail_length=1.8))
+        plan = completed_plan(ledger, catalogue(), Flight(rocket="A"), Settings(rail_length=1.8))
         assert (plan.site, plan.site_elevation, plan.rail_length) == ("Meadow", 212.0, 1.8)
         with pytest.raises(BadValue, match="size"):
             keep_site(ledger, "Meadow", size=-1.0)

@@ -16,7 +16,7 @@ from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.model.rocket_model import Model, base_model, shown
 from fieldkit.motors import catalogue
 from fieldkit.selection.candidates import EACH_GROUP, Place, effect_candidates, effect_terms
-from fieldkit.selection.choice import MAX_ERROR_RATIO_ALLOWED, may_leave, steady_evidence
+from fieldkit.selection.choice import MAX_ERROR_RATIO_ALLOWED, may_leave, robust_evidence
 from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.patterns import pattern_candidates
 
@@ -30,7 +30,7 @@ says = arrays(float, st.integers(3, 20), elements=st.floats(-3, 10))
 @drawn(says)
 def test_steady_evidence_lacks_the_flight_that_says_most(says: np.ndarray) -> None:
     total = float(says.sum())
-    steady, folds = steady_evidence(total, total - says, np.ones(len(says), bool))
+    steady, folds = robust_evidence(total, total - says, np.ones(len(says), bool))
     assert steady == pytest.approx(total - max(says.max(), 0.0))
     for row in range(len(says)):
         rest = np.delete(says, row)
@@ -39,8 +39,8 @@ def test_steady_evidence_lacks_the_flight_that_says_most(says: np.ndarray) -> No
 
 def test_one_odd_flight_is_no_evidence_and_many_alike_are() -> None:
     every = np.ones(20, bool)
-    alone, _ = steady_evidence(12.0, np.where(np.arange(20) == 4, 0.0, 12.0), every)
-    shared, _ = steady_evidence(12.0, np.full(20, 11.4), every)
+    alone, _ = robust_evidence(12.0, np.where(np.arange(20) == 4, 0.0, 12.0), every)
+    shared, _ = robust_evidence(12.0, np.full(20, 11.4), every)
     assert alone == 0
     assert shared == pytest.approx(11.4)
 

@@ -14,7 +14,7 @@ from fieldkit.ledger import Ledger, models
 from fieldkit.motors import catalogue
 from fieldkit.services.forecasts import predict_plans
 from fieldkit.services.provenance import digest, model_parts, plan_parts
-from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, kept
+from fieldkit.services.saved_forecasts import SavedForecast, by_flight, in_words, list_forecasts
 
 pytestmark = pytest.mark.fast
 
@@ -51,7 +51,7 @@ def ledger(said: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Itera
 
 
 def only(ledger: Ledger) -> SavedForecast:
-    (one,) = kept(ledger, catalogue())
+    (one,) = list_forecasts(ledger, catalogue())
     return one
 
 
@@ -147,7 +147,7 @@ def test_a_flight_on_another_mass_says_so_and_weather_that_nobody_foretold_does_
 def test_a_prediction_made_of_a_flight_that_is_known_is_none_of_it(ledger: Ledger) -> None:
     ledger.add([FLOWN])
     predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=2.5)])
-    one = by_flight(kept(ledger, catalogue()))["Astra", "4"]
+    one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "4"]
     assert one.made.number == 1
 
 
@@ -155,7 +155,7 @@ def test_of_several_without_a_name_that_of_the_mass_flown_is_meant(ledger: Ledge
     loose = PLAN.with_changes(flight_id="")
     predict_plans(ledger, catalogue(), [loose.with_changes(dry_mass=mass) for mass in (0.33, 0.34, 0.35)])
     ledger.add([FLOWN.with_changes(flight_id="7", dry_mass=0.34)])
-    one = by_flight(kept(ledger, catalogue()))["Astra", "7"]
+    one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "7"]
     assert one.made.payload["made_from"]["mass"] == {"dry_mass_g": "340"}
     assert one.changes == ()
 
@@ -164,19 +164,19 @@ def test_a_date_without_a_time_is_the_whole_day_and_two_weeks_are_the_limit(ledg
     predict_plans(ledger, catalogue(), [PLAN.with_changes(flight_id="")])
     dates = {"6": datetime(2026, 6, 1), "7": datetime(2026, 6, 1) + timedelta(days=16)}
     ledger.add([FLOWN.with_changes(flight_id=name, date_time=when) for name, when in dates.items()])
-    assert set(by_flight(kept(ledger, catalogue()))) == {("Astra", "6")}
+    assert set(by_flight(list_forecasts(ledger, catalogue()))) == {("Astra", "6")}
 
 
 def test_of_predictions_that_name_a_flight_the_last_stands(ledger: Ledger) -> None:
     predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=5.0)])
-    assert [one.state for one in kept(ledger, catalogue())] == ["replaced", "open"]
+    assert [one.state for one in list_forecasts(ledger, catalogue())] == ["replaced", "open"]
 
 
 def test_predictions_of_an_older_fieldkit_are_paired_without_a_verdict(ledger: Ledger) -> None:
     apogee = {"mean": 250.0, "sd": 9.0, "p05": 235.0, "p50": 250.0, "p95": 265.0}
     ledger.keep_prediction({"motor": "F24-4W", "apogee_m": apogee}, digest="old", rocket="Astra", flight_id="8")
     ledger.add([FLOWN.with_changes(flight_id="8")])
-    one = by_flight(kept(ledger, catalogue()))["Astra", "8"]
+    one = by_flight(list_forecasts(ledger, catalogue()))["Astra", "8"]
     assert (one.state, one.changes, one.miss) == ("flown", (), pytest.approx(5.0))
 
 

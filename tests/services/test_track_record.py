@@ -13,7 +13,7 @@ from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
 from fieldkit.services import forecasts
 from fieldkit.services.forecasts import predict_plans
-from fieldkit.services.saved_forecasts import kept
+from fieldkit.services.saved_forecasts import list_forecasts
 from fieldkit.services.track_record import as_planned, record
 
 CHECK_SHAPES = False
@@ -28,11 +28,11 @@ def test_a_kept_prediction_is_scored_against_what_was_known_then(
         predict_plans(ledger, catalogue(), [unflown(base).with_changes(flight_id="3", dry_mass=0.35)])
         ledger.add([base.with_changes(flight_id="2", apogee=240.0)])
         ledger.add([base.with_changes(flight_id="3", dry_mass=0.36, apogee=230.0)])
-        made = kept(ledger, catalogue())
+        made = list_forecasts(ledger, catalogue())
         (row,) = record(ledger, catalogue(), made)
         plan = as_planned(base, made[0].made.payload["made_from"])
         ledger.tag("3", "off_axis")
-        assert record(ledger, catalogue(), kept(ledger, catalogue())) == []
+        assert record(ledger, catalogue(), list_forecasts(ledger, catalogue())) == []
         ledger.undo()
     assert (row.earlier, row.rivals["flight_before"].tolist(), row.flown) == (1, [250.0], 230.0)
     assert (plan.dry_mass, plan.apogee) == (pytest.approx(0.35), None)

@@ -101,10 +101,10 @@ def test_every_cause_brings_the_lighter_flight_to_its_apogee(pair: TwoFlights) -
 
 
 def test_the_apogee_tells_no_cause_from_another_and_other_readouts_do(pair: TwoFlights) -> None:
-    tells = {tell.readout: tell for tell in pair.tells}
+    tells = {on_progress.readout: on_progress for on_progress in pair.tells}
     assert tells["apogee"].apart == 0
     assert tells["top_speed"].apart > 0
-    assert tells["all five"].apart >= max(tell.apart for tell in pair.tells)
+    assert tells["all five"].apart >= max(on_progress.apart for on_progress in pair.tells)
 
 
 def test_histories_too_short_are_left_out() -> None:

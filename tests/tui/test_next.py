@@ -243,7 +243,7 @@ def test_a_notice_names_files_by_their_names_and_ports_in_full() -> None:
 
 async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
     async with opened(file, (160, 40)) as pilot:
-        cast(FieldkitApp, pilot.app).tell(f"{file.parent}/none.eng: cannot be read", error=True)
+        cast(FieldkitApp, pilot.app).show_notice(f"{file.parent}/none.eng: cannot be read", error=True)
         await press(pilot, "6")
         assert "✗ error none.eng" in words(pilot)
         assert str(file.parent) not in words(pilot)
@@ -263,7 +263,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
     with Ledger.open(file) as ledger:
         wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
         ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear]})
-    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, tell: found):
+    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, on_progress: found):
         async with opened(file) as pilot:
             await press(pilot, "5", "a")
             assert "nothing to accept yet" in words(pilot)

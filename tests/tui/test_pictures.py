@@ -62,7 +62,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     (folder / "a season.csv").write_text("flight_id,rocket,motor,apogee_m\n1,Comet,C6-5,1o4\n2,Comet,C6-5,210\n")
     monkeypatch.chdir(folder)
     monkeypatch.setattr("fieldkit.capture.ports", list)
-    monkeypatch.setattr("fieldkit.tui.screens.import_files.told", lambda folder: folder.name)
+    monkeypatch.setattr("fieldkit.tui.screens.import_files.folder_text", lambda folder: folder.name)
     monkeypatch.setattr("fieldkit.paths.motor_folder", lambda: Path("/home/flyer/motors"))
     monkeypatch.setattr("fieldkit.paths.settings_file", lambda: Path("/home/flyer/settings.json"))
     monkeypatch.setattr("fieldkit.tui.next.desk.Desk.name", "/home/flyer/ledger.db")
@@ -77,7 +77,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
     if scene == "log":
         with Ledger.open(file) as ledger:
             bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
-    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, tell: looked_at()):
+    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, on_progress: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
             picture = pilot.app.export_screenshot(title="fieldkit")

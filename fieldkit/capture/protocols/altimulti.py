@@ -28,7 +28,7 @@ STREAM = 60.0
 """How long telemetry may pause. [s]"""
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """A telemetry sentence with its checksum."""
     return any(one.sound and one.name in ("telemetry", "data") and one.fields for one in sentences(heard))
 
@@ -72,7 +72,7 @@ def _frame(content: bytes) -> AnswerFrame:
     return AnswerFrame(content, good, len(data) - good, end >= 0)
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))
@@ -145,7 +145,7 @@ def _downloaded(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialo
                 whole = (yield from _flight(link, number)) and whole
         link.share = 1.0
     finally:
-        link.farewell(b"g;")
+        link.last_command(b"g;")
     yield from link.drain(0.1)
     return whole
 
@@ -211,7 +211,7 @@ def _followed(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogu
                 link.samples += one.sound
                 _telemetry(link, one)
     finally:
-        link.farewell(b"y0;")
+        link.last_command(b"y0;")
     return True
 
 
@@ -226,4 +226,6 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join([*head, *flown]) + b"\n")]
 
 
-PROTOCOL = Protocol("bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", PortSettings(38_400), talk, logs, overhears)
+PROTOCOL = Protocol(
+    "bdureau AltiMulti, AltiDuo, TTGO Bear, AltiGPS", PortSettings(38_400), dialogue, logs, recognizes_stream
+)

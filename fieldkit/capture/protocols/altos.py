@@ -45,7 +45,7 @@ class Block:
     missing: int
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     yield from silence_echo(link)
     identity = yield from _identity(link)
     _same_unit(link, identity, captured)
@@ -216,5 +216,5 @@ _RENAMED_KEYS = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
 PROTOCOL = Protocol(
-    "Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", PortSettings(9600), talk, logs
+    "Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", PortSettings(9600), dialogue, logs
 )

@@ -33,12 +33,12 @@ def frame(line: bytes) -> bytes | None:
     return line[start:].rstrip()
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """A frame with its checksum, such as the live status."""
     return any(frame(line) for line in heard.splitlines()[:-1])
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     silence = SILENCE if wishes.silence is None else wishes.silence
     done = _done(captured)
     came = bool(done)
@@ -92,4 +92,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content)] if b"@ " in content else []
 
 
-PROTOCOL = Protocol("Featherweight Blue Raven (USB)", PortSettings(115_200), talk, logs, overhears)
+PROTOCOL = Protocol("Featherweight Blue Raven (USB)", PortSettings(115_200), dialogue, logs, recognizes_stream)

@@ -23,12 +23,12 @@ MIN_NUMBERS = 3
 """Smallest count of numbers in a row: time, height and speed. [1]"""
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """The header that its tables begin with."""
     return _HEADER.search(heard) is not None
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = SILENCE if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -52,8 +52,8 @@ def logs(captured: Captured) -> list[Log]:
 PROTOCOL = Protocol(
     "Eggtimer Classic, TRS (text, as printed)",
     PortSettings(9600),
-    talk,
+    dialogue,
     logs,
-    overhears,
+    recognizes_stream,
     invites="press the unit's button for its summary, again for the detail; half a minute of silence ends the capture",
 )

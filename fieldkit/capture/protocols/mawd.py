@@ -25,7 +25,7 @@ _SAMPLE = re.compile(r".\d{4}")
 _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     model = yield from _lines(link, b"I", 2)
     if not model:
         raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")
@@ -101,4 +101,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, content or captured.raw)] if captured.raw else []
 
 
-PROTOCOL = Protocol("PerfectFlite MAWD", PortSettings(38_400, xonxoff=True), talk, logs)
+PROTOCOL = Protocol("PerfectFlite MAWD", PortSettings(38_400, xonxoff=True), dialogue, logs)

@@ -112,13 +112,13 @@ def _size(header: bytes) -> int:
     return 12 + 2 * ((word & 0xFFF) | int.from_bytes(header[10:12], "little") << 12)
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """`MP` and a whole header."""
     stream = Stream()
     return any(record is not None for record in stream.feed(heard)) or (stream.start >= 0 and len(stream.digits) >= 24)
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     stream = Stream()
     useful = time.monotonic()
     base = link.samples
@@ -175,8 +175,8 @@ def _end(raw: bytes, record: Record) -> int:
 PROTOCOL = Protocol(
     "Altus Metrum MicroPeak, MicroKite, MicroPeak 2",
     PortSettings(9600),
-    talk,
+    dialogue,
     logs,
-    overhears,
+    recognizes_stream,
     invites="hold the unit's LED over the adapter and switch the unit on",
 )

@@ -23,13 +23,13 @@ TITLE = "StratoLogger live telemetry, captured by fieldkit"
 _NUMBER = re.compile(r"-?\d{1,6}")
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """Six lines of one integer each, with the line ends that the unit has, and nothing else."""
     whole = heard[: heard.rfind(b"\n") + 1]
     return re.fullmatch(rb"[^\n]*\n(?:-?\d{1,6}\r\n){6,}", whole) is not None
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     wait = WAIT if wishes.wait is None else wishes.wait
     silence = STREAM if wishes.silence is None else wishes.silence
     link.open_ended = True
@@ -59,8 +59,8 @@ def logs(captured: Captured) -> list[Log]:
 PROTOCOL = Protocol(
     "PerfectFlite StratoLogger live telemetry (its memory is read by the vendor's program only)",
     PortSettings(9600),
-    talk,
+    dialogue,
     logs,
-    overhears,
+    recognizes_stream,
     invites="switch the unit on; the capture goes on until it is stopped or the unit goes silent",
 )

@@ -47,12 +47,12 @@ def sample(content: bytes) -> Sample | None:
     return Sample(float(height), tick * TICK, speed / 16, STATES[state] if state < len(STATES) else "")
 
 
-def overhears(heard: bytes) -> bool:
+def recognizes_stream(heard: bytes) -> bool:
     """Packets that are forwarded already."""
     return any(packet(line) for line in heard.decode("latin-1").splitlines()[:-1])
 
 
-def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
     link.send(b"m 0\n")  # it may still forward packets for somebody who was killed
     yield from silence_echo(link)
     if not (yield from version(link)):
@@ -69,7 +69,7 @@ def talk(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[boo
         while (line := (yield from link.text_line(silence))) is not None:
             _take(link, line)
     finally:
-        link.farewell(b"m 0\n")
+        link.last_command(b"m 0\n")
     return True
 
 
@@ -88,4 +88,4 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join(lines) + b"\n")] if lines else []
 
 
-PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", PortSettings(9600), talk, logs, overhears)
+PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", PortSettings(9600), dialogue, logs, recognizes_stream)

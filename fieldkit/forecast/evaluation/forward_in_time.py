@@ -55,7 +55,7 @@ def forward(
     rocket: str | None = None,
     *,
     hyperprior: Hyperprior | None = None,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
 ) -> list[Forecast]:
     """A forecast of every clean flight with an apogee, from the flights of all rockets before it in the order flown.
 
@@ -71,7 +71,7 @@ def forward(
         own = past.setdefault(one.flight.rocket, [])
         if one.flight.clean and one.flight.apogee is not None:
             if rocket in (None, one.flight.rocket):
-                tell(f"{one.flight.rocket} {one.flight.flight_id}", number / len(flown))
+                on_progress(f"{one.flight.rocket} {one.flight.flight_id}", number / len(flown))
                 shared = _fleet_before(one.flight.rocket, past, fits, known)
                 rows.append(_forecast(own, one, earlier, shared, hyperprior))
             earlier.append(one)

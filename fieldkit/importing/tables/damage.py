@@ -6,7 +6,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.text import is_cut
 
-MOST_TOLD = 20
+MAX_REPORTED = 20
 """So many damaged lines are told of one by one. [1]"""
 
 
@@ -21,19 +21,19 @@ class Damaged:
     def add(self, error: DamagedLog) -> None:
         """Count one more."""
         self.last = error
-        self.first += [error] if len(self.first) < MOST_TOLD else []
+        self.first += [error] if len(self.first) < MAX_REPORTED else []
         self.count += 1
 
-    def told(self, what: str, *, cut: bool = False) -> list[Found]:
+    def reported(self, what: str, *, cut: bool = False) -> list[Found]:
         """The first, and how many more; without the last one where that is only `cut` off."""
-        told: list[Found] = [error for error in self.first if not (cut and error is self.last)]
-        more = self.count - cut - len(told)
-        return [*told, DamagedLog(f"found {more} more {what} that are damaged")] if more else told
+        reported: list[Found] = [error for error in self.first if not (cut and error is self.last)]
+        more = self.count - cut - len(reported)
+        return [*reported, DamagedLog(f"found {more} more {what} that are damaged")] if more else reported
 
 
 def damage(damaged: Damaged, what: str, log: bytes) -> list[Found]:
     """Damaged lines as they are told of: the last as a note if the file ends within it."""
     row = damaged.last.row if damaged.last else None
     cut = row is not None and is_cut(log) and row == log.count(b"\n") + 1
-    told = damaged.told(what, cut=cut)
-    return [*told, Note("is cut off where the file ends, left out", row)] if cut else told
+    reported = damaged.reported(what, cut=cut)
+    return [*reported, Note("is cut off where the file ends, left out", row)] if cut else reported

@@ -13,7 +13,7 @@ import numpy as np
 from fieldkit.errors import DamagedLog
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.cell import MAX_CELL_VALUE, Channel, converter, gaps, number_in
-from fieldkit.importing.tables.damage import MOST_TOLD
+from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import ENDLESS_LINE_MARK, shown
 from fieldkit.shapes import Array, Float, Int, Integers
@@ -46,7 +46,7 @@ class Rows:
         self.vocabulary: list[dict[str, int]] = [{"": 0} for _ in words]
         self.columns: list[list[np.ndarray[Any, Any]]] = [[] for _ in range(1 + len(words) + len(channels))]
         self.remarks: list[tuple[int, str]] = []
-        self.told: list[DamagedLog] = []
+        self.reported: list[DamagedLog] = []
         self.ends: list[str] = []
         self.damaged, self.last_damaged, self.last, self.kept, self.seen, self.step = 0, 0, 0, 0, 0, 1
 
@@ -162,7 +162,7 @@ class Rows:
                 continue
             numbers = self._numbers(row, line, cells)
             if isinstance(numbers, DamagedLog):
-                self.told += [numbers] if len(self.told) < MOST_TOLD else []
+                self.reported += [numbers] if len(self.reported) < MAX_REPORTED else []
                 self.damaged, self.last_damaged = self.damaged + 1, max(row, self.last_damaged)
             else:
                 whole.append((row, numbers, [cells[i] if i < len(cells) else "" for i in self.words.values()]))
@@ -219,7 +219,7 @@ class Rows:
     def table(self, *, cut: bool) -> LogTable:
         """What was kept. Raises DamagedLog if that is nothing."""
         if not self.kept:
-            raise self.told[0] if self.told else DamagedLog("found no samples, expected at least one")
+            raise self.reported[0] if self.reported else DamagedLog("found no samples, expected at least one")
         rows, *columns = [self._joined(column) for column in self.columns]
         short = cut and rows[-1] == self.last and self._ends_short()
         if short:
@@ -247,9 +247,9 @@ class Rows:
 
     def _found(self, cut: bool, short: bool) -> Iterator[Found]:
         torn = cut and self.damaged and self.last_damaged == self.last
-        told = [error for error in self.told if not (torn and error.row == self.last)]
-        yield from sorted(told, key=lambda error: error.row or 0)
-        if more := self.damaged - len(told) - bool(torn):
+        reported = [error for error in self.reported if not (torn and error.row == self.last)]
+        yield from sorted(reported, key=lambda error: error.row or 0)
+        if more := self.damaged - len(reported) - bool(torn):
             yield DamagedLog(f"found {more} more rows that are damaged")
         if torn or short:
             yield Note("is cut off where the file ends, left out", row=self.last)

@@ -11,7 +11,7 @@ from fieldkit.errors import DamagedLog
 from fieldkit.flight import Series
 from fieldkit.importing.reading import Found, Note
 from fieldkit.importing.tables.clocks import credible, restarts
-from fieldkit.importing.tables.damage import MOST_TOLD
+from fieldkit.importing.tables.damage import MAX_REPORTED
 from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 MOST_FLIGHTS = 100
@@ -94,7 +94,7 @@ def _digest(table: LogTable) -> bytes:
 
 
 def _strays(rows: Int[Integers, "row"], clock: Float[Array, "row"], name: str) -> Iterator[DamagedLog]:
-    for row, value in zip(rows[:MOST_TOLD].tolist(), clock.tolist(), strict=False):
+    for row, value in zip(rows[:MAX_REPORTED].tolist(), clock.tolist(), strict=False):
         yield DamagedLog(f"found {name} {value:.10g} out of its order, expected it to go on", row=row)
-    if len(rows) > MOST_TOLD:
-        yield DamagedLog(f"found {len(rows) - MOST_TOLD} more rows out of order")
+    if len(rows) > MAX_REPORTED:
+        yield DamagedLog(f"found {len(rows) - MAX_REPORTED} more rows out of order")

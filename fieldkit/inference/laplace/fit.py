@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.linearization import lean_slope, tangents
+from fieldkit.inference.laplace.linearization import launch_angle_slope, tangents
 from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import OPENING, Model
@@ -65,7 +65,7 @@ def fit(
         place = model.names.index(OPENING)
         starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
     lanes = [Lane(every, begin) for begin in starts]
-    fits = fit_lanes(model, data, lanes, lean_slope(model, at), rounds, near=near)
+    fits = fit_lanes(model, data, lanes, launch_angle_slope(model, at), rounds, near=near)
     return max(fits, key=lambda result: result.log_evidence)
 
 
@@ -73,16 +73,16 @@ def fit_lanes(
     model: Model,
     data: Data,
     lanes: Sequence[Lane],
-    lean: Float[Array, "flight readout"],
+    angle_slope: Float[Array, "flight readout"],
     rounds: int = ROUNDS,
     worth: float = -np.inf,
-    tell: Callable[[float], None] | None = None,
+    on_progress: Callable[[float], None] | None = None,
     *,
     near: bool = False,
 ) -> list[Fit]:
     """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
 
-    A lane whose log evidence stays below `worth` is not followed further. `tell` hears the share done.
+    A lane whose log evidence stays below `worth` is not followed further. `on_progress` hears the share done.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
@@ -90,10 +90,10 @@ def fit_lanes(
     moving = list(range(len(lanes)))
     joined: dict[int, int] = {}
     for turn in range(rounds):
-        along = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], lean)
+        along = tangents(model, [(lanes[i].terms, walks[i].at) for i in moving], angle_slope)
         for number, (i, tangent) in enumerate(zip(moving, along, strict=True)):
-            if tell:
-                tell((turn + (number + 1) / len(moving)) / rounds)
+            if on_progress:
+                on_progress((turn + (number + 1) / len(moving)) / rounds)
             results[i] = solve(parts[i], data, tangent)
         best = _best(lanes, results)
         moving = [
@@ -209,8 +209,8 @@ def standardized_squares(result: Fit) -> Float[Array, "scale flight readout"]:
 
 def _followed(result: Fit) -> Fit:
     """The fit linearised anew where its posterior lies; itself where that is where it was linearised."""
-    walk, lean = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
+    walk, angle_slope = _Walk(result.tangent.at), result.tangent.scatter_slope[..., -1]
     if not walk.goes_on(result, near=True):
         return result
-    (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], lean)
+    (near,) = tangents(result.model, [(tuple(range(len(walk.at))), walk.at)], angle_slope)
     return solve(result.model, result.data, near)

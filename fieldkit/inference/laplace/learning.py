@@ -71,7 +71,7 @@ def learn_hyperprior(
     steps: int = STEPS,
     *,
     begin: Hyperprior | None = None,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
 ) -> Hyperprior:
     """The hyperprior that makes the flights of some flyers most likely, near a start.
 
@@ -82,7 +82,7 @@ def learn_hyperprior(
     for round_ in range(rounds):
         linear = [[_linearized(flown, found) for flown in fleet] for fleet in fleets]
         for step in range(steps):
-            tell("learning", (round_ + step / steps) / rounds)
+            on_progress("learning", (round_ + step / steps) / rounds)
             found, linear = _step(linear, found, start)
     return found
 

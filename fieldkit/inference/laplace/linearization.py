@@ -31,7 +31,7 @@ class Tangent:
     scatter_slope: Float[Array, "flight readout scatter"]
 
 
-def lean_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
+def launch_angle_slope(model: Model, at: Float[Array, "term"]) -> Float[Array, "flight readout"]:
     """What a lean of one unit does to the readouts, zero if the model has none; it needs the planar flight and is flown
     separately."""
     if all(kind.bends != "tilt" for kind in model.scatter):
@@ -51,7 +51,7 @@ def _lean(model: Model) -> Float[Array, "2 flight"]:
 
 
 def tangents(
-    model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], lean: Float[Array, "flight readout"]
+    model: Model, lanes: Sequence[tuple[tuple[int, ...], Array]], angle_slope: Float[Array, "flight readout"]
 ) -> list[Tangent]:
     """Values and derivatives of several lanes, each at its own point, from one batch of flights.
 
@@ -67,7 +67,9 @@ def tangents(
             bends[kind][row] = step
     readings = _stacked(shown(model, np.concatenate([block.values for block in blocks]), bends))
     parts = np.split(readings, firsts[1:-1])
-    return [_tangent(model, at, block, part, lean) for (_, at), block, part in zip(lanes, blocks, parts, strict=True)]
+    return [
+        _tangent(model, at, block, part, angle_slope) for (_, at), block, part in zip(lanes, blocks, parts, strict=True)
+    ]
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,7 +104,7 @@ def _block(model: Model, terms: tuple[int, ...], at: Array) -> _Block:
     return _Block(terms, values, slots)
 
 
-def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) -> Tangent:
+def _tangent(model: Model, at: Array, block: _Block, flown: Array, angle_slope: Array) -> Tangent:
     with np.errstate(invalid="ignore"):
         moved = np.nan_to_num(flown - flown[0])
     per_kind = {kind: moved[row] / step for row, (kind, step) in enumerate(STEPS.items(), start=1)}
@@ -110,7 +112,7 @@ def _tangent(model: Model, at: Array, block: _Block, flown: Array, lean: Array) 
         there, back = moved[1 + len(STEPS) + 2 * number :][:2]
         per_kind[kind] = (there - back) / (2 * step)
     columns = [_column(model.terms[i], per_kind, moved, block.slots.get(i)) for i in block.terms]
-    scatter = [per_kind.get(kind.bends, lean) * kind.sd for kind in model.scatter]
+    scatter = [per_kind.get(kind.bends, angle_slope) * kind.sd for kind in model.scatter]
     slope = np.stack(columns, axis=-1) if columns else np.zeros((*flown[0].shape, 0))  # no flights teach no terms
     return Tangent(at, flown[0], slope, np.nan_to_num(np.stack(scatter, axis=-1)))
 

@@ -23,12 +23,12 @@ MIN_READOUTS = 2
 """Readouts of a flight from which on one can be predicted from the others. [1]"""
 
 
-def fitting(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Flight, ...], tuple[str, ...]]:
-    """The flights without the readouts that do not fit, and a line for each that was taken out."""
+def consistency_check(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Flight, ...], tuple[str, ...]]:
+    """The flights without inconsistent readouts, and a line for each readout that was removed."""
     judged = [row for row, flight in enumerate(flights) if _can_be_judged(flight)]
     if not judged:
         return tuple(flights), ()
-    from fieldkit.inference.network.outliers import misfit, told_by, warnings
+    from fieldkit.inference.network.outliers import derived_from, misfit, warnings
 
     try:
         ensemble = _ensemble()
@@ -40,7 +40,7 @@ def fitting(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Fl
     kept, lines = list(flights), []
     for place in np.flatnonzero(which >= 0):
         row = judged[place]
-        kept[row] = flights[row].with_changes(**dict.fromkeys(told_by(INDEPENDENT_READOUTS[which[place]])))
+        kept[row] = flights[row].with_changes(**dict.fromkeys(derived_from(INDEPENDENT_READOUTS[which[place]])))
         name = flights[row].flight_id
         lines.append(f"flight {name}: {said[place]}; if it is right, `fieldkit tag {name} {CHECKED_TAG}`")
     return tuple(kept), tuple(lines)

@@ -59,7 +59,7 @@ def residual_variance(model: Model, data: Data) -> Float[Array, "scale flight re
 
 @dataclass(frozen=True, slots=True)
 class FlightEvidence:
-    """What each flight's readouts have to say, near a point.
+    """The information in each flight's readouts, linearized at a point.
 
     `slope` and `miss` are zero in what cannot be compared; `miss` is from what the prior means of the terms expect.
     `noise` is the covariance of each flight's readouts about what the terms say, `sharpness` its inverse, `log_det`

@@ -23,7 +23,7 @@ FALSE_ALARMS = 0.01
 
 @dataclass(frozen=True, slots=True)
 class PredictedReadouts:
-    """Each readout as the others foretell it, on the scale of `shown`; nan where there is no readout."""
+    """Each readout as predicted from the others, on the scale of `shown`; nan if there is no readout."""
 
     shown: Float[Array, "flight seen"]
     mean: Float[Array, "flight seen"]
@@ -35,8 +35,8 @@ class PredictedReadouts:
         return np.nan_to_num(np.abs(self.shown - self.mean) / self.sd, nan=0.0)
 
 
-def foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
-    """Each readout from the others, in one run of the graph for a block of flights."""
+def predict_readouts(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
+    """Each readout predicted from the others, in one run of the graph for a block of flights."""
     blocks = [slice(first, first + BLOCK) for first in range(0, max(len(observed), 1), BLOCK)]
     parts = [_foretell(ensemble, observed.rows(block)) for block in blocks]
     return PredictedReadouts(
@@ -48,7 +48,7 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     flights, seen = len(observed), len(INDEPENDENT_READOUTS)
     readouts = np.repeat(observed.readouts[None], seen, axis=0)
     for number, name in enumerate(INDEPENDENT_READOUTS):
-        readouts[number][:, [READOUT_NAMES.index(one) for one in told_by(name)]] = np.nan
+        readouts[number][:, [READOUT_NAMES.index(one) for one in derived_from(name)]] = np.nan
     every = Observed(
         np.tile(observed.motor, (seen, 1)), np.tile(observed.declared, (seen, 1)), readouts.reshape(seen * flights, -1)
     )
@@ -59,14 +59,14 @@ def _foretell(ensemble: "Ensemble", observed: Observed) -> PredictedReadouts:
     return PredictedReadouts(shown(observed), mean.mean(axis=-1).T, np.sqrt(variance).T)
 
 
-def told_by(name: str) -> tuple[str, ...]:
-    """The readouts that give one away: average acceleration is speed over burn time."""
+def derived_from(name: str) -> tuple[str, ...]:
+    """The readouts that determine one: average acceleration is speed over burn time."""
     return (name, "avg_accel") if name in ("top_speed", "burn_time") else (name,)
 
 
 def limits(ensemble: "Ensemble", observed: Observed) -> dict[str, float]:
     """The distance of each readout beyond which it does not fit, so that `FALSE_ALARMS` of these are warned."""
-    foretold = foretell(ensemble, observed)
+    foretold = predict_readouts(ensemble, observed)
     distance = np.where(np.isfinite(foretold.shown), foretold.distance, np.nan)
     low, high = 0.0, FALSE_ALARMS
     for _ in range(30):
@@ -84,15 +84,18 @@ def misfit(ensemble: "Ensemble", observed: Observed) -> Int[Any, "flight"]:
     vaguer than usual counts as what it likeliest was: it is no misfit where it is as vague as it is far out.
     """
     if (excess_sd(observed) > 0).any():
-        foretold = foretell(ensemble, observed)
+        foretold = predict_readouts(ensemble, observed)
         observed = likeliest(observed, foretold.mean, foretold.sd)
     limit = np.array([ensemble.card["guard"][name] for name in INDEPENDENT_READOUTS])
-    far: Flags = foretell(ensemble, observed).distance > limit
+    far: Flags = predict_readouts(ensemble, observed).distance > limit
     odd = far.any(axis=1)
     found = np.full(len(observed), -1)
     if odd.any():
         some = observed.rows(odd)
-        left = [foretell(ensemble, some.without(*told_by(name))).distance / limit for name in INDEPENDENT_READOUTS]
+        left = [
+            predict_readouts(ensemble, some.without(*derived_from(name))).distance / limit
+            for name in INDEPENDENT_READOUTS
+        ]
         worst = np.stack([distance.max(axis=1) for distance in left], axis=-1)
         found[odd] = np.argmin(np.where(far[odd], worst, np.inf), axis=1)
     return found
@@ -102,7 +105,7 @@ def without_misfits(observed: Observed, which: Int[Any, "flight"]) -> Observed:
     """The flights without the readouts that do not fit."""
     readouts = observed.readouts.copy()
     for number, name in enumerate(INDEPENDENT_READOUTS):
-        for one in told_by(name):
+        for one in derived_from(name):
             readouts[which == number, READOUT_NAMES.index(one)] = np.nan
     return observed.with_readouts(readouts)
 
@@ -112,7 +115,7 @@ def warnings(ensemble: "Ensemble", observed: Observed, which: Int[Any, "flight"]
     lines = [""] * len(observed)
     odd = np.flatnonzero(which >= 0)
     if len(odd):
-        foretold = foretell(ensemble, observed.rows(odd))
+        foretold = predict_readouts(ensemble, observed.rows(odd))
         for row, flight in enumerate(odd):
             seen = int(which[flight])
             name = (

@@ -24,7 +24,7 @@ from fieldkit.inference.validation.restricted import BURN_SD
 from fieldkit.model.field_features import FEATURES, features, shown
 from fieldkit.model.observation_noise import GAIN, NOISE, OFFSET, forget, measure
 from fieldkit.model.observations import INDEPENDENT_READOUTS, Observed
-from fieldkit.model.prior_predictive import HELD_OUT, PRIORS, TAIL, Truth, motors_apart, simulate
+from fieldkit.model.prior_predictive import HELD_OUT, PRIORS, TAIL, Truth, simulate, split_motors
 from fieldkit.model.random_effects import known_effects, priors
 from fieldkit.motors import Motor
 from fieldkit.parallel import workers
@@ -65,7 +65,7 @@ def train_field(
         raise BadValue(f"found {n_train} flights to train on, expected at least {plan.batch}")
     claim(out)
     began = time.perf_counter()
-    known, others = motors_apart()
+    known, others = split_motors()
     streams = [np.random.default_rng(stream) for stream in np.random.SeedSequence(seed).spawn(5)]
     if cluster:
         with workers(cluster) as pool:

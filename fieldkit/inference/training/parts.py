@@ -14,7 +14,7 @@ import numpy as np
 
 from fieldkit import __version__, parallel
 from fieldkit.model.observations import DECLARED_FIELDS, FIGURES, READOUT_NAMES
-from fieldkit.model.prior_predictive import Truth, motors_apart, simulate
+from fieldkit.model.prior_predictive import Truth, simulate, split_motors
 from fieldkit.shapes import Array, Float
 
 SIZE = 50_000
@@ -38,7 +38,7 @@ class SimulationPart:
 
 
 def simulate_parts(
-    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, told: ReportPart | None = None
+    out: Path, seed: int, count: int, effects: Sequence[str], pool: Executor, on_part: ReportPart | None = None
 ) -> Truth:
     """About as many flights as asked for, with the parts that an earlier run left beside `out`'s ensemble."""
     counts = [min(SIZE, count - start) for start in range(0, count, SIZE)]
@@ -46,8 +46,8 @@ def simulate_parts(
     found: dict[str, Truth] = {}
     for name, content in parallel.done(fly_part, items, out / FOLDER / _digest(items), pool):
         found[name] = unpacked(content)
-        if told:
-            told(len(found), len(items))
+        if on_part:
+            on_part(len(found), len(items))
     columns = ([getattr(found[name], field) for name in items] for field in Truth.__dataclass_fields__)
     return Truth(*(np.concatenate(column) for column in columns))
 
@@ -60,7 +60,7 @@ def drop_parts(out: Path) -> None:
 def fly_part(part: SimulationPart) -> bytes:
     """The flights of a part, as bytes; its random numbers are its own, whoever draws them."""
     stream = np.random.SeedSequence(part.seed, spawn_key=(0, part.number))
-    known, _ = motors_apart()
+    known, _ = split_motors()
     return packed(simulate(np.random.default_rng(stream), known, part.count, part.effects))
 
 
@@ -82,6 +82,6 @@ def unpacked(content: bytes) -> Truth:
 
 def _digest(items: dict[str, SimulationPart]) -> str:
     """Of what the parts are made from: those of another seed, recipe or fieldkit are never taken for them."""
-    motors = [motor.name for motor in motors_apart()[0]]
+    motors = [motor.name for motor in split_motors()[0]]
     said = json.dumps([__version__, SIZE, motors, {name: repr(part) for name, part in items.items()}])
     return hashlib.sha256(said.encode()).hexdigest()[:16]

@@ -59,7 +59,7 @@ def loop_words(found: Findings) -> list[str]:
     return lines
 
 
-def book(ledger: Ledger, motors: Catalogue, what: str, tell: ReportProgress) -> FlightReport:
+def book(ledger: Ledger, motors: Catalogue, what: str, on_progress: ReportProgress) -> FlightReport:
     """The report of what a text means: a day as 2026-05-01, a flight's id, or a rocket's name, in that order.
 
     Raises LedgerError for one that means nothing, with near names.
@@ -67,15 +67,15 @@ def book(ledger: Ledger, motors: Catalogue, what: str, tell: ReportProgress) -> 
     if re.fullmatch(r"\d{4}-\d{2}-\d{2}", what) and (flights := _of_day(ledger, what)):
         rockets = list(dict.fromkeys(one.rocket for one in flights))
         sites = ", ".join(dict.fromkeys(one.site for one in flights if one.site))
-        return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, tell)
+        return _of_several(ledger, motors, f"Launch day {what}", sites, flights, rockets, on_progress)
     try:
         flight = ledger.flight(what)
     except LedgerError:
         if what not in ledger.names("rocket"):
             raise
         flights = ledger.flights(what)
-        return _of_several(ledger, motors, what, _span(flights), flights, [what], tell)
-    (card,) = cards(ledger, motors, [flight], tell)
+        return _of_several(ledger, motors, what, _span(flights), flights, [what], on_progress)
+    (card,) = cards(ledger, motors, [flight], on_progress)
     return FlightReport(f"Flight {card.id}", " ".join((flight.rocket, flight.config)).strip(), (card,))
 
 
@@ -86,12 +86,12 @@ def _of_several(
     subtitle: str,
     flights: Sequence[Flight],
     rockets: Sequence[str],
-    tell: ReportProgress,
+    on_progress: ReportProgress,
 ) -> FlightReport:
-    made = cards(ledger, motors, flights, part(tell, 0.0, 0.4))
+    made = cards(ledger, motors, flights, part(on_progress, 0.0, 0.4))
     loops = []
     for place, rocket in enumerate(rockets):
-        own = part(part(tell, 0.4, 0.6), place / len(rockets), 1 / len(rockets))
+        own = part(part(on_progress, 0.4, 0.6), place / len(rockets), 1 / len(rockets))
         with suppress(NoFlights):  # too few flights to close it
             loops.append(look(ledger, motors, rocket, own))
     return FlightReport(title, subtitle, tuple(made), tuple(loops), summary=True)

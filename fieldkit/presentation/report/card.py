@@ -13,7 +13,7 @@ from fieldkit.progress import ReportProgress
 from fieldkit.quantities import measure
 from fieldkit.services.forecasts import forecast_from_others
 from fieldkit.services.replay import recording_of
-from fieldkit.services.saved_forecasts import by_flight, kept
+from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 from fieldkit.shapes import Array, Flags, Float
 
 Rows = tuple[tuple[str, str, str], ...]
@@ -65,12 +65,12 @@ class Card:
         return self.flight.apogee - self.foretold.interval[1]
 
 
-def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], tell: ReportProgress) -> list[Card]:
+def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progress: ReportProgress) -> list[Card]:
     """A card for each of these flights of the ledger."""
-    said = {rocket: by_flight(kept(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
+    said = {rocket: by_flight(list_forecasts(ledger, motors, rocket)) for rocket in {one.rocket for one in flights}}
     found = []
     for number, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
-        tell(f"flight {id}", number / len(flights))
+        on_progress(f"flight {id}", number / len(flights))
         one = said[flight.rocket].get((flight.rocket, flight.flight_id))
         if one is not None:
             likely = np.array(one.made.payload.get("likely_m", one.interval), float)

@@ -8,7 +8,7 @@ from fieldkit import __version__
 from fieldkit.presentation.report.book import FlightReport, table
 from fieldkit.presentation.report.card import Card, Rows
 from fieldkit.presentation.report.loop.pictures import PICTURES
-from fieldkit.presentation.report.pictures import forecast, foretold_flown, log
+from fieldkit.presentation.report.pictures import forecast, forecasts_and_apogees, log
 from fieldkit.presentation.report.style import A4, FAINT_COLOR, GRID_COLOR, INK_COLOR, shortened
 from fieldkit.safe_text import printable
 from fieldkit.services.findings import Findings
@@ -160,7 +160,7 @@ def _summary(book: FlightReport) -> Iterator["Figure"]:
         page, (key, picture, grid, words, _) = _page(book.title, book.subtitle, (*ratios, rest))
         if first:
             _figures(key, book.figures)
-        foretold_flown(picture, cards)
+        forecasts_and_apogees(picture, cards)
         _table(grid, headers, some)
         for number, line in enumerate(sentences):
             words.text(LEFT_EDGE, 1 - (number + 1) / (len(sentences) + 1), line, fontsize=9, va="center")

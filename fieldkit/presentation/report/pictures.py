@@ -134,8 +134,8 @@ def record(figure: "Figure | SubFigure", card: Card) -> None:
     panel.legend(loc="best", ncols=3, fontsize=8)
 
 
-def foretold_flown(figure: "Figure | SubFigure", cards: Sequence[Card]) -> None:
-    """The interval foretold for each flight, and what it flew; hollow where nothing was said before the flight."""
+def forecasts_and_apogees(figure: "Figure | SubFigure", cards: Sequence[Card]) -> None:
+    """The forecast interval of each flight and its apogee; hollow if there was no forecast before the flight."""
     panel = figure.subplots()
     names = []
     for row, card in enumerate(cards):

@@ -12,7 +12,7 @@ from fieldkit.presentation.report.card import Card
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import svg
 from fieldkit.presentation.report.paper import FOOT_LINE, ON_THE_LOOPS_PAGE, heading, headline, pages, remarks
-from fieldkit.presentation.report.pictures import forecast, foretold_flown, log, picture
+from fieldkit.presentation.report.pictures import forecast, forecasts_and_apogees, log, picture
 from fieldkit.presentation.report.style import bound, drawn, styled
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.safe_text import as_markdown
@@ -31,41 +31,43 @@ def check_report(path: Path) -> None:
         raise BadValue(f"report: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_report(book: FlightReport, path: Path, tell: ReportProgress = no_op, *, force: bool = False) -> list[Path]:
+def write_report(
+    book: FlightReport, path: Path, on_progress: ReportProgress = no_op, *, force: bool = False
+) -> list[Path]:
     """Write a report as the kind that its file's name says, all of it or nothing; the files written.
 
     Raises FieldkitError, where one is there already too, unless with `force`.
     """
     check_report(path)
-    files = dict(_files(book, path, tell))
+    files = dict(_files(book, path, on_progress))
     write_all(files, force=force)
     return list(files)
 
 
-def _files(book: FlightReport, path: Path, tell: ReportProgress) -> Iterator[tuple[Path, bytes]]:
+def _files(book: FlightReport, path: Path, on_progress: ReportProgress) -> Iterator[tuple[Path, bytes]]:
     kind = path.suffix.lower()
     if kind == ".md":
-        yield from _markdown(book, path, tell)
+        yield from _markdown(book, path, on_progress)
     elif kind in (".html", ".htm"):
-        yield path, rendered("book.html", content(book, tell)).encode()
+        yield path, rendered("book.html", content(book, on_progress)).encode()
     else:
         with styled():
             sheets = list(pages(book))
             if kind == ".pdf":
-                yield path, bound(_told(sheets, tell))
-            for number, sheet in enumerate(_told(sheets, tell) if kind == ".png" else [], start=1):
+                yield path, bound(_told(sheets, on_progress))
+            for number, sheet in enumerate(_told(sheets, on_progress) if kind == ".png" else [], start=1):
                 name = path if len(sheets) == 1 else path.with_stem(f"{path.stem}-{number}")
                 yield name, drawn(sheet, "png")
 
 
-def _told(pages: Sequence[T], tell: ReportProgress) -> Iterator[T]:
+def _told(pages: Sequence[T], on_progress: ReportProgress) -> Iterator[T]:
     """Pages one after the other, each told of before it is drawn."""
     for number, page in enumerate(pages):
-        tell(f"page {number + 1} of {len(pages)}", number / len(pages))
+        on_progress(f"page {number + 1} of {len(pages)}", number / len(pages))
         yield page
 
 
-def content(book: FlightReport, tell: ReportProgress = no_op) -> dict[str, Any]:
+def content(book: FlightReport, on_progress: ReportProgress = no_op) -> dict[str, Any]:
     """Everything that the page shows, as text and pictures."""
     headers, rows = table(book)
     return {
@@ -82,7 +84,7 @@ def content(book: FlightReport, tell: ReportProgress = no_op) -> dict[str, Any]:
             {"rocket": one.rocket, "pictures": [embedded(svg(name, one)) for name in ON_THE_LOOPS_PAGE]}
             for one in book.loops
         ],
-        "cards": [_card(card) for card in _told(book.cards, tell)],
+        "cards": [_card(card) for card in _told(book.cards, on_progress)],
         "foot": FOOT_LINE,
     }
 
@@ -101,10 +103,12 @@ def _card(card: Card) -> dict[str, Any]:
 
 
 def _overview(book: FlightReport, kind: str) -> bytes:
-    return picture(partial(foretold_flown, cards=book.cards), (PICTURE_WIDTH, 1.0 + 0.26 * len(book.cards)), kind)
+    return picture(
+        partial(forecasts_and_apogees, cards=book.cards), (PICTURE_WIDTH, 1.0 + 0.26 * len(book.cards)), kind
+    )
 
 
-def _markdown(book: FlightReport, path: Path, tell: ReportProgress) -> Iterator[tuple[Path, bytes]]:
+def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> Iterator[tuple[Path, bytes]]:
     """The report as Markdown, its pictures as PNG files that bear its name."""
     lines: list[str] = []
 
@@ -120,7 +124,7 @@ def _markdown(book: FlightReport, path: Path, tell: ReportProgress) -> Iterator[
         yield beside("flights", _overview(book, "png"), "Foretold and flown")
         lines += [*_grid(headers, rows), ""]
         lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
-    for number, card in enumerate(_told(book.cards, tell), start=1):
+    for number, card in enumerate(_told(book.cards, on_progress), start=1):
         title, subtitle = heading(card)
         lines += [f"{'##' if book.summary else '#'} {as_markdown(title)}", "", as_markdown(subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} ({what})" for value, what in headline(card)) + ".", ""]

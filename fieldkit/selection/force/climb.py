@@ -79,7 +79,7 @@ class Missing:
 def beside_model(track: ClimbTrack, rocket: RocketInputs) -> Missing:
     """Every sample beside the model's thrust and drag there."""
     thrust, steepness, mass, burning = _thrust(track.time_from_liftoff, rocket, track.window)
-    density = rocket.air.density * rocket.air.thinning(track.height)
+    density = rocket.air.density * rocket.air.density_ratio(track.height)
     drag = 0.5 * density * rocket.drag_area * track.speed * np.abs(track.speed) / mass
     return Missing(track, rocket, track.push - thrust + drag, thrust, steepness, drag, burning)
 

@@ -36,7 +36,7 @@ class LogEvidence:
         return tuple(dict.fromkeys(found.term.effect for found in self.law if found.term.effect))
 
 
-def testify(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> LogEvidence:
+def compare_with_logs(diagnosis: Diagnosis, logs: Mapping[str, Recorded | str]) -> LogEvidence:
     """What the logs of clean flights say, by flight id; in place of a log there may be why it cannot be read.
 
     The model beside which they are put is the plain one, its drag as fitted to the readouts of all flights.

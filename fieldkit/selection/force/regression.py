@@ -71,13 +71,13 @@ class Regression:
         inverse = np.linalg.pinv(basis.T @ basis)
         return unit * (inverse @ (basis.T @ self.wanted)), unit * np.sqrt(np.diag(inverse) * scatter)
 
-    def luck(self, names: Sequence[str], lucks: Mapping[str, float]) -> Float[Array, "term"]:
+    def random_draw_sd(self, names: Sequence[str], scatters: Mapping[str, float]) -> Float[Array, "term"]:
         """Standard deviations of these terms' coefficients that come of the luck of a flight, given by name.
 
         Coefficients are linear in the force: what differs by a standard deviation along a column moves them by that
         much of what they make of the column.
         """
-        patterns = [sd * self.columns[name] for name, sd in lucks.items() if name in self.columns]
+        patterns = [sd * self.columns[name] for name, sd in scatters.items() if name in self.columns]
         if not patterns:
             return np.zeros(len(names))
         basis = np.stack([self.columns[name] for name in names], axis=-1)

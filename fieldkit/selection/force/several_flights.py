@@ -72,13 +72,13 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
     if len(climbs) < MIN_CLIMBS:
         return ()
     known = {term.name: term for term in terms}
-    lucks = {term.name: term.luck for term in terms if term.luck}
+    scatters = {term.name: term.random_draw_sd for term in terms if term.random_draw_sd}
     candidates = [name for name in known if sum(name in climb.columns for climb in climbs) >= MIN_CLIMBS]
-    chosen = forward(candidates, partial(_steady_gain, climbs, lucks, len(candidates)))
+    chosen = forward(candidates, partial(_steady_gain, climbs, scatters, len(candidates)))
     names = [one.name for one in chosen]
     law = []
     for place, one in enumerate(chosen):
-        mean = _mean(climbs, lucks, one.name, names)
+        mean = _mean(climbs, scatters, one.name, names)
         gains = _gains(climbs, names[:place], one.name)
         flights = int((gains > 0).sum())
         law.append(Common(known[one.name], mean.value, mean.sd, one.gain, flights, len(gains), one.also))
@@ -86,10 +86,10 @@ def common_law(climbs: Sequence[Regression], terms: Sequence[ForceTerm]) -> tupl
 
 
 def _steady_gain(
-    climbs: Sequence[Regression], lucks: Mapping[str, float], candidates: int, chosen: list[str], name: str
+    climbs: Sequence[Regression], scatters: Mapping[str, float], candidates: int, chosen: list[str], name: str
 ) -> float:
     """What a term takes off the criterion without the flight that says most for it; none where flights disagree."""
-    if not _mean(climbs, lucks, name, [*chosen, name]).stands_clear(candidates):
+    if not _mean(climbs, scatters, name, [*chosen, name]).stands_clear(candidates):
         return -np.inf
     gains = _gains(climbs, chosen, name)
     return float(gains.sum() - gains.max()) - price(len(chosen), candidates)
@@ -101,7 +101,7 @@ def _gains(climbs: Sequence[Regression], chosen: Sequence[str], name: str) -> Fl
     return np.array([climb.cost(before) - climb.cost([*before, name]) for climb, before in able])
 
 
-def _mean(climbs: Sequence[Regression], lucks: Mapping[str, float], name: str, names: Sequence[str]) -> Mean:
+def _mean(climbs: Sequence[Regression], scatters: Mapping[str, float], name: str, names: Sequence[str]) -> Mean:
     """A coefficient over the flights that could show it, in a law of these names.
 
     Flights differ by more than their errors: the spread between them is estimated as in DerSimonian and Laird
@@ -112,13 +112,13 @@ def _mean(climbs: Sequence[Regression], lucks: Mapping[str, float], name: str, n
         if name in climb.columns:
             able = _shown(climb, names)
             place = able.index(name)
-            each.append([column[place] for column in (*climb.solve(able), climb.luck(able, lucks))])
-    value, sd, luck = np.array(each).T
+            each.append([column[place] for column in (*climb.solve(able), climb.random_draw_sd(able, scatters))])
+    value, sd, random_draw_sd = np.array(each).T
     weight = 1 / sd**2
     middle = weight @ value / weight.sum()
     excess = weight @ (value - middle) ** 2 - (len(value) - 1)
     between = max(excess / (weight.sum() - (weight**2).sum() / weight.sum()), 0.0)
-    apart, least = 1 / (sd**2 + between), 1 / (sd**2 + luck**2)
+    apart, least = 1 / (sd**2 + between), 1 / (sd**2 + random_draw_sd**2)
     weight = np.minimum(apart, least)
     shown, lucky = float(apart.sum() ** -0.5), float(least.sum() ** -0.5)
     return Mean(float(weight @ value / weight.sum()), shown, lucky, len(value))

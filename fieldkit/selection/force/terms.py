@@ -19,23 +19,29 @@ Column = Callable[[Missing], Float[Array, "time"]]
 class ForceTerm:
     """One physical term of the library: what it is, the effect it stands for (empty for none), and its unit.
 
-    `luck` is the standard deviation by which single flights differ in it anyway, in its unit.
+    `random_draw_sd` is the standard deviation by which single flights differ in it anyway, in its unit.
     """
 
     name: str
     effect: str
     unit: str
     column: Column
-    luck: float = 0.0
+    random_draw_sd: float = 0.0
 
 
 def library() -> list[ForceTerm]:
     """Terms that a climb could show: those below, and the effects that act as a force or show as one in a log."""
-    luck = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
+    random_draw_sd = {name: certified().sd(name, "flight") for name in ("drag", "thrust", "stretch")}
     return [
-        ForceTerm("drag", "", "share of Cd", lambda m: -m.drag, luck["drag"]),
+        ForceTerm("drag", "", "share of Cd", lambda m: -m.drag, random_draw_sd["drag"]),
         *(
-            ForceTerm(effect.logged.name, name, effect.unit, _seen(effect.logged), luck.get(effect.logged.scatter, 0.0))
+            ForceTerm(
+                effect.logged.name,
+                name,
+                effect.unit,
+                _seen(effect.logged),
+                random_draw_sd.get(effect.logged.scatter, 0.0),
+            )
             for name, effect in effects().items()
             if effect.logged is not None
         ),

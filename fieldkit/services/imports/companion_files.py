@@ -19,7 +19,7 @@ from fieldkit.flight import Flight
 from fieldkit.importing import ColumnChoice
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import Arrival, Original
-from fieldkit.importing.read import read_kept
+from fieldkit.importing.read import read_stored
 from fieldkit.services.imports.remeasure import as_held, format_of, renewed, which
 
 if TYPE_CHECKING:
@@ -133,7 +133,7 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
         return
     contents = [zlib.decompress(one.packed) for one in (*kept, *new)]
     try:
-        read = which(flight, read_kept(contents, id, format_of(flight), choices), id)
+        read = which(flight, read_stored(contents, id, format_of(flight), choices), id)
     except (DamagedLog, UnknownFormat, LedgerError) as error:
         sorting.new.append(arrival)
         sorting.notes.append(

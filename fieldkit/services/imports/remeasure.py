@@ -9,7 +9,7 @@ from fieldkit.flight import COLUMNS, LOGGED, MEASURED, SENSORS, Column, Flight
 from fieldkit.importing import ColumnChoice, Reading
 from fieldkit.importing.companion_files import KINDS, same_moment
 from fieldkit.importing.incoming import OTHER_LOGS
-from fieldkit.importing.read import read_kept, read_recordings
+from fieldkit.importing.read import read_recordings, read_stored
 from fieldkit.importing.recognize import parsers
 
 if TYPE_CHECKING:
@@ -61,7 +61,7 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) 
     flight, log = ledger.flight(id), ledger.log(id)
     if log is None or "log_format" not in flight.extra:
         return None
-    fresh = read_kept([log, *ledger.other_logs(id)], id, format_of(flight), choices)
+    fresh = read_stored([log, *ledger.other_logs(id)], id, format_of(flight), choices)
     entered = ledger.entered(id)
     read = as_held(which(flight, fresh, id), flight, flight.extra.get(OTHER_LOGS, ""))
     kept = tuple(c.name for c in MEASURED if _stays(c, flight, entered, read))

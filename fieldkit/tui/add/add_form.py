@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import READOUTS, Flight
 from fieldkit.flight.plausibility import IDENTITY, identity
-from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, oddities, read_answer
+from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, implausible_answers, read_answer
 from fieldkit.quantities import measure, spelled
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class Answered:
 
 @dataclass(frozen=True, slots=True)
 class FormStart:
-    """What the form begins with: what was typed halfway, the units typed last, what the last flight suggests."""
+    """What the form starts with: what was typed so far, the units typed last, what the last flight suggests."""
 
     draft: Mapping[str, str]
     units: Mapping[str, str]
@@ -69,7 +69,7 @@ def beside(question: Question, said: Answered, unit: str, system: str) -> str:
     """What stands beside an answer: why it cannot be read, what is odd, else its unit and the figure in another."""
     if question.name in said.wrong:
         return f"✗ {said.wrong[question.name]}"
-    if odd := oddities(said.flight, question.name, said.usual):
+    if odd := implausible_answers(said.flight, question.name, said.usual):
         return f"! {odd[0]}"
     column = question.column
     value = said.flight.number(question.name) if column else None

@@ -9,7 +9,7 @@ from textual.geometry import Region
 from textual.widget import Widget
 from textual.widgets import Digits, Static
 
-from fieldkit.importing.manual_entry import Question, oddities
+from fieldkit.importing.manual_entry import Question, implausible_answers
 from fieldkit.quantities import spelled
 from fieldkit.safe_text import printable
 from fieldkit.tui.add.add_form import Answered, summary, together
@@ -69,5 +69,5 @@ class Hand(Horizontal):
 def _meaning(question: Question, answer: str, said: Answered) -> str:
     """Why an answer cannot be read, what is odd about it, else what the question means."""
     trouble = said.wrong.get(question.name)
-    odd = oddities(said.flight, question.name, said.usual)
+    odd = implausible_answers(said.flight, question.name, said.usual)
     return f"✗ {trouble}" if trouble and answer else f"! {odd[0]}" if odd else question.help

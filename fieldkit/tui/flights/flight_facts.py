@@ -57,7 +57,7 @@ def said_by(flight: Flight, motors: "Catalogue") -> DragFacts:
     return DragFacts(area * 1e4, "drag area cm²", thrust, found.warnings[0])
 
 
-def foretold(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
+def forecast_facts(flight: Flight, ledger: "Ledger", motors: "Catalogue") -> ForecastFacts:
     """The forecast that was made for a flight, else the one that the other flights make now.
 
     Raises FieldkitError where there can be none.

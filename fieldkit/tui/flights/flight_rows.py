@@ -92,10 +92,10 @@ def columns(width: int) -> list[Shown]:
 
 def read_rows(ledger: "Ledger", motors: "Catalogue") -> list[Row]:
     """Every flight in the order it was flown, with the miss of the forecast that was made for it."""
-    from fieldkit.services.saved_forecasts import by_flight, kept
+    from fieldkit.services.saved_forecasts import by_flight, list_forecasts
 
     flights = ledger.flights()
-    said = by_flight(kept(ledger, motors))
+    said = by_flight(list_forecasts(ledger, motors))
     rows = []
     for place, (id, flight) in enumerate(zip(ledger.ids(flights), flights, strict=True)):
         one = said.get((flight.rocket, flight.flight_id))

@@ -15,7 +15,7 @@ from fieldkit.flight import BY_NAME, CONDITIONS, READOUTS, SETUP, Flight
 from fieldkit.quantities import measure, number
 from fieldkit.safe_text import printable
 from fieldkit.tui.flights import logged
-from fieldkit.tui.flights.flight_facts import ForecastFacts, foretold, or_why, said_by
+from fieldkit.tui.flights.flight_facts import ForecastFacts, forecast_facts, or_why, said_by
 from fieldkit.tui.flights.log_plot import TRACES, Drawn, draw_trace, drawn
 from fieldkit.tui.flights.removal import REMOVE, remove
 from fieldkit.tui.help import Help
@@ -162,7 +162,9 @@ class FlightScreen(PageScreen):
         self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
         self.query_one("#figures", Static).update(stacked(blocks))
         self.ask(or_why(partial(hills, flight, self.desk)), self._have_said, "said")
-        self.ask(or_why(partial(foretold, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast")
+        self.ask(
+            or_why(partial(forecast_facts, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast"
+        )
         self.ask(or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
 
     def _have_log(self, log: Drawn | str) -> None:
@@ -257,7 +259,7 @@ class FlightScreen(PageScreen):
         self.change(change, self._changed)
 
     def _changed(self, flight: Flight) -> None:
-        self.tell(
+        self.show_notice(
             f"{self._flight_id} changed; u takes it back"
             if flight != self._flight
             else f"{self._flight_id} is so already"

@@ -17,7 +17,7 @@ def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None)
 
     def removed(_: object) -> None:
         then()
-        page.tell(f"flight {id} taken out; u brings it back")
+        page.show_notice(f"flight {id} taken out; u brings it back")
         page.field_app.changed()
 
     page.change(lambda: page.desk.ledger.remove(id), removed)

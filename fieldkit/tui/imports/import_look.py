@@ -77,8 +77,8 @@ class ReadOptions:
         return [read_choice(self.columns)] if self.columns else []
 
 
-def told(folder: Path) -> str:
-    """A folder as it is named above its files."""
+def folder_text(folder: Path) -> str:
+    """The text that names a folder above its files."""
     return str(folder)
 
 

@@ -50,11 +50,11 @@ def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
 
 
-def look(desk: "Desk", rocket: str, tell: ReportProgress) -> "Findings":
+def look(desk: "Desk", rocket: str, on_progress: ReportProgress) -> "Findings":
     """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
 
     Raises NoFlights for too few flights.
     """
     from fieldkit.services import close_loop
 
-    return close_loop.look(desk.ledger, desk.motors, rocket, tell)
+    return close_loop.look(desk.ledger, desk.motors, rocket, on_progress)

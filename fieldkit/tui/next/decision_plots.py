@@ -51,8 +51,8 @@ def of_points(answer: "Answer", points: "Float[Array, 'draw']") -> "Answer":
     return replace(answer, title="Points of a flight, fewer are better; lines are 5 %, middle and 95 %", draw=draw)
 
 
-def of_kept(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":
-    """The forecasts that were kept, the newest first, and what was flown."""
+def saved_forecast_plot(answer: "Answer", found: "Sequence[SavedForecast]", system: str) -> "Answer":
+    """The saved forecasts, newest first, and the apogees flown."""
     from fieldkit.services.saved_forecasts import LISTED_STATES
 
     rows = tuple(

@@ -91,9 +91,9 @@ class Decision:
 
     def kept(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
-        from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, kept, standing
+        from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
 
-        found = kept(ledger, motors, self.plan.rocket)
+        found = list_forecasts(ledger, motors, self.plan.rocket)
         if not found:
             return Answer(("No forecast of this rocket is kept yet: Enter on the page Next keeps one.",))
         words = [standing(found)]
@@ -101,7 +101,7 @@ class Decision:
             said = one.made.payload
             words += ["", f"{one.state}: {said.get('motor', '')} {said.get('config', '')}".rstrip()]
             words += [f"  {line}" for line in in_words(one)]
-        return decision_plots.of_kept(Answer(tuple(words)), found, self.system)
+        return decision_plots.saved_forecast_plot(Answer(tuple(words)), found, self.system)
 
     def fared(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """How good forecasts of this rocket are: of each flight from those of all rockets before it."""
@@ -141,11 +141,11 @@ class Decision:
     def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
         from fieldkit.planning.descent import fall_of
-        from fieldkit.planning.safety import safety_lines, told
+        from fieldkit.planning.safety import safety_lines, safety_text
         from fieldkit.presentation.planning_text import conditions_in_words
 
         lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
-        return (*conditions_in_words(said.plan, self.rocket.starts), "", *told([*lines, *more]))
+        return (*conditions_in_words(said.plan, self.rocket.starts), "", *safety_text([*lines, *more]))
 
 
 def _missed(found: "ScoreReport", system: str) -> Iterator[str]:

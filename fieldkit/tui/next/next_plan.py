@@ -100,7 +100,7 @@ def read_plan(desk: "Desk") -> Plan | None:
     from fieldkit.paths import data_folder
     from fieldkit.planning.limits import limits
     from fieldkit.planning.motor_guide import Wanted, mount_of
-    from fieldkit.services.planning import begun, rocket_of
+    from fieldkit.services.planning import completed_plan, rocket_of
 
     ledger = desk.ledger
     flights, draft = ledger.flights(), ledger.draft(DRAFT) or {}
@@ -110,7 +110,7 @@ def read_plan(desk: "Desk") -> Plan | None:
     plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
     plan = plan.with_changes(**plan_changes(draft))
     rocket = rocket_of(ledger, desk.motors, plan.rocket)
-    full = begun(ledger, desk.motors, plan, desk.settings)
+    full = completed_plan(ledger, desk.motors, plan, desk.settings)
     if full.dry_mass is None:
         raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}

@@ -71,8 +71,8 @@ def checks(one: "MotorChoice") -> Pairs:
     return [*lines, ("", ADVICE_NOTE)]
 
 
-def kept_in_words(said: "Prediction", system: str) -> str:
-    """That a forecast was kept, and what it says."""
+def saved_in_words(said: "Prediction", system: str) -> str:
+    """That a forecast was saved, and what it says."""
     low, middle, high = (number(cards.APOGEE, float(x), system) for x in said.apogee_quantiles())
     unit = spelled(unit_of(cards.APOGEE, system))
     return f"kept: {said.plan.motor} to {middle} {unit} ({low} to {high}); the flight is measured against it"

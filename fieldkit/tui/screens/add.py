@@ -116,7 +116,7 @@ class AddScreen(PageScreen):
         self._sheet.fill({**begun.offers, **begun.draft})
         self._sheet.touched |= begun.draft.keys() & BY_NAME.keys()
         if begun.draft and not self._draft.shown:
-            self.tell("a flight was typed halfway: it goes on here; ^N starts anew")
+            self.show_notice("a flight was typed halfway: it goes on here; ^N starts anew")
         self._draft.shown = True
         first = self.field(READ[0]).line
         if self.focused is first and not ahead:
@@ -279,7 +279,9 @@ class AddScreen(PageScreen):
             self.set_focus(self.field(saved.wrong).line)
             return
         silent = f"; without its {saved.lacks} it says nothing of drag" if saved.lacks else ""
-        self.tell(f"added as flight {saved.id}{silent}; u takes it back" if saved.id else "it is in the ledger already")
+        self.show_notice(
+            f"added as flight {saved.id}{silent}; u takes it back" if saved.id else "it is in the ledger already"
+        )
         if saved.trouble:
             self.complain(saved.trouble)
         self._sheet.clear()
@@ -294,7 +296,7 @@ class AddScreen(PageScreen):
 
     def _forgotten(self, any_was: bool) -> None:
         if any_was:
-            self.tell("begun anew; ^Z brings back what was typed")
+            self.show_notice("begun anew; ^Z brings back what was typed")
         self.reload()
 
     def resting_place(self) -> Widget | None:

@@ -22,13 +22,13 @@ from fieldkit.tui.imports.import_look import (
     Look,
     ReadOptions,
     by_keys,
+    folder_text,
     in_a_line,
     left_out,
     listed,
     look_at,
     name_and_size,
     store,
-    told,
     what_it_brings,
     what_it_holds,
 )
@@ -122,7 +122,7 @@ class ImportScreen(PageScreen):
 
     def _listed(self, folder: Path, mark: Path | None, paths: list[Path]) -> None:
         self._folder = folder
-        self.query_one("#where", Static).update(Content(printable(told(folder))))
+        self.query_one("#where", Static).update(Content(printable(folder_text(folder))))
         rows = {path: name_and_size(path) for path in paths}
         self._reading = replace(self._reading, marked=tuple(path for path in self._reading.marked if path in rows))
         table = self.query_one("#files", Table)
@@ -173,7 +173,7 @@ class ImportScreen(PageScreen):
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:
-            self.tell("it is still being read; Enter again stores it")
+            self.show_notice("it is still being read; Enter again stores it")
 
     def action_mark(self) -> None:
         """Read the file under the cursor together with others that are marked, or no longer."""
@@ -189,11 +189,11 @@ class ImportScreen(PageScreen):
         self._reading = replace(self._reading, marked=())
         counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
         undo = "; u takes them back" if receipt.ids else ""
-        self.tell(f"{len(receipt.ids)} imported, {counts}{undo}")
+        self.show_notice(f"{len(receipt.ids)} imported, {counts}{undo}")
         self.field_app.changed()
 
     def _kept(self, new: bool) -> None:
-        self.tell("kept; the page Next starts from it, and u takes it back" if new else "it is kept already")
+        self.show_notice("kept; the page Next starts from it, and u takes it back" if new else "it is kept already")
         self.field_app.changed()
 
     def action_reload(self) -> None:

@@ -235,13 +235,13 @@ class LoopScreen(PageScreen):
         self.change(lambda: adopt(self.desk.ledger, found.rocket, found.diagnosis), self._accepted)
 
     def _accepted(self, _: None) -> None:
-        self.tell("accepted: forecasts rest on it from now on; u takes it back")
+        self.show_notice("accepted: forecasts rest on it from now on; u takes it back")
         self.field_app.changed()
 
     def action_decline(self) -> None:
         """Leave the model as it is."""
         found = self.panels.found is not None
-        self.tell(
+        self.show_notice(
             "declined: the model stays as it is" if found else "nothing to decline yet: l looks for what is missing"
         )
 
@@ -255,7 +255,7 @@ class LoopScreen(PageScreen):
         self.change(work, partial(self._used, said))
 
     def _used(self, said: str, _: None) -> None:
-        self.tell(f"{said}; u takes it back")
+        self.show_notice(f"{said}; u takes it back")
         self.field_app.changed()
 
     def action_report(self) -> None:

@@ -271,7 +271,7 @@ class NextScreen(PageScreen):
         one = self._motors.known.get(motor)
         if one is None:
             if motor is not None and self._motors.plan is not None:
-                self.tell("this motor is still being worked out; Enter again keeps its forecast")
+                self.show_notice("this motor is still being worked out; Enter again keeps its forecast")
             return
 
         def work() -> "list[Prediction]":
@@ -282,9 +282,9 @@ class NextScreen(PageScreen):
         self.ask(work, self._kept, "keep")
 
     def _kept(self, made: "list[Prediction]") -> None:
-        from fieldkit.tui.next.next_words import kept_in_words
+        from fieldkit.tui.next.next_words import saved_in_words
 
-        self.tell(kept_in_words(made[0], self.desk.settings.units))
+        self.show_notice(saved_in_words(made[0], self.desk.settings.units))
         self.changed_for_others()
 
     def copied(self) -> str:

@@ -254,7 +254,7 @@ class CaptureScreen(PageScreen):
         return bring_in(self.desk.ledger, [end.file], motors.complaint, motors=motors)
 
     def _stored(self, receipt: "Receipt") -> None:
-        self.tell(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")
+        self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")
         for row in receipt.rejected:
             self.complain(f"{row.file}: {row.error}")
         for line in receipt.implausible:

@@ -88,7 +88,9 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
 
 
 def _changed(page: PageScreen, what: str, count: int) -> None:
-    page.tell(f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back")
+    page.show_notice(
+        f"{what}: {count} flights changed; u takes it back" if count else f"{what} is changed; u takes it back"
+    )
     page.field_app.changed()
 
 
@@ -126,5 +128,5 @@ def _import(page: PageScreen, text: str | None) -> None:
 
 def _imported(page: PageScreen, motors: "list[Motor]") -> None:
     page.desk.forget_motors()
-    page.tell(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
+    page.show_notice(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
     page.field_app.changed()

@@ -63,7 +63,7 @@ class NoticeBar(Static):
     LINES = 4
     """Of a notice that is not shown whole; `max-height` says the same."""
 
-    def tell(self, notices: Sequence[Notice], whole: bool = False) -> None:
+    def show_notice(self, notices: Sequence[Notice], whole: bool = False) -> None:
         """Show the first of these, files by their names or by their `whole` paths, and how many more there are."""
         self.set_class(bool(notices), "-shown")
         if not notices:

@@ -17,7 +17,7 @@ pytestmark = pytest.mark.fast
 CHANNELS = (Channel("time", 0, needed=True), Channel("altitude", 1, Unit(0.3048), header="Alt"))
 
 
-def told(table: LogTable) -> list[str]:
+def reported(table: LogTable) -> list[str]:
     return [f"note {item.row}" if isinstance(item, Note) else str(item) for item in table.found]
 
 
@@ -32,7 +32,7 @@ def test_a_damaged_row_costs_itself_and_says_what_is_wrong_with_it() -> None:
     log = b"Time,Alt\n0.0,10\n0.1,1o4\n0.2,20,5\n0.3,30\n,40\n0.5,inf\n0.6,50\n"
     table = read_columns(log, CHANNELS, after=1, widths={2})
     assert table.values["time"].tolist() == [0.0, 0.3, 0.6]
-    assert told(table) == [
+    assert reported(table) == [
         "row 3, Alt: found '1o4', expected a number",
         "row 4: found 3 cells, expected 2",
         "row 6, time: found '', expected a number",
@@ -55,15 +55,15 @@ def test_what_is_no_plain_number_is_never_taken_for_one(cell: str) -> None:
 
 
 def test_a_last_row_cut_off_is_a_note() -> None:
-    assert told(read_columns(b"0,10\n0.1,20\n0.", CHANNELS, after=0, widths={2})) == ["note 3"]
-    assert told(read_columns(b"0,10\n0.1,20\n0.\n", CHANNELS, after=0, widths={2})) != ["note 3"]
+    assert reported(read_columns(b"0,10\n0.1,20\n0.", CHANNELS, after=0, widths={2})) == ["note 3"]
+    assert reported(read_columns(b"0,10\n0.1,20\n0.\n", CHANNELS, after=0, widths={2})) != ["note 3"]
 
 
 def test_units_inside_cells_must_be_those_expected() -> None:
     hot = Channel("temperature", 1, UNITS["temperature"]["f"], suffix="F")
     table = read_columns(b"0,32F\n1,50.0 F\n2,10C\n3,\n", (CHANNELS[0], hot), after=0)
     assert table.values["temperature"] == pytest.approx([273.15, 283.15, np.nan], nan_ok=True)
-    assert told(table) == ["row 3, temperature: found '10C', expected a number with F"]
+    assert reported(table) == ["row 3, temperature: found '10C', expected a number with F"]
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "utf-16", "utf-16-le", "utf-16-be", "cp1252"])
@@ -101,14 +101,14 @@ def test_a_line_without_end_costs_one_row(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(text, "BLOCK", 64)
     table = read_columns(b"0,1\n" + b"7" * 500 + b"\n2,3\n", CHANNELS, after=0)
     assert table.values["time"].tolist() == [0, 2]
-    assert told(table) == ["row 2: found a line without end, or NUL, expected a row"]
+    assert reported(table) == ["row 2: found a line without end, or NUL, expected a row"]
 
 
 def test_many_damaged_rows_are_told_of_as_one() -> None:
     log = b"".join(b"%d,1\nx,1\n" % i for i in range(500))
     table = read_columns(log, CHANNELS, after=0)
     assert len(table) == 500
-    assert told(table)[rows.MOST_TOLD :] == ["found 480 more rows that are damaged"]
+    assert reported(table)[rows.MAX_REPORTED :] == ["found 480 more rows that are damaged"]
 
 
 def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -120,7 +120,7 @@ def test_a_table_too_long_is_thinned_evenly_and_says_so(monkeypatch: pytest.Monk
     assert table.values["time"][table.where("event", "Main")].tolist() == [3777]
     steps = np.diff(np.delete(table.values["time"], [*table.where("event", "Main"), *table.where("event", "Main") + 1]))
     assert (steps[:-1] <= 24).all()
-    assert told(table) == ["note None"]
+    assert reported(table) == ["note None"]
 
 
 def test_nothing_to_read_is_a_damaged_log() -> None:

@@ -9,7 +9,7 @@ from fieldkit.errors import DamagedModel
 from fieldkit.flight import CHECKED_TAG, Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.inference.laplace import outliers
-from fieldkit.inference.laplace.outliers import fitting
+from fieldkit.inference.laplace.outliers import consistency_check
 from fieldkit.motors import Found, catalogue
 from tests.forecast.test_predict import PLAN, Flown, season
 
@@ -30,12 +30,12 @@ def parts(flown: Flown) -> tuple[list[Flight], list[Found]]:
 
 def test_good_flights_are_left_as_they_are() -> None:
     flights, found = parts(season({}))
-    assert fitting(flights, found) == (tuple(flights), ())
+    assert consistency_check(flights, found) == (tuple(flights), ())
 
 
 def test_a_readout_that_does_not_fit_is_left_out_alone_and_named() -> None:
     flights, found = parts(with_a_slip(season({}), 1))
-    kept, lines = fitting(flights, found)
+    kept, lines = consistency_check(flights, found)
     assert kept[1] == flights[1].with_changes(top_speed=None, avg_accel=None)
     assert [kept[0], *kept[2:]] == [flights[0], *flights[2:]]
     (line,) = lines
@@ -47,13 +47,13 @@ def test_what_the_flyer_has_checked_teaches() -> None:
     flights, found = parts(with_a_slip(season({})))
     flights[0] = flights[0].with_changes(tags=(CHECKED_TAG,))
     assert flights[0].clean
-    assert fitting(flights, found) == (tuple(flights), ())
+    assert consistency_check(flights, found) == (tuple(flights), ())
 
 
 def test_an_apogee_alone_is_believed() -> None:
     flights, found = parts(season({}))
     lonely = [PLAN.with_changes(apogee=flight.apogee) for flight in flights]
-    assert fitting(lonely, found) == (tuple(lonely), ())
+    assert consistency_check(lonely, found) == (tuple(lonely), ())
 
 
 def test_a_slip_of_the_first_flight_does_not_move_the_next_forecast() -> None:
@@ -71,7 +71,7 @@ def test_without_the_ensemble_forecasts_go_on_and_say_so(monkeypatch: pytest.Mon
 
     monkeypatch.setattr(outliers, "_ensemble", damaged)
     flights, found = parts(season({}))
-    assert fitting(flights, found) == (
+    assert consistency_check(flights, found) == (
         tuple(flights),
         ("whether readouts fit their flights was not looked at: field: found another graph, expected its own",),
     )

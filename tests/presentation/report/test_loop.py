@@ -31,7 +31,7 @@ from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
 from fieldkit.selection.forward_choice import MIN_EARLIER_FLIGHTS
-from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, options, telling
+from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, informative_readouts, options
 from fieldkit.selection.unexplained import leftover
 from fieldkit.services import close_loop, forecasts
 from fieldkit.services.findings import Findings, findings
@@ -165,7 +165,7 @@ def explanations(diagnosis: Diagnosis) -> tuple[Explanation, Explanation]:
 
 
 def test_wind_is_told_from_a_leaning_rail_by_measuring_the_rail_or_flying_in_wind(diagnosis: Diagnosis) -> None:
-    advice = telling(diagnosis.model, *explanations(diagnosis))
+    advice = informative_readouts(diagnosis.model, *explanations(diagnosis))
     assert advice == sorted(advice, key=lambda one: -one.expected)
     flights = [one for one in advice if one.readouts]
     calm, gusty = (

@@ -28,9 +28,9 @@ LUCK = [CERTIFIED_PRIOR.sd(name, "flight") for name in ("thrust", "drag", "stret
 
 
 @cache
-def flown(term: str, strength: float, seed: int, luck: tuple[float, ...] | None = None) -> Regression:
+def flown(term: str, strength: float, seed: int, random_draw_sd: tuple[float, ...] | None = None) -> Regression:
     """A flight beside the model without its force and luck, which is drawn where it is not given as in `LUCK`."""
-    thrust, drag, stretch = np.exp(luck or np.random.default_rng(seed).normal(size=3) * LUCK)
+    thrust, drag, stretch = np.exp(random_draw_sd or np.random.default_rng(seed).normal(size=3) * LUCK)
     motor = replace(SLOW.motor, time=SLOW.motor.time * stretch, thrust=SLOW.motor.thrust * thrust / stretch)
     rocket = replace(SLOW, motor=motor, drag_area=SLOW.drag_area * drag)
     return regression(missing_force(noisy(climb(rocket, term, strength), seed, smooth=5), SLOW), library(), FREE_TERMS)
@@ -66,18 +66,18 @@ def test_the_luck_of_single_flights_is_no_law() -> None:
 def test_motors_alike_by_chance_are_no_law() -> None:
     alike = [flown("", 0.0, seed, (0.025, 0.0, 0.0)) for seed in range(3)]
     assert common_law(alike, library()) == ()
-    told = common_law(alike, [replace(term, luck=0.0) for term in library()])
+    told = common_law(alike, [replace(term, random_draw_sd=0.0) for term in library()])
     assert "thrust" in [name for found in told for name in (found.term.name, *found.also)]
 
 
 def test_a_coefficient_moves_by_what_it_makes_of_luck() -> None:
-    lucks = {term.name: term.luck for term in library() if term.luck}
+    lucks = {term.name: term.random_draw_sd for term in library() if term.random_draw_sd}
     climb = flown("", 0.0, 0)
-    both = climb.luck(["thrust", "longer burn"], lucks)
+    both = climb.random_draw_sd(["thrust", "longer burn"], lucks)
     assert both == pytest.approx([lucks["thrust"], lucks["longer burn"]])
     pushed = replace(climb, wanted=climb.wanted + 0.025 * climb.columns["thrust"])
     moved = pushed.solve(["rail"])[0] - climb.solve(["rail"])[0]
-    assert abs(moved) == pytest.approx(climb.luck(["rail"], {"thrust": 0.025}))
+    assert abs(moved) == pytest.approx(climb.random_draw_sd(["rail"], {"thrust": 0.025}))
 
 
 def test_one_flight_decides_nothing_however_strong_its_force() -> None:
