@@ -26,7 +26,7 @@ ROCKETS = 4
 """Of a ledger, at most."""
 DRAWS = 999
 """Of each forecast, so that ranks run from 0 to it."""
-SIMULATED = 2000
+UNIFORM_SIMULATIONS = 2000
 """Sets of uniform ranks that the distance from uniformity is compared with."""
 PLACES = 50
 """At which distribution functions are compared."""
@@ -99,8 +99,8 @@ def uniformity(ranks: Float[Array, "forecast"], seed: int = 0) -> float:
         below = np.stack([(values < place).sum(axis=-1) for place in places], axis=-1)
         return np.asarray(tail[below, np.arange(len(places))].min(axis=-1))
 
-    chance = least(np.random.default_rng(seed).uniform(size=(SIMULATED, count)))
-    return float((np.sum(chance <= least(ranks)) + 1) / (SIMULATED + 1))
+    chance = least(np.random.default_rng(seed).uniform(size=(UNIFORM_SIMULATIONS, count)))
+    return float((np.sum(chance <= least(ranks)) + 1) / (UNIFORM_SIMULATIONS + 1))
 
 
 def coverage(ranks: Float[Array, "forecast"], level: float) -> float:

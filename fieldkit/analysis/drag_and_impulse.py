@@ -32,37 +32,37 @@ from fieldkit.analysis.robust_statistics import lag_one, mad_sd, median_step
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Float
 
-_FASTEST = 0.7 * 335.0
+_MAX_COAST_SPEED = 0.7 * 335.0
 """Mach 0.7: at higher speeds Cd grows with the Mach number. [m/s]"""
-_AFTER = 0.15
+_TAIL_OF_THRUST = 0.15
 """How long after burnout, beside twice its standard deviation, the motor may still push: the tail of its thrust. [s]"""
-_BEFORE = (2.0, 1.0, 0.5, 0.05)
+_COAST_END_MARGINS = (2.0, 1.0, 0.5, 0.05)
 """How long before apogee, or before something was ejected, the coast ends: tried from the first on. [s]"""
-_BY_CHANCE = 6.0
+_CHANCE_GROWTH = 6.0
 """Growth of weighted squares that four values make by chance once in five times (chi squared). [1]"""
-_SHORTEST, _SLOWEST, _FEWEST = 1.2, 20.0, 8
+_MIN_COAST_TIME, _MIN_COAST_SPEED, _MIN_COAST_SAMPLES = 1.2, 20.0, 8
 """A coast with less has no drag to tell: its length [s], its first speed [m/s], its samples [1]."""
-_VAGUE = 0.3
+_MAX_RELATIVE_SD = 0.3
 """A figure with a greater standard deviation, to it, is none. [1]"""
-_LEAST_DRAG, _LEAST_IMPULSE = 0.025, 0.015
+_MIN_DRAG_SD, _MIN_IMPULSE_SD = 0.025, 0.015
 """Errors of any, to it: air that thins otherwise than the standard atmosphere's or than by e in 9.5 km; a Cd that
 changes a little with speed; a mass that is not burned evenly. Two altimeters in one airframe differed by more, 13 % in
 drag: what an airframe does to pressure the model has as a discrepancy of the rocket. [1]"""
-_SQUARES = 0.06
+_SQUARED_SPEED_SD = 0.06
 """Error of the integral of v² over a burn, to it: twice that of speeds by heights. [1]"""
-_GAIN = 0.05
+_HEIGHT_SCALE_SD = 0.05
 """Standard deviation of the scale of heights: the air is 12 K off the standard atmosphere, and the pressure in an
 airframe off by 0.03 of the dynamic pressure (`fieldkit.analysis.forces`), so that heights are by that of v²/2g. [1]"""
-_STUDENT, _QUIETEST = 4.0, 0.02
+_STUDENT_DOF, _MIN_SAMPLE_SD = 4.0, 0.02
 """Of the errors of samples: degrees of freedom [1], least standard deviation [m]."""
-_LOWEST, _HIGHEST = np.log(1e-5), np.log(0.1)
+_MIN_LOG_DRAG, _MAX_LOG_DRAG = np.log(1e-5), np.log(0.1)
 """Of the logarithm of a drag that a rocket can have, b in 1/m. [1]"""
-_BEGIN = float(np.log(2e-3))
+_START_LOG_DRAG = float(np.log(2e-3))
 """Of the logarithm of drag, where a fit begins: that of a rocket of 0.4 kg and 60 mm. [1]"""
-_ROUNDS = 10
-_FURTHEST = np.array([2.0, 200.0, 1.5, 0.3])
+_FIT_ROUNDS = 10
+_MAX_STEPS = np.array([2.0, 200.0, 1.5, 0.3])
 """Of one round of the fit, in time [s], height [m], the logarithms of drag and of scale [1]."""
-_STEPS = np.array([0.02, 0.2, 0.02, 0.02])
+_DIFFERENCE_STEPS = np.array([0.02, 0.2, 0.02, 0.02])
 """Of the differences, in the same."""
 
 
@@ -91,21 +91,21 @@ def drag_and_impulse(
     Heights of `track` count from `pad` [m]. The coast begins after `burnout` below Mach 0.7 and ends at apogee or when
     something was ejected, `free`. [s] `source` names the channels that `burnout` rests on.
     """
-    begin = burnout.time + max(_AFTER, 2 * burnout.sd)
-    slow = ascent.time[(ascent.time >= begin) & (ascent.speed < _FASTEST)]
-    if not slow.size or np.interp(slow[0], ascent.time, ascent.speed) < _SLOWEST:
+    begin = burnout.time + max(_TAIL_OF_THRUST, 2 * burnout.sd)
+    slow = ascent.time[(ascent.time >= begin) & (ascent.speed < _MAX_COAST_SPEED)]
+    if not slow.size or np.interp(slow[0], ascent.time, ascent.speed) < _MIN_COAST_SPEED:
         return {}
-    inside = (track.time >= slow[0]) & (track.time <= free - _BEFORE[-1])
+    inside = (track.time >= slow[0]) & (track.time <= free - _COAST_END_MARGINS[-1])
     time, height = track.time[inside], track.height[inside] - pad
     top = int(np.argmax(ascent.height))
-    found = _undisturbed(time, height, free, np.array([ascent.time[top], ascent.height[top], _BEGIN, 0.0]))
+    found = _undisturbed(time, height, free, np.array([ascent.time[top], ascent.height[top], _START_LOG_DRAG, 0.0]))
     if found is None:
         return {}
-    drag, relative = float(np.exp(found.values[2])), float(np.hypot(np.sqrt(found.covariance[2, 2]), _LEAST_DRAG))
+    drag, relative = float(np.exp(found.values[2])), float(np.hypot(np.sqrt(found.covariance[2, 2]), _MIN_DRAG_SD))
     figures = {"coast_drag": Figure(drag, relative * drag, track.source)}
-    if slow[0] - begin < _AFTER:  # a coast is not carried back through the speed of sound
+    if slow[0] - begin < _TAIL_OF_THRUST:  # a coast is not carried back through the speed of sound
         figures["burn_impulse"] = _impulse(found, ascent, lift, float(slow[0]), source)
-    return {name: figure for name, figure in figures.items() if figure.sd < _VAGUE * figure.value}
+    return {name: figure for name, figure in figures.items() if figure.sd < _MAX_RELATIVE_SD * figure.value}
 
 
 def _undisturbed(
@@ -117,14 +117,14 @@ def _undisturbed(
     chance.
     """
     best: _Fit | None = None
-    for before in _BEFORE:
+    for before in _COAST_END_MARGINS:
         early = time <= free - before
-        if early.sum() < _FEWEST or np.ptp(time[early]) < _SHORTEST:
+        if early.sum() < _MIN_COAST_SAMPLES or np.ptp(time[early]) < _MIN_COAST_TIME:
             continue
         found = _fitted(time[early], height[early], start if best is None else best.values)
         if found is None:
             continue
-        if best is not None and found.misfit(best) > _BY_CHANCE:
+        if best is not None and found.misfit(best) > _CHANCE_GROWTH:
             break
         best = found
     return best
@@ -142,10 +142,10 @@ def _impulse(found: _Fit, ascent: Ascent, lift: Event, end: float, source: str) 
         return speed + GRAVITY * (end - lift.time) + float(np.exp(values[2])) * squares
 
     value = impulse(found.values)
-    slope = np.array([impulse(found.values + step) - value for step in np.diag(_STEPS)]) / _STEPS
+    slope = np.array([impulse(found.values + step) - value for step in np.diag(_DIFFERENCE_STEPS)]) / _DIFFERENCE_STEPS
     known = np.sqrt(slope @ found.covariance @ slope)
-    lost = _SQUARES * np.exp(found.values[2]) * squares
-    return Figure(value, float(np.linalg.norm([known, GRAVITY * lift.sd, lost, _LEAST_IMPULSE * value])), source)
+    lost = _SQUARED_SPEED_SD * np.exp(found.values[2]) * squares
+    return Figure(value, float(np.linalg.norm([known, GRAVITY * lift.sd, lost, _MIN_IMPULSE_SD * value])), source)
 
 
 def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Float[Array, "four"]) -> _Fit | None:
@@ -154,18 +154,20 @@ def _fitted(time: Float[Array, "time"], height: Float[Array, "time"], start: Flo
     Outliers among the samples count less (Student's t, by weights that are set again in each round). Errors with a
     lag-1 autocorrelation r are worth (1 - r) / (1 + r) of independent ones.
     """
-    values, prior = start, np.diag([0.0, 0.0, 0.0, _GAIN**-2])
+    values, prior = start, np.diag([0.0, 0.0, 0.0, _HEIGHT_SCALE_SD**-2])
     freedom = np.sqrt(time.size / (time.size - len(start)))
-    for _ in range(_ROUNDS):
+    for _ in range(_FIT_ROUNDS):
         at = _heights(values, time)
-        slope = np.stack([(_heights(values + step, time) - at) / step.sum() for step in np.diag(_STEPS)], axis=-1)
+        slope = np.stack(
+            [(_heights(values + step, time) - at) / step.sum() for step in np.diag(_DIFFERENCE_STEPS)], axis=-1
+        )
         left = height - at
-        noise, alike = max(mad_sd(left) * freedom, _QUIETEST), lag_one(left)
-        weight = (_STUDENT + 1) / (_STUDENT + (left / noise) ** 2) * (1 - alike) / (1 + alike) / noise**2
+        noise, alike = max(mad_sd(left) * freedom, _MIN_SAMPLE_SD), lag_one(left)
+        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + (left / noise) ** 2) * (1 - alike) / (1 + alike) / noise**2
         precision = (slope.T * weight) @ slope + prior
         step = np.linalg.solve(precision, slope.T @ (weight * left) - prior @ values)
-        values = values + np.clip(step, -_FURTHEST, _FURTHEST)
-        if not _LOWEST < values[2] < _HIGHEST:
+        values = values + np.clip(step, -_MAX_STEPS, _MAX_STEPS)
+        if not _MIN_LOG_DRAG < values[2] < _MAX_LOG_DRAG:
             return None
     return _Fit(values, np.linalg.inv(precision), time, height, weight)
 

@@ -47,8 +47,8 @@ def predict(
         if flights is not None and given.get("motor"):
             raise typer.BadParameter("give --flights or --motor, not both")
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
-        with progress("fitting your other rockets") as tell:
-            predictions = predict_plans(ledger, check.catalogue, plans, model.value, tell=tell)
+        with progress("fitting your other rockets") as on_progress:
+            predictions = predict_plans(ledger, check.catalogue, plans, model.value, on_progress=on_progress)
         lines = safety_of(ledger, check.catalogue, predictions, given)
         starts = ledger.starts(plans[0].rocket) if flights is None else []
     if json:

@@ -30,10 +30,12 @@ DIGITS = 7
 FlownFlights = Sequence[tuple[Flight, Found]]
 
 
-def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str, tell: ReportProgress = no_op) -> "SharedPrior | None":
+def fleet_prior(
+    ledger: Ledger, motors: Catalogue, rocket: str, on_progress: ReportProgress = no_op
+) -> "SharedPrior | None":
     """What the clean flights of all other rockets of a ledger show of the terms shared with one; None without any.
 
-    `tell` hears of each rocket that is fitted again.
+    `on_progress` hears of each rocket that is fitted again.
     """
     from fieldkit.inference.laplace.fleet import shared_prior
 
@@ -41,7 +43,7 @@ def fleet_prior(ledger: Ledger, motors: Catalogue, rocket: str, tell: ReportProg
     others = _by_rocket(ledger, motors, rocket)
     fits = []
     for number, (name, flown) in enumerate(others.items()):
-        tell(name, number / len(others))
+        on_progress(name, number / len(others))
         fits.append(_rocket_fit(ledger, name, flown, own))
     return shared_prior(fits)
 

@@ -93,11 +93,11 @@ def predict_plans(
     which: Which = "after",
     *,
     keep: bool = True,
-    tell: ReportProgress = no_op,
+    on_progress: ReportProgress = no_op,
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
 
-    `tell` hears of the other rockets that are fitted first. Raises UnknownMotor, NoFlights for a plan that names no
+    `on_progress` hears of the other rockets that are fitted first. Raises UnknownMotor, NoFlights for a plan that names no
     rocket when none was flown, and
     ImpossibleFlight for one without a mass.
     """
@@ -117,7 +117,7 @@ def predict_plans(
             places,
             declared=which == "after",
             cds=cds,
-            shared=fleet_prior(ledger, motors, rocket, tell),
+            shared=fleet_prior(ledger, motors, rocket, on_progress),
         )
         wider, sure = accepted_widening(ledger, rocket, which), stretch(surprises)
         finished = [one.widened(wider).corrected(sure, len(surprises)) for one in made]

@@ -19,7 +19,7 @@ Density = Callable[[Array], tuple[Array, Array]]
 
 ACCEPTANCE = 0.7
 """Fraction of proposals to be accepted, by which the step is chosen during warm-up. [1]"""
-SMALLEST = 0.2
+MIN_STEP = 0.2
 """Least step: what is wrong with the force does not vanish with smaller ones. [1]"""
 
 
@@ -62,7 +62,7 @@ def sample(
     for turn in range(warm_up + kept):
         state, chance = _transition(density, state, step * rng.uniform(0.8, 1.2), rng)
         if turn < warm_up:
-            step = max(step * float(np.exp((chance - ACCEPTANCE) * 2 / np.sqrt(turn + 4))), SMALLEST)
+            step = max(step * float(np.exp((chance - ACCEPTANCE) * 2 / np.sqrt(turn + 4))), MIN_STEP)
         else:
             accepted.append(chance)
             positions[turn - warm_up] = state.position

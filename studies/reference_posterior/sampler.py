@@ -20,9 +20,9 @@ from studies.reference_posterior.target import Readouts, Target, target
 
 CHAINS = 128
 WARM_UP = 150
-KEPT = 300
+TRANSITIONS = 300
 """Transitions of each chain before the step is settled, and after it."""
-ENOUGH = 700
+MIN_EFFECTIVE_DRAWS = 700
 """Effective draws of the figure that mixes worst: a quantile at 5 % is then known to 2.5 % of the 90 % interval. [1]"""
 WIDER = 1.3
 """How much wider than the fit's posterior the chains start. [1]"""
@@ -88,11 +88,11 @@ def sampled(case: Case, result: Fit, density: Target, rng: np.random.Generator) 
             log_density, force = target(middle + at @ root)
             return log_density, force @ root.T
 
-        chains = hamiltonian.sample(whitened, _inside(whitened, position), WARM_UP, KEPT, rng)
+        chains = hamiltonian.sample(whitened, _inside(whitened, position), WARM_UP, TRANSITIONS, rng)
         return _sampled(case, target, chains, middle + chains.positions @ root), chains.positions[-1]
 
     found, last = run(density, rng.normal(size=(CHAINS, density.dimension)) * WIDER)
-    return found if found.effective > ENOUGH else run(replace(density, exact_force=True), last)[0]
+    return found if found.effective > MIN_EFFECTIVE_DRAWS else run(replace(density, exact_force=True), last)[0]
 
 
 def _sampled(

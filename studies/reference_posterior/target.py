@@ -17,7 +17,7 @@ from fieldkit.shapes import Array, Flags, Float
 
 STEP_SIZES = {**STEPS, "opening": 0.1, "delay": 0.02}
 """Steps to both sides, over which the force takes the readouts as linear."""
-APART = 0.4
+MIN_TIME_FROM_APOGEE = 0.4
 """How long before and after apogee the charge fires, at least, where slopes before and after it are taken. [s]"""
 EXACT_STEP = 1e-4
 """Step of an exact force. [1] or [s]"""
@@ -42,11 +42,13 @@ def linear(model: Model, near: Tangent) -> Readouts:
     slopes = {str(term.bends): near.slope[..., i] for i, term in enumerate(model.terms) if term.weight.all()}
     slopes |= {str(kind.bends): near.scatter_slope[..., i] / kind.sd for i, kind in enumerate(model.scatter)}
 
+    there = np.nan_to_num(near.values)  # what the simulator does not give is not compared
+
     def read(values: Array, scatter: Mapping[str, Array]) -> Array:
         moved = np.einsum("fot,dt->dfo", near.slope, values - near.at)
         for name, change in scatter.items():
             moved = moved + change[..., None] * slopes[name]
-        return np.asarray(near.values + moved)
+        return np.asarray(there + moved)
 
     return read
 
@@ -265,7 +267,10 @@ def _delays(model: Model, exact: Readouts, at: Float[Array, "term"]) -> tuple[Fl
     with np.errstate(invalid="ignore", divide="ignore"):
         here = here - bent(model, at[None], OBSERVED_READOUTS[EJECTION])[0]
         rate = (moved - bent(model, at[None], OBSERVED_READOUTS[EJECTION])[0] - here) / 0.02
-        sides = ((np.maximum(here, APART) - here) / rate, (np.minimum(here, -APART) - here) / rate)
+        sides = (
+            (np.maximum(here, MIN_TIME_FROM_APOGEE) - here) / rate,
+            (np.minimum(here, -MIN_TIME_FROM_APOGEE) - here) / rate,
+        )
     return tuple(np.clip(np.nan_to_num(side, posinf=0.0, neginf=0.0), -0.5, 0.5) for side in sides)
 
 

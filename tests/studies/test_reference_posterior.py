@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fieldkit.inference.laplace.linearization import lean_slope, tangents
+from fieldkit.inference.laplace.linearization import launch_angle_slope, tangents
 from fieldkit.model.hyperprior import Hyperprior, Scale, learned
 from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import Model, apogee_scatter, base_model
@@ -54,7 +54,7 @@ def linear_target(student: bool) -> tuple[Model, Data, Target]:
     model = base_model(flights, found, plain())
     data = observe(flights, [True] * len(flights), model.hyperprior)
     at = np.array([term.mean for term in model.terms])
-    (near,) = tangents(model, [(tuple(range(len(at))), at)], lean_slope(model, at))
+    (near,) = tangents(model, [(tuple(range(len(at))), at)], launch_angle_slope(model, at))
     return model, data, target(model, data, at, linear(model, near), student=student)
 
 
@@ -67,10 +67,10 @@ def test_the_sampler_agrees_with_the_closed_form_of_a_linear_model() -> None:
     by_term = read(means + np.eye(count), {}) - at
     every = np.ones((1, flights))
     by_scatter = [(read(means[None], {kind: every})[0] - at) * sd for kind, sd in scatter.items()]
-    # every flight has its own random effects, so that they are noise within a flight: y = A x + noise
-    noise = np.zeros((flights, 6, flights, 6))
     width = data.sd**2
     width[:, 0] += apogee_scatter(model) ** 2
+    # every flight has its own random effects, so that they are noise within a flight: y = A x + noise
+    noise = np.zeros((flights, width.shape[1], flights, width.shape[1]))
     for f in range(flights):
         noise[f, :, f] = sum(np.outer(one[f], one[f]) for one in by_scatter) + np.diag(width[f])
     seen = density.seen.ravel()
