@@ -38,7 +38,7 @@ DIAMETER_KNOWN = 0.75
 """Fraction of rockets whose diameter was recorded. [1]"""
 SAME_DAY = 0.4
 """Fraction of flights on the day of the flight before. [1]"""
-TYPICAL_FACTOR = 12
+NEAREST_MOTORS = 12
 """Motors of the nearest thrust that a rocket's others are drawn from."""
 TRIES = 50
 """Times a rocket that does not fly is drawn again."""
@@ -135,8 +135,8 @@ def _choice_of_motors(rng: np.random.Generator, count: int) -> list[Motor]:
     """Different motors of about the same thrust."""
     first = _motors()[int(rng.integers(len(_motors())))]
     others = [motor for motor in _motors() if motor.designation != first.designation]
-    near = sorted(others, key=lambda motor: abs(np.log(motor.average_thrust / first.average_thrust)))[:TYPICAL_FACTOR]
-    return [first, *(near[i] for i in rng.permutation(TYPICAL_FACTOR)[: count - 1])]
+    near = sorted(others, key=lambda motor: abs(np.log(motor.average_thrust / first.average_thrust)))[:NEAREST_MOTORS]
+    return [first, *(near[i] for i in rng.permutation(NEAREST_MOTORS)[: count - 1])]
 
 
 def _with_delays(

@@ -97,8 +97,8 @@ def predict_plans(
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
 
-    `on_progress` hears of the other rockets that are fitted first. Raises UnknownMotor, NoFlights for a plan that names no
-    rocket when none was flown, and
+    `on_progress` hears of the other rockets that are fitted first. Raises UnknownMotor, NoFlights for a plan that names
+    no rocket when none was flown, and
     ImpossibleFlight for one without a mass.
     """
     answers: dict[int, Prediction] = {}
