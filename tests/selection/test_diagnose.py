@@ -12,7 +12,7 @@ from bench.scenarios import SCENARIOS, Part, Scenario
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
 from fieldkit.importing.read import read
-from fieldkit.model.readout_data import observe
+from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
 from fieldkit.motors import Found, catalogue
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
@@ -87,7 +87,7 @@ def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict) -> 
 def test_residuals_are_in_units_of_their_scatter(diagnoses: dict) -> None:
     diagnosis, _, _ = diagnoses["null"]
     residual = readout_residuals(diagnosis)
-    assert residual.shape == (len(diagnosis.model.flights), 6)
+    assert residual.shape == (len(diagnosis.model.flights), len(OBSERVED_READOUTS))
     assert 0.4 < np.nanstd(residual[:, 0]) < 1.8
     assert all(abs(row.bias) < 1.0 for row in spreads(diagnosis))
 
