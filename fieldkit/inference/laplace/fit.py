@@ -177,12 +177,12 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
         for _ in range(TRUST_ROUNDS):
-            result = solve(model, replace(data, trust=_trust(result)), result.tangent)
+            result = solve(model, replace(data, trust=outlier_weights(result)), result.tangent)
         result = _followed(result)
     return result
 
 
-def _trust(result: Fit) -> Float[Array, "flight readout"]:
+def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:
     """Expected precision of every residual over that of an ordinary one, as the fit has it. [1]"""
     nu = result.model.hyperprior.tail
     square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))

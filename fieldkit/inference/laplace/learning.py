@@ -12,7 +12,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import fit_robustly, standardized_squares
+from fieldkit.inference.laplace.fit import fit_robustly, outlier_weights, standardized_squares
 from fieldkit.inference.laplace.fleet import FlownFlights, independent_prior, joint_evidence, merged, message_of
 from fieldkit.inference.laplace.fleet import RocketFit as Alone
 from fieldkit.inference.laplace.linearization import Tangent
@@ -126,7 +126,7 @@ def _step(
         for result in fits:
             _count_rocket(result, sums)
         _count_shared(together, hyperprior, sums, means)
-        updated.append([replace(one, trust=_trust(result)) for one, result in zip(fleet, fits, strict=True)])
+        updated.append([replace(one, trust=outlier_weights(result)) for one, result in zip(fleet, fits, strict=True)])
     return _maximized(hyperprior, start, sums, means), updated
 
 
@@ -148,12 +148,6 @@ def _solved(one: _Linear, hyperprior: Hyperprior, shared: SharedPrior | None) ->
     data = replace(_data(one.flown, hyperprior), trust=one.trust)
     sds = np.array([kind.sd for kind in model.scatter])
     return solve(model, data, replace(one.tangent, scatter_slope=one.unit_scatter * sds))
-
-
-def _trust(result: Fit) -> Float[Array, "flight readout"]:
-    nu = result.model.hyperprior.tail
-    square = np.einsum("s,sfo->fo", result.weights, standardized_squares(result))
-    return np.where(result.data.seen, (nu + 1) / (nu + square), 1.0)
 
 
 def _count_rocket(result: Fit, sums: _Sums) -> None:
