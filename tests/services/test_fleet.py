@@ -7,7 +7,6 @@ import pytest
 
 from fieldkit.ledger import Ledger
 from fieldkit.motors import catalogue
-from fieldkit.services import fleet
 from fieldkit.services.fleet import MESSAGE_PREFIX, fleet_prior
 from tests.seasons import season
 
@@ -54,4 +53,3 @@ def test_a_rocket_does_not_inform_itself(ledger: Ledger) -> None:
 def test_an_empty_ledger_has_no_fleet(tmp_path: Path) -> None:
     with Ledger.open(tmp_path / "empty.db") as empty:
         assert fleet_prior(empty, catalogue(), "New") is None
-    assert fleet.DIGITS > 5
