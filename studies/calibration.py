@@ -44,14 +44,11 @@ class Ranked:
     log_cd: float
 
 
-def ranked(number: int, hyperprior: Hyperprior, *, checked: bool = True, rockets: int = ROCKETS) -> Ranked:
-    """Draw a ledger, forecast the next flight of its last rocket, and rank what it was drawn with.
-
-    Unless `checked`, readouts that do not fit their flight are left out, as of flights that nobody looked at again.
-    """
+def ranked(number: int, hyperprior: Hyperprior, *, rockets: int = ROCKETS) -> Ranked:
+    """Draw a ledger, forecast the next flight of its last rocket, and rank what it was drawn with."""
     rng = np.random.default_rng([SEED, number])
     histories = ledger(rng, [random_recipe(rng) for _ in range(int(rng.integers(1, rockets + 1)))], hyperprior)
-    asked = histories[-1] if checked else _as_entered(histories[-1])
+    asked = histories[-1]
     shared = shared_prior([rocket_fit(history.flown, hyperprior) for history in histories[:-1]])
     learnt = learn(asked.flown, [asked.plan], shared=shared, hyperprior=hyperprior, draws=DRAWS, seed=number)
     (prediction,) = fly_ahead(learnt)
@@ -66,11 +63,6 @@ def ranked(number: int, hyperprior: Hyperprior, *, checked: bool = True, rockets
         rank(prediction.true_apogee, asked.truth.apogee, rng),
         rank(log_cd, asked.truth.log_cd, rng),
     )
-
-
-def _as_entered(history: History) -> History:
-    flown = tuple((flight.with_changes(tags=()), found) for flight, found in history.flown)
-    return History(flown, history.plan, history.truth)
 
 
 def _seen(history: History) -> set[str]:
@@ -152,14 +144,11 @@ def main(arguments: list[str] | None = None) -> None:
     parser.add_argument("--ledgers", type=int, default=LEDGERS)
     parser.add_argument("--table", type=Path, metavar="FILE")
     asked = parser.parse_args(arguments)
-    lines = []
-    for checked, title in ((True, "Every readout taken"), (False, "Readouts that do not fit their flight left out")):
-        found = [ranked(number, learned(), checked=checked) for number in range(asked.ledgers)]
-        lines += [f"{title}, {asked.ledgers} ledgers from seed {SEED}:", "", *table(found), ""]
-        sys.stdout.write("\n".join(lines[-len(table(found)) - 3 :]) + "\n")
-        sys.stdout.flush()
+    found = [ranked(number, learned()) for number in range(asked.ledgers)]
+    text = "\n".join([f"{asked.ledgers} ledgers from seed {SEED}:", "", *table(found), ""])
+    sys.stdout.write(text)
     if asked.table:
-        asked.table.write_text("\n".join(lines), encoding="utf-8")
+        asked.table.write_text(text, encoding="utf-8")
 
 
 if __name__ == "__main__":

@@ -15,7 +15,7 @@ from fieldkit.forecast.kinds import by_kind
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.inference.laplace.fit import fit_robustly
 from fieldkit.inference.laplace.leave_one_out import own_reading_sd
-from fieldkit.inference.laplace.outliers import consistency_check
+from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.hyperprior import Hyperprior, learned
 from fieldkit.model.readout_data import observe
@@ -89,7 +89,7 @@ def predict(
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
     The plans are flown one after the other, which matters to what grows from flight to flight and to nothing else.
-    Flights with an anomaly tag count as flown and do not teach, nor do readouts that do not fit their flight. Wind
+    Flights with an anomaly tag count as flown and are not used in the fit; outliers hardly count. Wind
     that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
     are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
     `shared` is what the flyer's other rockets show, `hyperprior` by default the learned one.
@@ -132,7 +132,6 @@ def learn(
     order flown, by default the next for all of them; the rest as in `predict`."""
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
-    flights[: len(flown)], left_out = consistency_check(flights[: len(flown)], found)
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
     acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
     order = [*range(len(flown)), *(flight_index or [len(flown)] * len(planned))]
@@ -147,13 +146,21 @@ def learn(
     past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
     teaching = replace(model.part(past).only(taught), coarse=True)
     result = fit_robustly(teaching, observe(flights[past], teach[past], model.hyperprior))
+    model = replace(model, hyperprior=result.model.hyperprior)
     rng = np.random.default_rng(seed)
     values, scales = _drawn(model, taught, result, draws, rng)
     at = np.array([term.mean for term in model.terms])
     at[taught] = result.tangent.at
     rests_on = int(np.sum(result.data.seen.any(axis=1)))
     return FittedForecast(
-        model.part(slice(len(flown), None)), at, values, scales, rests_on, model_name(accepted), rng, left_out
+        model.part(slice(len(flown), None)),
+        at,
+        values,
+        scales,
+        rests_on,
+        model_name(accepted),
+        rng,
+        outlier_lines(result) if flown else (),
     )
 
 

@@ -20,8 +20,8 @@ class Prediction:
     the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
     flown with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that taught
     the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts` fared,
-    1 where there are too few of them. `left_out` has a line for each readout that does not fit the rest of its flight
-    and taught nothing.
+    1 where there are too few of them. `left_out` has a line for each flight that was not used, and for
+    each readout that is an outlier and hardly counts.
     """
 
     plan: Flight

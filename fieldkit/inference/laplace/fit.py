@@ -172,14 +172,15 @@ def fit_robustly(model: Model, data: Data) -> Fit:
     A Student t is a normal whose precision is Gamma distributed; the factors are integrated by variational Bayes, for
     each residual apart from the terms: the expected precision of one with k = 1 is (nu + 1) / (nu + E[e^2] / variance)
     (Lange, Little and Taylor, 1989; Bishop, 2006, section 10.1). A residual is what scatter and terms leave of a
-    readout, so that a peak that is misread says nothing against its flight's apogee.
+    readout, so that a peak that is misread says nothing against its flight's apogee. The result has the finer grids of
+    scales of `Hyperprior.refined`.
     """
     result = fit(model, data, near=True)
     for _ in range(ROBUST_ROUNDS):
         for _ in range(TRUST_ROUNDS):
             result = solve(model, replace(data, trust=outlier_weights(result)), result.tangent)
         result = _followed(result)
-    return result
+    return solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
 
 
 def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:

@@ -1,58 +1,49 @@
-"""Readouts that do not fit the rest of their flight: they teach no forecast until the flyer says that they are right.
+"""Outliers by name: the readouts of a fit that hardly count, because they lie far from what the model expects.
 
-The field ensemble foretells each readout from the others (`fieldkit.inference.network.outliers`), with an error that
-one good flight in a hundred exceeds. A tag `checked` on the flight lets such a readout teach. The other readouts of the
-flight teach as ever.
+Nothing is removed from a fit: each residual follows a Student t, and counts with the weight that it leaves it
+(`fieldkit.inference.laplace.fit.fit_robustly`). A flyer is told of those that are nearly always a slip.
 """
 
-from collections.abc import Sequence
-from functools import cache
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
+from scipy.special import stdtrit
 
-from fieldkit.errors import DamagedModel
-from fieldkit.flight import CHECKED_TAG, Flight
-from fieldkit.model.observations import INDEPENDENT_READOUTS, observe
-from fieldkit.motors import Found
+from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.shapes import Array, Float, Int
 
-if TYPE_CHECKING:
-    from fieldkit.inference.network.ensemble import Ensemble
-
-MIN_READOUTS = 2
-"""Readouts of a flight from which on one can be predicted from the others. [1]"""
+FALSE_ALARMS = 0.01
+"""Fraction of good flights with an outlier that is reported. [1]"""
 
 
-def consistency_check(flights: Sequence[Flight], found: Sequence[Found]) -> tuple[tuple[Flight, ...], tuple[str, ...]]:
-    """The flights without inconsistent readouts, and a line for each readout that was removed."""
-    judged = [row for row, flight in enumerate(flights) if _can_be_judged(flight)]
-    if not judged:
-        return tuple(flights), ()
-    from fieldkit.inference.network.outliers import derived_from, misfit, warnings
-
-    try:
-        ensemble = _ensemble()
-    except DamagedModel as error:
-        return tuple(flights), (f"whether readouts fit their flights was not looked at: {error}",)
-    observed = observe([flights[row] for row in judged], [found[row] for row in judged])
-    which = misfit(ensemble, observed)
-    said = warnings(ensemble, observed, which)
-    kept, lines = list(flights), []
-    for place in np.flatnonzero(which >= 0):
-        row = judged[place]
-        kept[row] = flights[row].with_changes(**dict.fromkeys(derived_from(INDEPENDENT_READOUTS[which[place]])))
-        name = flights[row].flight_id
-        lines.append(f"flight {name}: {said[place]}; if it is right, `fieldkit tag {name} {CHECKED_TAG}`")
-    return tuple(kept), tuple(lines)
+def outlier_lines(result: Fit) -> tuple[str, ...]:
+    """A line for each outlier of a flight that is not tagged `checked`, in the order flown."""
+    data = result.data
+    usual = smallest_usual_weight(data.seen.sum(axis=1), result.model.hyperprior.tail)
+    return tuple(
+        _line(result.model.flights[row], OBSERVED_READOUTS[column], float(data.trust[row, column]))
+        for row, column in np.argwhere(data.seen & (data.trust < usual[:, None])).tolist()
+        if CHECKED_TAG not in result.model.flights[row].tags
+    )
 
 
-def _can_be_judged(flight: Flight) -> bool:
-    readouts = sum(flight.number(name) is not None for name in INDEPENDENT_READOUTS)
-    return flight.clean and CHECKED_TAG not in flight.tags and flight.dry_mass is not None and readouts >= MIN_READOUTS
+def smallest_usual_weight(readouts: Int[Any, "flight"], tail: float) -> Float[Array, "flight"]:
+    """The weight below which one of so many good readouts of a flight falls with probability `FALSE_ALARMS`. [1]
+
+    A residual of t standard deviations has the weight (nu + 1) / (nu + t^2), nu being the degrees of freedom of the
+    Student t it follows, `tail`; the readouts of a flight count as independent (Bonferroni).
+    """
+    bound = stdtrit(tail, 1 - FALSE_ALARMS / (2 * np.maximum(readouts, 1)))
+    return np.asarray((tail + 1) / (tail + bound**2))
 
 
-@cache
-def _ensemble() -> "Ensemble":
-    from fieldkit.inference.network.field_ensemble import load_field
-
-    return load_field()
+def _line(flight: Flight, readout: str, weight: float) -> str:
+    column, name = BY_NAME[readout], flight.flight_id
+    value = flight.number(readout)
+    found = column.title.lower() if value is None else f"{column.title.lower()} of {column.render(value)} {column.unit}"
+    return (
+        f"flight {name}: {found} is far from what the model expects and counts for {100 * weight:.0f} % of a usual one; "
+        f"if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
+    )
