@@ -10,7 +10,7 @@ import json
 from collections.abc import Iterator, Mapping, Sequence
 
 from fieldkit import __version__
-from fieldkit.flight import BY_NAME, CHECKED_TAG, COLUMNS, CONDITIONS, LOGGED, Column, Flight
+from fieldkit.flight import BY_NAME, COLUMNS, CONDITIONS, LOGGED, Column, Flight
 from fieldkit.flight.readout import render_sd
 from fieldkit.flight.start import Start
 from fieldkit.motors import Found, Motor
@@ -84,7 +84,6 @@ def flight_digest(flight: Flight) -> str:
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]
-    read += [CHECKED_TAG] * (CHECKED_TAG in flight.tags)
     read += [f"{BY_NAME[name].sd_header} {render_sd(name, sd)}" for name, sd in sorted(flight.sd.items())]
     return (USED_IN_FIT if flight.clean else FLOWN_ONLY) + _short(json.dumps(read))
 

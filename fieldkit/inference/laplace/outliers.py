@@ -42,8 +42,8 @@ def smallest_usual_weight(readouts: Int[Any, "flight"], tail: float) -> Float[Ar
 def _line(flight: Flight, readout: str, weight: float) -> str:
     column, name = BY_NAME[readout], flight.flight_id
     value = flight.number(readout)
-    found = column.title.lower() if value is None else f"{column.title.lower()} of {column.render(value)} {column.unit}"
+    found = "" if value is None else f" of {float(column.render(value)):.4g} {column.unit}"
     return (
-        f"flight {name}: {found} is far from what the model expects and counts for {100 * weight:.0f} % of a usual one; "
-        f"if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
+        f"flight {name}: {column.title.lower()}{found} is far from what the model expects and counts for "
+        f"{100 * weight:.0f} % of a usual one; if it is right, `fieldkit tag {name} {CHECKED_TAG}`"
     )
