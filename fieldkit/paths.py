@@ -17,13 +17,15 @@ def data_folder() -> Path:
 
     Where it cannot, there is nothing in it to read, and who writes there says why that fails.
     """
-    folder = _home() or _usual_data_folder()
+    folder = _data_path()
     with suppress(OSError):
         folder.mkdir(parents=True, exist_ok=True)
     return folder
 
 
-def _usual_data_folder() -> Path:
+def _data_path() -> Path:
+    if home := _home():
+        return home
     from platformdirs import user_data_path
 
     return user_data_path("fieldkit", appauthor=False)
@@ -35,8 +37,8 @@ def motor_folder() -> Path:
 
 
 def hyperprior_file() -> Path:
-    """The file of a hyperprior that the flyer learned from a club's flights, which may not be there."""
-    return data_folder() / "hyperprior.json"
+    """The file of a hyperprior that the flyer learned from a club's flights, which may not be there; nor its folder."""
+    return _data_path() / "hyperprior.json"
 
 
 def settings_file() -> Path:

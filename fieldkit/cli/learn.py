@@ -76,6 +76,7 @@ def learn(
         complain(f"card written to {out}")
     if keep:
         own = hyperprior_file()
+        own.parent.mkdir(parents=True, exist_ok=True)
         replace_file(own, (text + "\n").encode())
         complain(f"forecasts start from it now; remove {own} to go back")
     if json:

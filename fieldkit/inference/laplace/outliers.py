@@ -7,7 +7,6 @@ Nothing is removed from a fit: each residual follows a Student t, and counts wit
 from typing import Any
 
 import numpy as np
-from scipy.special import stdtrit
 
 from fieldkit.flight import BY_NAME, CHECKED_TAG, Flight
 from fieldkit.inference.laplace.posterior import Fit
@@ -17,10 +16,15 @@ from fieldkit.shapes import Array, Float, Int
 FALSE_ALARMS = 0.01
 """Fraction of good flights with an outlier that is reported. [1]"""
 
+MAX_OUTLIER_WEIGHT = 0.25
+"""Weight that every outlier is below: of a lone readout with 4 degrees of freedom the bound is 0.20. [1]"""
+
 
 def outlier_lines(result: Fit) -> tuple[str, ...]:
     """A line for each outlier of a flight that is not tagged `checked`, in the order flown."""
     data = result.data
+    if not (data.seen & (data.trust < MAX_OUTLIER_WEIGHT)).any():
+        return ()
     usual = smallest_usual_weight(data.seen.sum(axis=1), result.model.hyperprior.tail)
     return tuple(
         _line(result.model.flights[row], OBSERVED_READOUTS[column], float(data.trust[row, column]))
@@ -35,6 +39,8 @@ def smallest_usual_weight(readouts: Int[Any, "flight"], tail: float) -> Float[Ar
     A residual of t standard deviations has the weight (nu + 1) / (nu + t^2), nu being the degrees of freedom of the
     Student t it follows, `tail`; the readouts of a flight count as independent (Bonferroni).
     """
+    from scipy.special import stdtrit  # a tenth of a second, which most forecasts need not pay
+
     bound = stdtrit(tail, 1 - FALSE_ALARMS / (2 * np.maximum(readouts, 1)))
     return np.asarray((tail + 1) / (tail + bound**2))
 
