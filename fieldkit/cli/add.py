@@ -6,7 +6,7 @@ import typer
 
 from fieldkit.cli.options import CONDITIONS, READOUTS, SETUP, TEXTS, takes_columns
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, print_card
+from fieldkit.cli.screen import complain, print_card, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings
 
 if TYPE_CHECKING:
@@ -126,6 +126,9 @@ def _listen_to_pipe(_prompt: str) -> str | None:
 
 def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
     """Put a flight in the ledger and show it."""
+    from fieldkit import settings
+    from fieldkit.presentation.after_flight_text import outcome_lines
+    from fieldkit.services.after_flight import outcome
     from fieldkit.services.manual_entry import enter
     from fieldkit.services.plausible_flights import implausible_flights
 
@@ -135,6 +138,8 @@ def _add(ledger: "Ledger", flight: "Flight", draft: str | None) -> None:
         return
     print_card(flight, added.new[0])
     print_prediction(prediction_of(ledger, flight))
+    if found := outcome(ledger, MotorCheck().catalogue, flight):
+        say_wrapped(" ".join(outcome_lines(found, settings.read_settings().units)))
     for line in implausible_flights([flight], MotorCheck().catalogue):
         complain(f"note: {line}")
     complain("added; `fieldkit undo` takes it back")

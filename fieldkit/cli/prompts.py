@@ -74,7 +74,8 @@ def offer(conversation: Conversation, question: Question) -> str:
     """What Enter takes: the answer given before, or the one of the last flight like this."""
     if question.name in conversation.answers:
         return conversation.answers[question.name]
-    return manual_entry.offer(conversation.ledger, conversation.flight, question)
+    plan = manual_entry.planned_answers(conversation.ledger)
+    return manual_entry.offer(conversation.ledger, conversation.flight, question, plan)
 
 
 def _prompt(conversation: Conversation, question: Question) -> str:

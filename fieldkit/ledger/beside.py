@@ -47,6 +47,17 @@ class BesideFlights(OpenLedger):
         with opening.writing(self._engine) as connection:
             return models.keep_prediction(connection, payload, digest, rocket, flight_id)
 
+    def keep_plan(
+        self, payload: Mapping[str, Any], *, digest: str, what: str, rocket: str = "", flight_id: str = ""
+    ) -> StoredPrediction:
+        """Keep the prediction of a flight that the flyer has decided on; `what` names it in the history, and `undo`
+        takes it back."""
+        with self._changing() as pen:
+            kept = models.keep_plan(pen, payload, digest, rocket, flight_id)
+            if pen.images:
+                pen.sign("keep", what)
+        return kept
+
     def predictions(self, rocket: str | None = None, flight_id: str | None = None) -> list[StoredPrediction]:
         """The predictions made, oldest first; of one rocket, or for one flight."""
         with self._reading() as connection:

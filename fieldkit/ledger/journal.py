@@ -15,7 +15,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger import checksums
 from fieldkit.ledger.checksums import CHECKSUM, SEPARATE_COLUMN
 from fieldkit.ledger.rows import Row
-from fieldkit.ledger.tables import drafts, flights, journal, metadata, tags
+from fieldkit.ledger.tables import drafts, flights, journal, metadata, predictions, tags
 
 
 @dataclass(frozen=True, slots=True)
@@ -187,7 +187,10 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
     for image in images:
         table = metadata.tables[image.table]
         if image.before is None:
-            if table is not drafts or not _stands(connection, table, image.after or {}):
+            taken = table in (drafts, predictions) and _stands(connection, table, image.after or {})
+            if taken and table is predictions:
+                raise LedgerError("another forecast was made since, so this one cannot be kept again; ask for it anew")
+            if not taken:
                 connection.execute(insert(table).values(**(image.after or {})))
         elif image.after is None:
             connection.execute(delete(table).where(_at(table, image.before)))

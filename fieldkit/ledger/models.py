@@ -11,6 +11,7 @@ from fieldkit.errors import LedgerError
 from fieldkit.ledger.checksums import seal, sound_rows
 from fieldkit.ledger.journal import ChangeRecorder, now
 from fieldkit.ledger.records import StoredPrediction, Version
+from fieldkit.ledger.rows import Row
 from fieldkit.ledger.tables import active_versions
 from fieldkit.ledger.tables import predictions as made
 from fieldkit.ledger.tables import versions as kept
@@ -60,14 +61,32 @@ def keep_prediction(
     connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> StoredPrediction:
     """Keep a prediction, or return the one that said the same from the same inputs."""
+    new, row = _numbered(connection, payload, digest, rocket, flight_id)
+    if row:
+        connection.execute(insert(made).values(row))
+        seal(connection, made, [(new.number,)])
+    return new
+
+
+def keep_plan(
+    pen: ChangeRecorder, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
+) -> StoredPrediction:
+    """As `keep_prediction`, of a flight that the flyer has decided on: a change."""
+    new, row = _numbered(pen.connection, payload, digest, rocket, flight_id)
+    pen.insert(made, [row] if row else [])
+    return new
+
+
+def _numbered(
+    connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
+) -> tuple[StoredPrediction, Row]:
+    """A prediction under the next number and its row, or the one that is there already and no row."""
     for prediction in predictions(connection, rocket, flight_id, digest):
         if prediction.payload == payload:
-            return prediction
+            return prediction, {}
     last = connection.scalar(select(func.max(made.c.number))) or 0
     new = StoredPrediction(last + 1, datetime.fromisoformat(now()), rocket, flight_id, digest, dict(payload))
-    connection.execute(insert(made).values(asdict(new) | {"at": new.at.isoformat()}))
-    seal(connection, made, [(new.number,)])
-    return new
+    return new, asdict(new) | {"at": new.at.isoformat()}
 
 
 def predictions(

@@ -20,6 +20,7 @@ from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.candidates import Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
+from fieldkit.services.manual_entry import PLAN, setup_answers
 from fieldkit.services.plausible_flights import followed, implausible_flights
 from fieldkit.services.provenance import design_parts, digest, model_parts, plan_parts
 
@@ -93,12 +94,14 @@ def predict_plans(
     which: Which = "after",
     *,
     keep: bool = True,
+    decided: bool = False,
     on_progress: ReportProgress = no_op,
 ) -> list[Prediction]:
     """Predictions of planned flights of any rockets, in the order given, and kept in the ledger.
 
-    `on_progress` hears of the other rockets that are fitted first. Raises UnknownMotor, NoFlights for a plan that names
-    no rocket when none was flown, and
+    With `decided` the flyer means to fly them: keeping is a change that can be undone, and the next flight that is
+    typed in starts from the plan. `on_progress` hears of the other rockets that are
+    fitted first. Raises UnknownMotor, NoFlights for a plan that names no rocket when none was flown, and
     ImpossibleFlight for one without a mass.
     """
     answers: dict[int, Prediction] = {}
@@ -124,20 +127,34 @@ def predict_plans(
         if names := implausible_flights(ledger.flights(rocket), motors):
             finished = [replace(one, left_out=(*names, *one.left_out)) for one in finished]
         if keep:
-            _keep(ledger, finished, before, which)
+            _keep(ledger, finished, before, which, decided=decided)
         answers |= dict(zip(rows, finished, strict=True))
     return [answers[row] for row in range(len(plans))]
 
 
-def _keep(ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which) -> None:
+def _keep(
+    ledger: Ledger, predictions: Sequence[Prediction], history: Sequence[Flight], which: Which, *, decided: bool
+) -> None:
     """Keep predictions of one rocket, each with what it was made from."""
     version = used_version(ledger, predictions[0].plan.rocket) if which == "after" else None
     for one in predictions:
-        decided = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
-        parts = decided | model_parts(history, one.model, version)
+        own = plan_parts(one.plan, one.found) | design_parts(start_of(ledger, one.plan), one.plan)
+        parts = own | model_parts(history, one.model, version)
         likely = quantiles(one.apogee, (np.arange(QUANTILE_COUNT) + 0.5) / QUANTILE_COUNT)
-        payload = forecast_record(one) | {"made_from": parts, "likely_m": [round(float(x), 3) for x in likely]}
-        ledger.keep_prediction(payload, digest=digest(parts), rocket=one.plan.rocket, flight_id=one.plan.flight_id)
+        payload: dict[str, Any] = forecast_record(one) | {
+            "made_from": parts,
+            "likely_m": [round(float(x), 3) for x in likely],
+        }
+        kept: dict[str, str] = {
+            "digest": digest(parts),
+            "rocket": one.plan.rocket,
+            "flight_id": one.plan.flight_id,
+        }
+        if decided:
+            build = f"{one.plan.rocket} {one.plan.config}".strip()
+            ledger.keep_plan({**payload, PLAN: setup_answers(one.plan)}, what=f"{build} on {one.plan.motor}", **kept)
+        else:
+            ledger.keep_prediction(payload, **kept)
 
 
 def used_version(ledger: Ledger, rocket: str) -> int:

@@ -1,6 +1,8 @@
 """A flight being typed in, at a prompt or on a screen: what is offered, how units carry over, how it ends."""
 
-from datetime import datetime
+from collections.abc import Mapping
+from datetime import UTC, datetime, timedelta
+from types import MappingProxyType
 
 from fieldkit.errors import BadValue
 from fieldkit.flight import Column, Flight
@@ -15,6 +17,12 @@ WEATHER = ("wind", "temperature")
 DRAFT = "add"
 UNITS = "units"
 """Names under which the ledger keeps what was typed so far, and the units that were typed last."""
+PLAN = "plan"
+"""Where a kept forecast holds the answers of the flight that the flyer decided on."""
+LAPSES = timedelta(days=14)
+"""A forecast without a flight's name is taken to be of a flight no later than this after it."""
+CONFIGURATION = ("motor", "dry_mass", "diameter")
+"""Questions whose answers belong to the configuration that was planned."""
 
 
 def kind(column: Column) -> str:
@@ -32,12 +40,33 @@ def with_unit(text: str, unit: str) -> str:
     return text if text in ("", NOT_RECORDED) or typed_unit(text) else text + unit
 
 
-def offer(ledger: Ledger, flight: Flight, question: Question) -> str:
-    """What the last flight like this one suggests as an answer, as one would type it."""
+def setup_answers(plan: Flight) -> dict[str, str]:
+    """A planned flight as the answers of the form that are offered; the delay stands behind the motor."""
+    texts = {question.name: answer_text(plan, question.name) for question in QUESTIONS if question.offered}
+    if plan.delay is not None and "-" not in plan.motor:
+        texts["motor"] = f"{plan.motor}-{plan.delay:g}"
+    return {name: text for name, text in texts.items() if text}
+
+
+def planned_answers(ledger: Ledger) -> dict[str, str]:
+    """The answers of the flight that the flyer decided on last; none once its rocket has flown, or after two weeks."""
+    kept = [one for one in ledger.predictions() if PLAN in one.payload]
+    if not kept or datetime.now(UTC) - kept[-1].at > LAPSES:
+        return {}
+    known = kept[-1].payload.get("made_from", {}).get("flights", {})
+    flown = [one for one in ledger.flights(kept[-1].rocket) if one.readouts() and one.flight_id not in known]
+    return {} if flown else dict(kept[-1].payload[PLAN])
+
+
+def offer(ledger: Ledger, flight: Flight, question: Question, plan: Mapping[str, str] = MappingProxyType({})) -> str:
+    """What the flight that was planned (see `planned_answers`), or the last one like it, suggests as an answer, as one
+    would type it."""
     if question.name == "tags":
         return "cluster" if is_cluster(flight.motor) else ""
     if not question.offered:
         return ""
+    if question.name in plan and _is_planned(flight, question, plan):
+        return plan[question.name]
     if question.name in WEATHER:
         return _weather(ledger, question.name)
     rocket = None if question.name == "rocket" else flight.rocket
@@ -46,6 +75,14 @@ def offer(ledger: Ledger, flight: Flight, question: Question) -> str:
     if last is None and question.name == "site":
         last = ledger.latest()
     return answer_text(last, question.name) if last else ""
+
+
+def _is_planned(flight: Flight, question: Question, plan: Mapping[str, str]) -> bool:
+    """Whether what was answered so far is what was planned."""
+    if question.name == "rocket":
+        return True
+    same = question.name not in CONFIGURATION or flight.config == plan.get("config", "")
+    return flight.rocket == plan.get("rocket", "") and same
 
 
 def _weather(ledger: Ledger, name: str) -> str:
@@ -57,9 +94,10 @@ def _weather(ledger: Ledger, name: str) -> str:
 
 def with_offers(ledger: Ledger, flight: Flight, answered: set[str]) -> Flight:
     """A flight with what is offered for the questions that were not answered."""
+    plan = planned_answers(ledger)
     for question in QUESTIONS:
         if question.offered and question.name not in answered and flight.rocket:
-            value = read_answer(question.name, offer(ledger, flight, question))
+            value = read_answer(question.name, offer(ledger, flight, question, plan))
             flight = flight.with_changes(**{question.name: value})
     return flight
 

@@ -8,10 +8,8 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.flight import Flight
 from fieldkit.ledger import StoredPrediction
 from fieldkit.motors import Catalogue, Found
+from fieldkit.services.manual_entry import LAPSES
 from fieldkit.services.provenance import plan_changes, plan_parts
-
-LAPSES = timedelta(days=14)
-"""A forecast without a flight's name is taken to be of a flight no later than this after it."""
 
 
 def made_for(
@@ -46,11 +44,13 @@ def made_for(
 
 
 def in_time(prediction: StoredPrediction, flight: Flight) -> bool:
-    """Whether a forecast was made in the two weeks before a flight; a date alone means the end of that day."""
+    """Whether a forecast was made in the two weeks before a flight, or in its minute; a date alone means the end of
+    that day."""
     if flight.date_time is None:
         return False
     whole_day = flight.date_time.time() == time()
-    passed = flight.date_time - _local(prediction.at) + timedelta(days=1) * whole_day
+    made = _local(prediction.at).replace(second=0, microsecond=0)  # a flight typed in has no seconds
+    passed = flight.date_time - made + timedelta(days=1) * whole_day
     return timedelta() <= passed <= LAPSES
 
 

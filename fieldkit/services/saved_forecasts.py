@@ -11,7 +11,8 @@ from fieldkit.flight.start import Start, start_among
 from fieldkit.ledger import Ledger, Past, StoredPrediction
 from fieldkit.motors import Catalogue
 from fieldkit.services.forecasts import used_version
-from fieldkit.services.match_forecasts import LAPSES, made_for, residual, resolved
+from fieldkit.services.manual_entry import LAPSES, PLAN
+from fieldkit.services.match_forecasts import made_for, residual, resolved
 from fieldkit.services.plausible_flights import followed
 from fieldkit.services.provenance import Parts, design_changes, model_changes, model_parts, plan_changes, plan_parts
 
@@ -63,7 +64,7 @@ class SavedForecast:
 
     def json(self) -> dict[str, Any]:
         """The prediction, what it was made from by digest, and what became of it."""
-        payload = {key: value for key, value in self.made.payload.items() if key not in ("made_from", "likely_m")}
+        payload = {key: value for key, value in self.made.payload.items() if key not in ("made_from", "likely_m", PLAN)}
         return payload | {
             "number": self.made.number,
             "at": self.made.at.isoformat(),

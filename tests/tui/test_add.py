@@ -1,6 +1,7 @@
 """Typing a flight in on the screen: few keys, nothing lost, nothing refused before it is saved."""
 
 import asyncio
+from datetime import UTC, datetime
 from pathlib import Path
 from threading import Event
 from unittest.mock import patch
@@ -8,7 +9,7 @@ from unittest.mock import patch
 import pytest
 
 from fieldkit.flight import READOUTS
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, models
 from fieldkit.services.manual_entry import DRAFT
 from fieldkit.tui.add.add_form import Draft
 from fieldkit.tui.screens.add import AddScreen
@@ -34,7 +35,7 @@ async def test_ten_readouts_take_fewer_than_45_keys_besides_their_digits(file: P
     besides = [key for key in keys if not key.isdigit()]
     async with opened(file) as pilot:
         await press(pilot, *keys)
-        assert "added as flight 13" in words(pilot)
+        assert "Saved flight 13" in words(pilot)
     with Ledger.open(file) as ledger:
         flight = ledger.flight("13")
     assert len(besides) < 45
@@ -62,7 +63,7 @@ async def test_a_typo_in_the_third_field_is_a_note_and_no_wall(file: Path) -> No
         assert pilot.app.focused is not None
         assert pilot.app.focused.id == "in-burn_time"
         await press(pilot, "escape", "ctrl+u", *typed("2.14"), "ctrl+s")
-        assert "added as flight 13" in words(pilot)
+        assert "Saved flight 13" in words(pilot)
     with Ledger.open(file) as ledger:
         assert ledger.flight("13").burn_time == 2.14
 
@@ -75,7 +76,7 @@ async def test_figures_at_odds_are_noted_and_taken(file: Path) -> None:
         await press(pilot, "enter", "enter", "enter", *typed("150m"))
         assert "! ejection altitude 150 m is above apogee 100 m" in words(pilot)
         await press(pilot, "ctrl+s")
-        assert "added as flight 13" in words(pilot)
+        assert "Saved flight 13" in words(pilot)
 
 
 async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) -> None:
@@ -102,7 +103,7 @@ async def test_every_key_is_kept_and_a_dead_battery_loses_nothing(file: Path) ->
 async def test_the_next_flight_is_an_enter_away_and_a_slip_in_the_last_one_an_undo(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "a", *typed("932ft"), "enter", *typed("140"), "ctrl+s")
-        assert "added as flight 13" in words(pilot)
+        assert "Saved flight 13" in words(pilot)
         assert "Enter types the next flight" in shown(pilot)
         assert "Enter Next" in shown(pilot).splitlines()[-1]
         await press(pilot, "u", "_")
@@ -181,9 +182,9 @@ async def test_a_flight_without_a_dry_mass_is_saved_and_what_it_lacks_is_said(tm
         await press(
             pilot, "a", *typed("Comet"), "enter", "enter", *typed("C6-5"), "enter", "enter", *typed("104"), "ctrl+s"
         )
-        assert "added as flight 1; without its dry mass it says nothing of drag; u takes it back" in words(pilot)
+        assert "Saved flight 1, u to undo. Without its dry mass it does not constrain Cd." in words(pilot)
         await press(pilot, "u", "_", "down", "down", *typed("90"), "ctrl+s")
-        assert "added as flight 1; u takes it back" in words(pilot)
+        assert "Saved flight 1, u to undo." in words(pilot)
 
 
 async def test_nothing_typed_is_not_saved(file: Path) -> None:
@@ -204,3 +205,48 @@ async def test_help_explains_a_field_and_a_question_mark_is_a_letter_in_the_note
         screen.field("notes").line.focus()
         await press(pilot, "question_mark")
         assert screen.field("notes").line.value == "?"
+
+
+async def test_an_apogee_far_from_all_that_was_expected_is_questioned_before_it_is_saved(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "a", *typed("65ft"), "ctrl+s")
+        assert "The apogee is 19.8 m" in words(pilot)
+        assert "Save it as it is?" in words(pilot)
+        await press(pilot, "n")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert pilot.app.focused is screen.field("apogee").line
+        with Ledger.open(file) as ledger:
+            assert len(ledger.flights()) == 12
+        await press(pilot, "ctrl+s", "y")
+        assert "Saved flight 13" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert ledger.flight("13").apogee == pytest.approx(19.812)
+
+
+async def test_a_plan_that_was_kept_is_typed_in_next_and_stands_beside_what_it_did(
+    file: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(models, "now", lambda: datetime.now(UTC).isoformat(timespec="seconds"))
+    async with opened(file) as pilot:
+        await press(pilot, "4", "b", "slash", *typed("f24"), "enter", "_", "enter")
+        assert "Kept: AeroTech F24W to" in words(pilot)
+        await press(pilot, "2")
+        screen = pilot.app.screen
+        assert isinstance(screen, AddScreen)
+        assert screen.field("config").line.value == "A"
+        assert screen.field("motor").line.value.startswith("AeroTech F24W-")
+        await press(pilot, *typed("830ft"), "ctrl+s", "_")
+        said = words(pilot)
+        assert "Saved flight 13, u to undo." in said
+        assert "flown 253.0 m" in said
+        assert "Next on AeroTech F24W-" in said
+
+
+async def test_keeping_a_forecast_is_undone_by_itself(file: Path) -> None:
+    async with opened(file) as pilot:
+        await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter", "u", "_")
+        assert "undone: keep Astra" in words(pilot)
+    with Ledger.open(file) as ledger:
+        assert len(ledger.predictions("Astra")) == 1
+        assert len(ledger.flights()) == 12

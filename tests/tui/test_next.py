@@ -195,7 +195,7 @@ async def test_motors_are_compared_by_how_near_they_come_to_a_target(file: Path)
 async def test_a_forecast_is_kept_and_the_flight_is_measured_against_it(file: Path) -> None:
     async with opened(file) as pilot:
         await press(pilot, "4", "slash", *typed("f24"), "enter", "_", "enter")
-        assert "kept: AeroTech F24W to" in words(pilot)
+        assert "Kept: AeroTech F24W to" in words(pilot)
     with Ledger.open(file) as ledger:
         (_, said) = ledger.predictions("Astra")
     assert said.payload["motor"] == "AeroTech F24W"

@@ -77,7 +77,7 @@ def test_a_day_at_the_field_by_keys_alone(terminal: Terminal, tmp_path: Path) ->
         terminal.press(text, "Enter")
     terminal.until("speed/(average")
     terminal.press("Enter")
-    terminal.until("added as flight 13")
+    terminal.until("Saved flight 13")
     terminal.press("Escape", "Escape", "1")
     terminal.until("▸13")
     terminal.press("t")

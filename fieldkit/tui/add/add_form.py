@@ -45,9 +45,11 @@ class FormStart:
 @dataclass(frozen=True, slots=True)
 class Saved:
     """The number a flight was added under, empty where it was there already, and what it lacks to tell of drag; or the
-    question at fault, and why; or why no fit uses it."""
+    question at fault, and why; or why no fit uses it; or what is to be `confirmed` before it is added."""
 
     id: str = ""
+    flight: Flight | None = None
+    confirm: str = ""
     lacks: str = ""
     wrong: str = ""
     trouble: str = ""
@@ -129,14 +131,15 @@ class Draft:
         return FormStart(draft, self._units, self.offers(draft))
 
     def offers(self, answers: Mapping[str, str]) -> dict[str, str]:
-        """What the last flight suggests, given what was answered."""
-        from fieldkit.services.manual_entry import offer
+        """What the flight that was planned, or the last one, suggests, given what was answered."""
+        from fieldkit.services.manual_entry import offer, planned_answers
 
+        plan = planned_answers(self._desk.ledger)
         flight, offers = Flight(), dict[str, str]()
         for question in QUESTIONS:
             text = answers.get(question.name)
             if text is None:
-                text = offers[question.name] = offer(self._desk.ledger, flight, question)
+                text = offers[question.name] = offer(self._desk.ledger, flight, question, plan)
             try:
                 flight = flight.with_changes(**{question.name: read_answer(question.name, text)})
             except BadValue:
@@ -172,8 +175,9 @@ class Draft:
             self.flight += 1
             return self._desk.ledger.drop_draft(DRAFT)
 
-    def save(self, said: Answered) -> Saved:
-        """Put the flight in the ledger, if all of it can be read and its motor is known."""
+    def save(self, said: Answered, *, confirmed: bool = False) -> Saved:
+        """Put the flight in the ledger, if all of it can be read, its motor is known, and its apogee is not far from
+        all that was expected, or is `confirmed`."""
         from fieldkit.services.manual_entry import DRAFT, enter
         from fieldkit.services.plausible_flights import implausible_flights
 
@@ -181,6 +185,8 @@ class Draft:
             return Saved(wrong=name, trouble=f"{BY_NAME[name].title}: {why}")
         if trouble := self.motor_trouble(said.flight.motor):
             return Saved(wrong="motor", trouble=trouble)
+        if not confirmed and (question := self._question(said.flight)):
+            return Saved(confirm=question)
         try:
             with self._lock:
                 flight, added = enter(self._desk.ledger, said.flight, DRAFT)
@@ -188,7 +194,25 @@ class Draft:
         except FieldkitError as error:
             return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
         odd = implausible_flights([flight], self._desk.motors) if added.new else []
-        return Saved(added.new[0] if added.new else "", lacks(said.flight), trouble="; ".join(odd))
+        return Saved(added.new[0] if added.new else "", flight, lacks=lacks(said.flight), trouble="; ".join(odd))
+
+    def _question(self, flight: Flight) -> str:
+        """What is asked of an apogee that can hardly be right, empty where it may well be."""
+        from fieldkit.presentation.after_flight_text import question
+        from fieldkit.services.after_flight import expected_instead
+
+        expected = expected_instead(self._desk.ledger, self._desk.motors, flight)
+        if expected is None or flight.apogee is None:
+            return ""
+        return question(expected, flight.apogee, self._desk.settings.units)
+
+    def outcome(self, flight: Flight) -> str:
+        """How a flight that was saved did beside its forecast, and the next one; empty where nothing can be said."""
+        from fieldkit.presentation.after_flight_text import outcome_lines
+        from fieldkit.services.after_flight import outcome
+
+        found = outcome(self._desk.ledger, self._desk.motors, flight)
+        return " ".join(outcome_lines(found, self._desk.settings.units)) if found else ""
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is not known, empty where it is or none is named."""

@@ -271,22 +271,43 @@ class AddScreen(PageScreen):
     @on(Button.Pressed, "#save")
     def action_save(self) -> None:
         """Put the flight in the ledger."""
-        self.ask(partial(self._draft.save, self._read()), self._saved, "save")
+        self._save(confirmed=False)
+
+    def _save(self, *, confirmed: bool) -> None:
+        self.ask(partial(self._draft.save, self._read(), confirmed=confirmed), self._saved, "save")
+
+    def _confirmed(self, yes: bool | None) -> None:
+        """Save what was questioned, or go back to it."""
+        if yes:
+            self._save(confirmed=True)
+        else:
+            self.set_focus(self.field(READ[0]).line)
 
     def _saved(self, saved: Saved) -> None:
+        from fieldkit.tui.widgets.dialogs import AskYes
+
+        if saved.confirm:
+            self.app.push_screen(AskYes(saved.confirm), self._confirmed)
+            return
         if saved.wrong:
             self.complain(saved.trouble)
             self.set_focus(self.field(saved.wrong).line)
             return
-        silent = f"; without its {saved.lacks} it says nothing of drag" if saved.lacks else ""
-        self.show_notice(
-            f"added as flight {saved.id}{silent}; u takes it back" if saved.id else "it is in the ledger already"
-        )
+        silent = f" Without its {saved.lacks} it does not constrain Cd." if saved.lacks else ""
+        said = f"Saved flight {saved.id}, u to undo.{silent}" if saved.id else "It is in the ledger already."
+        self.show_notice(said)
         if saved.trouble:
             self.complain(saved.trouble)
         self._sheet.clear()
         self.set_focus(self._sheet.button)  # from it u takes back, and a digit is a page
         self.field_app.changed()
+        if saved.id and saved.flight is not None:
+            self.ask(partial(self._draft.outcome, saved.flight), partial(self._show_outcome, said), "outcome")
+
+    def _show_outcome(self, said: str, outcome: str) -> None:
+        """Forecast against flown, and the next one, as soon as they are known."""
+        if outcome:
+            self.show_notice(f"{said} {outcome}")
 
     def action_anew(self) -> None:
         """Put away what was typed; undo brings it back."""

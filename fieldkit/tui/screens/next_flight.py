@@ -277,9 +277,9 @@ class NextScreen(PageScreen):
         def work() -> "list[Prediction]":
             from fieldkit.services.forecasts import predict_plans
 
-            return predict_plans(self.desk.ledger, self.desk.motors, [one.plan])
+            return predict_plans(self.desk.ledger, self.desk.motors, [one.plan], decided=True)
 
-        self.ask(work, self._kept, "keep")
+        self.change(work, self._kept)
 
     def _kept(self, made: "list[Prediction]") -> None:
         from fieldkit.tui.next.next_words import saved_in_words

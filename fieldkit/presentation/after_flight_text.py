@@ -1,0 +1,41 @@
+"""How a flight did beside its forecast, in words: for the app's notice and the command line."""
+
+from collections.abc import Iterator
+
+from fieldkit.flight import BY_NAME
+from fieldkit.quantities import measure, number
+from fieldkit.services.after_flight import Interval, Outcome
+
+APOGEE = BY_NAME["apogee"]
+VISIBLE_CD_CHANGE = 0.005
+"""Change of Cd from which on it is mentioned: half of the last digit shown. [1]"""
+
+
+def outcome_lines(found: Outcome, system: str) -> Iterator[str]:
+    """Forecast against flown, what the flight changed in Cd, and the next forecast, a sentence each."""
+    flown = found.flight.apogee
+    if flown is not None and found.miss is not None:
+        way = "high" if found.miss >= 0 else "low"
+        where = "inside" if found.inside else "OUTSIDE"
+        source = "Forecast" if found.kept else "From earlier flights"
+        yield (
+            f"{source} {_interval(found.forecast, system)}; flown {measure(APOGEE, flown, system)}: "
+            f"{measure(APOGEE, abs(found.miss), system)} {way}, {where} the 90 % interval."
+        )
+    before, after = found.cd
+    if abs(after - before) >= VISIBLE_CD_CHANGE:
+        yield f"Cd {before:.2f} is now {after:.2f}."
+    yield f"Next on {found.flight.motor}: {_interval(found.next_flight, system)}."
+
+
+def question(expected: Interval, apogee: float, system: str) -> str:
+    """What is asked before an apogee is saved that can hardly be right."""
+    return (
+        f"The apogee is {measure(APOGEE, apogee, system)}. This flight was expected to reach "
+        f"{_interval(expected, system)}.\nSave it as it is?"
+    )
+
+
+def _interval(interval: Interval, system: str) -> str:
+    low, middle, high = interval
+    return f"{measure(APOGEE, middle, system)} ({number(APOGEE, low, system)} to {number(APOGEE, high, system)})"

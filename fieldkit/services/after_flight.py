@@ -1,0 +1,87 @@
+"""A flight that was just typed in, beside its forecast: whether it can be right, how it did, what comes next."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.errors import FieldkitError
+from fieldkit.flight import Flight
+from fieldkit.forecast.prediction import Prediction, quantiles
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue, is_cluster
+from fieldkit.services.forecasts import forecast_from_others, predict_plans
+from fieldkit.services.saved_forecasts import of_flight
+
+SURPRISING = 0.001
+"""Probability beyond which an apogee is questioned before it is saved: one good flight in five hundred. [1]"""
+
+Interval = tuple[float, float, float]
+"""An apogee at 5, 50 and 95 %. [m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What a flight was forecast to do and what the next one like it will do, and Cd before and after it. [m, 1]
+
+    `kept` says that the flyer kept the forecast beforehand; else it is what earlier flights say now.
+    """
+
+    flight: Flight
+    forecast: Interval
+    kept: bool
+    next_flight: Interval
+    cd: tuple[float, float]
+
+    @property
+    def miss(self) -> float | None:
+        """Apogee flown less forecast, None without one. [m]"""
+        return None if self.flight.apogee is None else self.flight.apogee - self.forecast[1]
+
+    @property
+    def inside(self) -> bool:
+        """Whether the apogee flown lies in the 90 % interval."""
+        apogee = self.flight.apogee
+        return apogee is not None and self.forecast[0] <= apogee <= self.forecast[2]
+
+
+def expected_instead(ledger: Ledger, motors: Catalogue, flight: Flight) -> Interval | None:
+    """What was to be expected of a flight whose apogee is out of the question; None for one that may well be right.
+
+    Also None where nothing can be expected: without an apogee, a motor or a dry mass.
+    """
+    made = _forecast(ledger, motors, flight)
+    if made is None or flight.apogee is None:
+        return None
+    low, high = quantiles(made.apogee, np.array([SURPRISING, 1 - SURPRISING])).tolist()
+    return None if low <= flight.apogee <= high else _interval(made)
+
+
+def outcome(ledger: Ledger, motors: Catalogue, flight: Flight) -> Outcome | None:
+    """How a flight of the ledger did beside its forecast, None where none can be made."""
+    before = _forecast(ledger, motors, flight)
+    if before is None:
+        return None
+    (after,) = predict_plans(ledger, motors, [before.plan.with_changes(flight_id="", date_time=None)], keep=False)
+    kept = of_flight(ledger, motors, flight)
+    return Outcome(
+        flight=flight,
+        forecast=_interval(before) if kept is None else kept.interval,
+        kept=kept is not None,
+        next_flight=_interval(after),
+        cd=(float(before.cd.mean()), float(after.cd.mean())),
+    )
+
+
+def _forecast(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction | None:
+    """What the other flights say of one; None where its motor or mass is not known."""
+    if not flight.motor or is_cluster(flight.motor) or flight.dry_mass is None:
+        return None
+    try:
+        return forecast_from_others(ledger, motors, flight)
+    except FieldkitError:
+        return None
+
+
+def _interval(made: Prediction) -> Interval:
+    low, middle, high = made.apogee_quantiles().tolist()
+    return low, middle, high

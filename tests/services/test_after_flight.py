@@ -1,0 +1,157 @@
+"""What was planned is what is typed in next; what was typed in is laid beside what was expected of it."""
+
+from collections.abc import Iterator
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import LedgerError
+from fieldkit.flight import Flight
+from fieldkit.importing.manual_entry import QUESTIONS
+from fieldkit.ledger import Ledger, models
+from fieldkit.motors import catalogue
+from fieldkit.presentation.after_flight_text import outcome_lines, question
+from fieldkit.services.after_flight import expected_instead, outcome
+from fieldkit.services.forecasts import predict_plans
+from fieldkit.services.manual_entry import enter, offer, planned_answers
+from fieldkit.services.saved_forecasts import of_flight
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+
+PAST = [
+    Flight(str(n), "Astra", "A", "F24-4W", datetime(2026, 5, n), dry_mass=0.32, diameter=0.066, apogee=apogee)
+    for n, apogee in enumerate([250.0, 246.0, 253.0, 249.0], start=1)
+]
+OTHER = Flight("9", "Bolt", "C", "F39-6T", datetime(2026, 5, 20), dry_mass=0.4, diameter=0.05, apogee=210.0)
+PLAN = Flight(rocket="Astra", config="A", motor="F24W", dry_mass=0.33, diameter=0.066, delay=4.0, wind=3.0, site="Mead")
+
+
+@pytest.fixture
+def ledger(tmp_path: Path) -> Iterator[Ledger]:
+    with Ledger.open(tmp_path / "ledger.db") as ledger:
+        ledger.add([*PAST, OTHER])
+        yield ledger
+
+
+def decide(ledger: Ledger, plan: Flight = PLAN) -> None:
+    predict_plans(ledger, catalogue(), [plan], decided=True)
+
+
+def offered(ledger: Ledger, **answers: object) -> dict[str, str]:
+    """What the form offers, question by question, each offer taken unless something else is answered."""
+    plan, flight, found = planned_answers(ledger), Flight(), {}
+    for one in QUESTIONS:
+        found[one.name] = text = offer(ledger, flight, one, plan)
+        if one.name in ("rocket", "config", "motor"):
+            flight = flight.with_changes(**{one.name: answers.get(one.name, text)})
+    return found
+
+
+def test_what_was_decided_on_is_offered_next(ledger: Ledger) -> None:
+    assert offered(ledger)["rocket"] == "Bolt"
+    decide(ledger)
+    expected = {"rocket": "Astra", "config": "A", "motor": "F24W-4", "dry_mass": "330 g", "site": "Mead"}
+    found = offered(ledger)
+    assert {name: found[name] for name in expected} == expected
+    assert found["wind"] == "3 m/s"
+
+
+def test_a_forecast_that_was_only_asked_for_offers_nothing(ledger: Ledger) -> None:
+    predict_plans(ledger, catalogue(), [PLAN])
+    assert planned_answers(ledger) == {}
+
+
+def test_another_rocket_or_configuration_has_answers_of_its_own(ledger: Ledger) -> None:
+    decide(ledger)
+    assert offered(ledger, rocket="Bolt")["dry_mass"] == "400 g"
+    assert offered(ledger, config="B")["motor"] == "F24-4W"
+
+
+def test_a_plan_is_over_once_it_has_flown_or_after_two_weeks(ledger: Ledger, monkeypatch: pytest.MonkeyPatch) -> None:
+    long_ago = (datetime.now(UTC) - timedelta(days=15)).isoformat()
+    with monkeypatch.context() as patch:
+        patch.setattr(models, "now", lambda: long_ago)
+        decide(ledger)
+    assert planned_answers(ledger) == {}
+    decide(ledger, PLAN.with_changes(wind=4.0))
+    assert planned_answers(ledger)
+    enter(ledger, PLAN.with_changes(apogee=248.0))
+    assert planned_answers(ledger) == {}
+
+
+def test_deciding_is_in_the_history_and_can_be_undone_and_redone(ledger: Ledger) -> None:
+    decide(ledger)
+    assert (ledger.history()[-1].command, ledger.history()[-1].what) == ("keep", "Astra A on F24W")
+    ledger.undo()
+    assert ledger.predictions() == []
+    assert len(ledger.flights()) == 5
+    ledger.redo()
+    assert planned_answers(ledger)["rocket"] == "Astra"
+
+
+def test_a_forecast_made_in_its_place_is_not_written_over_by_redo(ledger: Ledger) -> None:
+    decide(ledger)
+    ledger.undo()
+    predict_plans(ledger, catalogue(), [PLAN.with_changes(wind=5.0)])
+    with pytest.raises(LedgerError, match="another forecast was made since"):
+        ledger.redo()
+    (one,) = ledger.predictions()
+    assert "plan" not in one.payload
+
+
+def test_a_flight_typed_in_the_minute_of_its_forecast_is_measured_against_it(ledger: Ledger) -> None:
+    decide(ledger)
+    flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=248.0))
+    found = of_flight(ledger, catalogue(), flight)
+    assert found is not None
+    assert found.flown == 248.0
+
+
+def test_an_apogee_in_the_wrong_unit_is_questioned_and_a_poor_flight_is_not(ledger: Ledger) -> None:
+    flown = PLAN.with_changes(motor="F24-4W")
+    for apogee in (245.0, 200.0, 300.0):
+        assert expected_instead(ledger, catalogue(), flown.with_changes(apogee=apogee)) is None
+    expected = expected_instead(ledger, catalogue(), flown.with_changes(apogee=20.0))
+    assert expected is not None
+    low, middle, high = expected
+    assert low < middle < high
+    assert middle == pytest.approx(245.0, rel=0.1)
+    assert question(expected, 20.0, "US").startswith("The apogee is 66 ft. This flight was expected to reach ")
+
+
+@pytest.mark.parametrize("missing", ["motor", "dry_mass", "apogee"])
+def test_what_cannot_be_expected_is_not_questioned(ledger: Ledger, missing: str) -> None:
+    flown = PLAN.with_changes(motor="F24-4W", apogee=20.0)
+    assert (
+        expected_instead(ledger, catalogue(), flown.with_changes(**{missing: None if missing != "motor" else ""}))
+        is None
+    )
+
+
+def test_a_flight_is_told_beside_its_forecast_and_moves_the_next(ledger: Ledger) -> None:
+    decide(ledger)
+    flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=225.0))
+    found = outcome(ledger, catalogue(), flight)
+    assert found is not None
+    assert found.kept
+    assert found.miss is not None
+    assert found.miss < 0
+    assert found.next_flight[1] < found.forecast[1]
+    assert found.cd[1] > found.cd[0]
+    assert np.isfinite([*found.forecast, *found.next_flight, *found.cd]).all()
+    said = " ".join(outcome_lines(found, "US"))
+    assert "flown 738 ft" in said
+    assert "low" in said
+    assert "Next on F24-4W: " in said
+
+
+def test_a_flight_that_nobody_forecast_is_told_beside_earlier_flights(ledger: Ledger) -> None:
+    flight, _ = enter(ledger, PLAN.with_changes(motor="F24-4W", apogee=245.0))
+    found = outcome(ledger, catalogue(), flight)
+    assert found is not None
+    assert not found.kept
+    assert next(iter(outcome_lines(found, "SI"))).startswith("From earlier flights ")
