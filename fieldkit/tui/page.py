@@ -100,6 +100,7 @@ class PageScreen(Screen[None]):
         Binding("f1", "help", "Help", show=False),
         Binding("y", "copy", "Copy"),
         Binding("u", "app.undo", "Undo"),
+        Binding("a", "app.page('add')", "Add", show=False, tooltip="Type a flight in"),
         Binding("escape", "back", "Back", show=False, priority=True),
     ]
     DEFAULT_CSS = """

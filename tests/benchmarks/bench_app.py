@@ -115,7 +115,7 @@ def crowded(tmp_path_factory: pytest.TempPathFactory) -> Path:
 KEYS = [
     *("down", "up", "pagedown", "pageup", "end", "home"),
     *("slash", "2", "f", "4", "backspace", "backspace", "backspace", "escape"),
-    *("s", "r", "s", "s", "s", "s", "s", "s", "s", "s", "s", "r"),
+    *("s", "z", "s", "s", "s", "s", "s", "s", "s", "s", "s", "z"),
     *("2", "down", "9", "2", "3", "enter", "1", "4", "0", "up", "ctrl+u", "escape"),
     *("6", "down", "right", "left", "7", "3", "1", "home", "enter", "t", "down", "escape", "escape"),
     *("4", "down", "down", "up", "slash", "f", "escape", "5", "right", "left", "1"),

@@ -83,7 +83,7 @@ async def test_a_design_is_what_a_rocket_starts_with_until_it_has_flown(file: Pa
         assert "OpenRocket design" in words(pilot)
         assert "starts Skylark" in words(pilot)
         assert "66 mm across" in words(pilot)
-        await press(pilot, "s", *typed("rocket=Lark; config=A"), "enter", "_", "enter")
+        await press(pilot, "e", *typed("rocket=Lark; config=A"), "enter", "_", "enter")
         assert "kept; the page Next starts from it" in words(pilot)
         await press(pilot, "enter")
         assert "it is kept already" in words(pilot)
@@ -105,13 +105,13 @@ async def test_what_a_file_leaves_open_is_set_and_folders_are_walked(file: Path)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "enter", "down")
         assert "PerfectFlite" in words(pilot)
-        await press(pilot, "s", *typed("apogy=3"), "enter")
+        await press(pilot, "e", *typed("apogy=3"), "enter")
         assert "did you mean apogee" in words(pilot)
         await press(pilot, "escape", "enter")
         assert "1 imported" in words(pilot)
         await press(pilot, "4")
         assert "Astra B · 448 g" in words(pilot), "a log that names no rocket does not stand in the way of the next"
-        await press(pilot, "3", "u", "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "3", "u", "e", *typed("rocket=Comet"), "enter", "_", "enter")
         assert "1 imported" in words(pilot)
         await press(pilot, "backspace")
         assert "logs/" in shown(pilot)
@@ -135,7 +135,7 @@ async def test_several_logs_of_one_flight_are_marked_and_read_together(file: Pat
         await press(pilot, "3", "space", "down", "space", "down", "space")
         assert "recognised as 2 files together" in told(pilot, "#said")
         assert "+ a.csv" in shown(pilot)
-        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "e", *typed("rocket=Comet"), "enter", "_", "enter")
         brought = told(pilot, "#said")
         assert "+ a.csv" not in shown(pilot)
         assert "imported" in words(pilot), brought
@@ -156,7 +156,7 @@ async def test_columns_that_nobody_can_guess_are_named_once_and_remembered(file:
         assert "✗ error columns: found the channel 'height', expected one of" in words(pilot)
         await press(pilot, "escape", "m", *typed("time=quux;altitude=frob"), "enter")
         assert "would bring 1 flight" in told(pilot, "#said")
-        await press(pilot, "s", *typed("rocket=Comet"), "enter", "_", "enter")
+        await press(pilot, "e", *typed("rocket=Comet"), "enter", "_", "enter")
         assert "1 imported" in words(pilot)
     async with opened(file) as pilot:
         await press(pilot, "3", "down", "down")
@@ -265,7 +265,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
         ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear]})
     with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, on_progress: found):
         async with opened(file) as pilot:
-            await press(pilot, "5", "a")
+            await press(pilot, "5", "A")
             assert "nothing to accept yet" in words(pilot)
             await press(pilot, "escape", "l")
             assert f"Verdict: {found.diagnosis.effect}" in words(pilot)
@@ -273,13 +273,13 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             await press(pilot, "right")
             assert "residual / expected scatter, against" in words(pilot)
             first = shown(pilot)
-            await press(pilot, "c")
+            await press(pilot, "v")
             assert shown(pilot) != first
             await press(pilot, "right")
             assert "it would leave" in words(pilot)
             await press(pilot, "right")
             assert "wear" in shown(pilot)
-            await press(pilot, "d")
+            await press(pilot, "D")
             assert "declined: the model stays as it is" in words(pilot)
             await press(pilot, "right")
             assert "▸  0" in shown(pilot)
@@ -291,7 +291,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             with Ledger.open(file) as ledger:
                 version = ledger.active_version("Astra")
             assert version is not None
-            await press(pilot, "a")
+            await press(pilot, "A")
             with Ledger.open(file) as ledger:
                 assert ledger.active_version("Astra") is None, "the verdict is none, so the plain model is back"
 
@@ -302,7 +302,7 @@ async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypa
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add([Flight(flight_id="1", rocket="Comet", motor="C6-5", dry_mass=0.1, apogee=100.0)])
     async with opened(tmp_path / "ledger.db") as pilot:
-        await press(pilot, "5", "d")
+        await press(pilot, "5", "D")
         assert "nothing to decline yet" in words(pilot)
         await press(pilot, "l")
         assert "expected at least 4 to close the loop" in words(pilot)
@@ -387,9 +387,9 @@ async def test_a_port_that_cannot_be_opened_is_a_notice(file: Path) -> None:
     here = [capture.Port("/dev/nowhere", 0x0403, 0x6001, "", "")]
     with patch("fieldkit.capture.ports", lambda: here):
         async with opened(file) as pilot:
-            await press(pilot, "7", "d", *typed("rrc3"), "enter")
+            await press(pilot, "7", "h", *typed("rrc3"), "enter")
             assert "the download of the RRC3 is not public" in words(pilot)
-            await press(pilot, "escape", "d", *typed("altos"), "enter", "enter")
+            await press(pilot, "escape", "h", *typed("altos"), "enter", "enter")
             assert "/dev/nowhere" in words(pilot)
             assert "error" in words(pilot)
 

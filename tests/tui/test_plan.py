@@ -66,9 +66,9 @@ async def test_how_good_forecasts_of_the_rocket_are_stands_beside_what_they_deci
 
 async def test_ballast_has_three_aims_and_the_parachute_is_a_part_of_the_plan(file: Path) -> None:
     async with opened(file) as pilot:
-        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "m")
+        await press(pilot, "4", "slash", *typed("aerotech f39"), "enter", "_", "d", "j")
         assert "No target yet" in said(pilot)
-        await press(pilot, "m", "m")
+        await press(pilot, "j", "j")
         assert "a flight, with duration" in said(pilot)
         assert "contest mass: ok" in said(pilot)
         await press(pilot, "left_square_bracket")

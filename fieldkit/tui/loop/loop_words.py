@@ -42,7 +42,7 @@ def verdict(found: "Findings", system: str) -> Content:
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
     if diagnosis.accepted or found.unexplained is not None:
-        parts.append(("\na accepts it, d leaves the model as it is", "b"))
+        parts.append(("\nA accepts it, D leaves the model as it is", "b"))
     return Content.assemble(*parts)
 
 

@@ -46,7 +46,7 @@ class PlanScreen(PageScreen):
             ("delay", "Best is the one least likely to fire too fast for the parachute."),
             (
                 "ballast",
-                "The dry mass that makes landing within 10 ft of the target as likely as it can be; m changes that to "
+                "The dry mass that makes landing within 10 ft of the target as likely as it can be; j changes that to "
                 "the least mean miss, or the fewest points of the season.",
             ),
             (
@@ -79,8 +79,8 @@ class PlanScreen(PageScreen):
         Binding("escape", "back", "Back", priority=True),
         Binding("left", "turn(-1)", "Answer before", show=False, priority=True),
         Binding("right", "turn(1)", "Answers", key_display="←→", priority=True),
-        Binding("p", "day", "Day", tooltip="What is announced, the cut, flights declared, field and ceiling"),
-        Binding("m", "aim", "Aim", tooltip="What ballast is for: the band, the mean miss, the points"),
+        Binding("p", "day", "Plan", tooltip="What is announced, the cut, flights declared, field and ceiling"),
+        Binding("j", "aim", "Aim", tooltip="What ballast is for: the band, the mean miss, the points"),
         Binding("comma", "season(-1)", "Season before", key_display=",", show=False),
         Binding("full_stop", "season(1)", "Season", key_display=",.", tooltip="The season after, or before with ,"),
         Binding("left_square_bracket", "area(-1)", "Smaller parachute", key_display="[", show=False),

@@ -69,9 +69,9 @@ class FlightsScreen(PageScreen):
         LEAVE_LINE,
         Binding("slash", "filter", "Filter", key_display="/"),
         Binding("s", "sort", "Sort", tooltip="Sort by the next column"),
-        Binding("r", "turn", "Turn", tooltip="Turn the order round", show=False),
+        Binding("z", "turn", "Z-A", tooltip="Reverse the order", show=False),
         Binding("t", "tag", "Tag", tooltip="Tag or untag this flight"),
-        Binding("a", "add", "Add", tooltip="Type a flight in"),
+        Binding("a", "app.page('add')", "Add", tooltip="Type a flight in"),
         Binding("w", "report", "Report", tooltip="Write the report of this flight's day", show=False),
         REMOVE,
     ]
@@ -260,10 +260,6 @@ class FlightsScreen(PageScreen):
         """The other way round."""
         self._down = not self._down
         self._refill()
-
-    async def action_add(self) -> None:
-        """Type a flight in; what is typed ahead waits for the form."""
-        await self.field_app.action_page("add")
 
     def action_tag(self) -> None:
         """Choose tags for the flight under the cursor."""

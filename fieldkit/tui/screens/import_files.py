@@ -72,7 +72,7 @@ class ImportScreen(PageScreen):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("backspace", "up", "Folder up", key_display="⌫"),
         Binding("f", "format", "Format", tooltip="Name the parser to read with"),
-        Binding("s", "set", "Set", tooltip="What the file leaves open: rocket=Astra"),
+        Binding("e", "set", "Edit", tooltip="What the file leaves open: rocket=Astra"),
         Binding("m", "columns", "Columns", tooltip="Say which column of a table is what"),
         Binding("space", "mark", "Mark", tooltip="Read this file together with others marked so", show=False),
         Binding("r", "reload", "Look again", tooltip="List the folder and read the file anew", show=False),

@@ -34,18 +34,18 @@ class LoopScreen(PageScreen):
     ABOUT = Help(
         "The model of a rocket is put to the test on its own flights: each is forecast from the others, and what is "
         "left over is compared with what known effects would do (wind, weak motors, an altimeter that reads high). "
-        "l looks, which takes some seconds; nothing changes until you accept with a. d leaves the model as it is. "
+        "l looks, which takes some seconds; nothing changes until you accept with A. D leaves the model as it is. "
         "Under Versions, Enter predicts with another model from now on; u takes that back as well.",
         (
             ("Verdict", "What is missing, how sure that is, and the error on flights not seen, before and after."),
             (
                 "Residuals",
-                "Each flight less its forecast, in units of its expected scatter, against what c chooses. p is the "
+                "Each flight less its forecast, in units of its expected scatter, against what v chooses. p is the "
                 "chance of such a pattern where there is none, corrected for how many columns were tried.",
             ),
             (
                 "Fingerprint",
-                "What an effect (e chooses) would leave in each readout, and what was there: alike or not.",
+                "What an effect (n chooses) would leave in each readout, and what was there: alike or not.",
             ),
             (
                 "Ranking",
@@ -64,10 +64,10 @@ class LoopScreen(PageScreen):
     )
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("l", "look", "Look", tooltip="Look for what is missing"),
-        Binding("a", "accept", "Accept", tooltip="Predict with what was found"),
-        Binding("d", "decline", "Decline", tooltip="Leave the model as it is"),
-        Binding("c", "covariate", "Against", tooltip="Residuals against the next column"),
-        Binding("e", "effect", "Effect", tooltip="Fingerprint of the next effect"),
+        Binding("A", "accept", "Accept", tooltip="Predict with what was found"),
+        Binding("D", "decline", "Decline", tooltip="Leave the model as it is"),
+        Binding("v", "covariate", "Against", tooltip="Residuals against the next column"),
+        Binding("n", "effect", "Effect", tooltip="Fingerprint of the next effect"),
         Binding("b", "rocket", "Rocket", tooltip="The next rocket", show=False),
         Binding("w", "report", "Report", tooltip="Write the report of this rocket", show=False),
         Binding("left", "turn(-1)", "Panel before", show=False, priority=True),

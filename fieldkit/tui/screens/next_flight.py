@@ -39,7 +39,7 @@ class NextScreen(PageScreen):
     ABOUT = Help(
         "What the rocket would do next. The table holds every motor on sale that fits it (as wide as the widest it has "
         "flown, and strong enough to lift it), and where each would take it; move the cursor and the forecast follows. "
-        "Type / and a name, a maker or a size such as 24mm to search the whole catalogue; f lists all of it. With a "
+        "Type / and a name, a maker or a size such as 24mm to search the whole catalogue; * lists all of it. With a "
         "target set (g), the motors that come nearest to it are on top. Enter keeps a forecast, and the flight is "
         "measured against it when you add it. Forecasts are advice: the range safety officer decides.",
         (
@@ -83,11 +83,18 @@ class NextScreen(PageScreen):
         LEAVE_LINE,
         Binding("slash", "search", "Motor", key_display="/", tooltip="Search a motor"),
         Binding("p", "plan", "Plan", tooltip="Rocket, mass and conditions"),
-        Binding("b", "build", "Build", tooltip="The next rocket and configuration"),
+        Binding("b", "build", "Rocket", tooltip="The next rocket and configuration"),
         Binding("g", "app.ask_target", "Target", tooltip="The height to hit"),
         Binding("d", "decide", "Decide", tooltip="Delay, ballast, contest points with this motor; forecasts kept"),
         Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
-        Binding("f", "fitting", "All", show=False, tooltip="Only motors that fit, or all of the catalogue"),
+        Binding(
+            "asterisk",
+            "fitting",
+            "All",
+            key_display="*",
+            show=False,
+            tooltip="Only motors that fit, or all of the catalogue",
+        ),
     ]
     DEFAULT_CSS = """
     NextScreen #plan { height: auto; padding: 0 1; background: $panel; }
@@ -148,7 +155,7 @@ class NextScreen(PageScreen):
         if plan is None:
             self.query_one("#plan", Static).update("no flights yet; 2 adds one, 3 imports a file, p plans without")
             return
-        self.query_one(Table).empty = "no motor fits; f shows them all"
+        self.query_one(Table).empty = "no motor fits; * shows them all"
         self._show_plan(plan)
         self._search_now()
 

@@ -42,9 +42,9 @@ class CaptureScreen(PageScreen):
     TITLE = "Capture"
     ABOUT = Help(
         "Plug the logger or its adapter in; r looks again. Enter captures what is on the port under the cursor: what "
-        "it is follows from its numbers, or from listening; a unit that has to be asked is named with d first. Every "
-        "byte is on the disc before it is looked at, so a pulled cable loses nothing: g goes on with it. x ends a "
-        "capture. Nothing in a logger is ever changed or erased. At the end you are asked whether its flights go into "
+        "it is follows from its numbers, or from listening; a unit that has to be asked is named with h first. Every "
+        "byte is on the disc before it is looked at, so a pulled cable loses nothing: the space bar goes on with it. "
+        "k ends a capture. Nothing in a logger is ever changed or erased. At the end you are asked whether its flights go into "
         "the ledger.",
         (
             ("port", "The name that the system has for it."),
@@ -55,9 +55,9 @@ class CaptureScreen(PageScreen):
         ("fieldkit capture --list", "fieldkit capture [PORT] [--device NAME]", "fieldkit capture --resume"),
     )
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("x", "stop", "Stop", tooltip="End the capture in good order"),
-        Binding("d", "device", "Device", tooltip="Name what is on the port"),
-        Binding("g", "resume", "Go on", tooltip="Go on with the newest unfinished capture"),
+        Binding("k", "stop", "Stop", tooltip="End the capture in good order"),
+        Binding("h", "device", "Device", tooltip="Name what is on the port"),
+        Binding("space", "resume", "Go on", tooltip="Go on with the newest unfinished capture"),
         Binding("r", "look", "Look again", tooltip="List the ports anew"),
     ]
     DEFAULT_CSS = """
@@ -144,7 +144,7 @@ class CaptureScreen(PageScreen):
     def _begin(self, port: "Port | None") -> None:
         """Start capturing from a port, or going on with what is unfinished."""
         if self._capturing:
-            self.complain("a capture is running; x ends it")
+            self.complain("a capture is running; k ends it")
             return
         self._capturing, self._heights = True, []
         self._stop.clear()
@@ -238,7 +238,7 @@ class CaptureScreen(PageScreen):
         if end is None or not end.bytes:
             self._say("nothing came")
             return
-        whole = "all of it" if end.whole else "NOT all of it; g goes on with it"
+        whole = "all of it" if end.whole else "NOT all of it; the space bar goes on with it"
         self._say(f"{end.why}: {end.samples} samples, {end.bytes} bytes, {whole}; kept in {end.file}")
         question = f"{end.file.name}: {end.samples} samples, {whole}.\nTake its flights into the ledger?"
         self.app.push_screen(AskYes(question), partial(self._answered, end))

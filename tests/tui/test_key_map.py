@@ -1,0 +1,45 @@
+"""A key means one thing in the whole app: whoever knows it on one page knows it on all."""
+
+from collections import defaultdict
+from importlib import import_module
+from pkgutil import walk_packages
+
+import pytest
+from textual.binding import Binding
+
+from fieldkit import tui
+from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.page import PageScreen
+
+pytestmark = pytest.mark.fast
+
+
+def bindings() -> list[Binding]:
+    """Every key of the app and of its screens, one at a time."""
+    for module in walk_packages(tui.__path__, f"{tui.__name__}."):
+        import_module(module.name)
+    every = [binding for owner in (FieldkitApp, *_below(PageScreen)) for binding in owner.BINDINGS]
+    return [one for binding in every if isinstance(binding, Binding) for one in _single(binding)]
+
+
+def _below(screen: type[PageScreen]) -> list[type[PageScreen]]:
+    return [screen, *(one for child in screen.__subclasses__() for one in _below(child))]
+
+
+def _single(binding: Binding) -> list[Binding]:
+    return [Binding(key, binding.action, binding.description) for key in binding.key.split(",")]
+
+
+def test_a_letter_has_one_meaning() -> None:
+    meanings = defaultdict(set)
+    for binding in bindings():
+        if len(binding.key) == 1 and binding.key.isalpha():
+            meanings[binding.key].add(binding.description)
+    assert {key: said for key, said in meanings.items() if len(said) > 1} == {}
+    assert len(meanings) > 20
+
+
+def test_what_changes_the_model_takes_a_capital_letter() -> None:
+    keys = {binding.action: binding.key for binding in bindings()}
+    assert keys["accept"] == "A"
+    assert keys["decline"] == "D"
