@@ -44,8 +44,8 @@ class CaptureScreen(PageScreen):
         "Plug the logger or its adapter in; r looks again. Enter captures what is on the port under the cursor: what "
         "it is follows from its numbers, or from listening; a unit that has to be asked is named with h first. Every "
         "byte is on the disc before it is looked at, so a pulled cable loses nothing: the space bar goes on with it. "
-        "k ends a capture. Nothing in a logger is ever changed or erased. At the end you are asked whether its flights go into "
-        "the ledger.",
+        "k ends a capture. Nothing in a logger is ever changed or erased. At the end you are asked whether its flights "
+        "go into the ledger.",
         (
             ("port", "The name that the system has for it."),
             ("what is known", "Who made the chip, and the logger where the numbers say."),
