@@ -21,9 +21,9 @@ from fieldkit.settings import UNITS
 from fieldkit.tui import promptly
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.in_order import InOrder
-from fieldkit.tui.keys import apart
-from fieldkit.tui.next.desk import Desk
+from fieldkit.tui.keys import split_escapes
 from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.resources import Resources
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.bars import Notice, NoticeBar
 from fieldkit.tui.widgets.dialogs import AskText
@@ -68,7 +68,7 @@ class FieldkitApp(InOrder):
     ) -> None:
         super().__init__()
         self._stays = stays
-        self.desk = Desk(where, settings_file)
+        self.resources = Resources(where, settings_file)
         self.notices: list[Notice] = []
         self._opened: dict[str, PageScreen] = {}
         self.revision = self.look = 0
@@ -77,7 +77,7 @@ class FieldkitApp(InOrder):
         self.animation_level = "none"
         for theme in THEMES.values():
             self.register_theme(theme)
-        self.theme = self.desk.settings.theme
+        self.theme = self.resources.settings.theme
 
     def on_mount(self) -> None:
         """The first page."""
@@ -144,7 +144,7 @@ class FieldkitApp(InOrder):
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
-        self.desk.close()
+        self.resources.close()
 
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Say something; what went wrong waits until it is read, what went right makes room for the next."""
@@ -179,7 +179,7 @@ class FieldkitApp(InOrder):
     def look_round(self) -> None:
         """Fill pages anew where another program has changed the ledger: a second app, a command."""
         if isinstance(self.screen, PageScreen):
-            self.screen.ask(lambda: self.desk.ledger.length(), self._seen_round, "others")
+            self.screen.ask(lambda: self.resources.ledger.length(), self._seen_round, "others")
 
     def _seen_round(self, length: int) -> None:
         before, self._length = self._length, length
@@ -234,7 +234,7 @@ class FieldkitApp(InOrder):
     def _journal(self, method: str, said: str) -> None:
         page = self.screen
         if isinstance(page, PageScreen):
-            page.change(lambda: getattr(self.desk.ledger, method)(), partial(self._journalled, said))
+            page.change(lambda: getattr(self.resources.ledger, method)(), partial(self._journalled, said))
 
     def _journalled(self, said: str, change: Any) -> None:
         self.show_notice(f"{said}: {change.command} {change.what}")
@@ -247,7 +247,7 @@ class FieldkitApp(InOrder):
 
     def action_next_units(self) -> None:
         """The next system of units."""
-        self.choose(units=UNITS[(UNITS.index(self.desk.settings.units) + 1) % len(UNITS)])
+        self.choose(units=UNITS[(UNITS.index(self.resources.settings.units) + 1) % len(UNITS)])
 
     def get_key_display(self, binding: Binding) -> str:
         """A key as it is printed on keyboards: `Esc`, as notices have it."""
@@ -259,9 +259,9 @@ class FieldkitApp(InOrder):
 
     def choose(self, said: str = "", **changes: Any) -> None:
         """Change settings, show what they change, and keep them."""
-        settings = replace(self.desk.settings, **changes)
+        settings = replace(self.resources.settings, **changes)
         try:
-            self.desk.choose(settings)
+            self.resources.choose(settings)
         except FieldkitError as error:
             self.show_notice(str(error), error=True)
         else:
@@ -275,7 +275,7 @@ class FieldkitApp(InOrder):
 
     def ask_target(self) -> None:
         """The height to hit, that motors are compared against."""
-        now = measure(BY_NAME["apogee"], self.desk.settings.target, self.desk.settings.units)
+        now = measure(BY_NAME["apogee"], self.resources.settings.target, self.resources.settings.units)
         about = "The apogee you want, such as 800ft or 250 m; empty for none. The motors nearest to it come first."
         self.push_screen(AskText("Target", now, about), self._targeted)
 
@@ -286,7 +286,7 @@ class FieldkitApp(InOrder):
     def _targeted(self, text: str | None) -> None:
         if text is None:
             return
-        apogee, system = BY_NAME["apogee"], self.desk.settings.units
+        apogee, system = BY_NAME["apogee"], self.resources.settings.units
         try:
             target = apogee.parse(text, unit_of(apogee, system)) if text.strip() else None
         except BadValue as error:
@@ -311,5 +311,5 @@ class FieldkitApp(InOrder):
 
 def run(where: str | None) -> None:
     """Open the app on a ledger and stay until the flyer leaves."""
-    apart()
+    split_escapes()
     FieldkitApp(where, stays=True).run()

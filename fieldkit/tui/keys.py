@@ -19,7 +19,7 @@ EARLY_ENTER = "\n"
 _read = XTermParser._sequence_to_key_events
 
 
-def apart() -> None:
+def split_escapes() -> None:
     """Have the parser of every driver read Esc and a key as two keys, and an early Enter as Enter."""
     XTermParser._sequence_to_key_events = _two_keys  # type: ignore[method-assign, assignment]
 

@@ -24,7 +24,7 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
-    from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.resources import Resources
     from fieldkit.tui.widgets.bars import Notice
 
 T = TypeVar("T")
@@ -46,7 +46,7 @@ class Page:
 class Host(Protocol):
     """What pages ask of the app that shows them."""
 
-    desk: "Desk"
+    resources: "Resources"
     notices: "list[Notice]"
     revision: int
     look: int
@@ -119,9 +119,9 @@ class PageScreen(Screen[None]):
         return self._seen != (-1, -1)
 
     @property
-    def desk(self) -> "Desk":
+    def resources(self) -> "Resources":
         """The ledger, the motors, the settings."""
-        return self.field_app.desk
+        return self.field_app.resources
 
     @property
     def field_app(self) -> "Host":
@@ -176,7 +176,7 @@ class PageScreen(Screen[None]):
         """Screens that are opened from this page again and again, and are worth being made ready."""
         return ()
 
-    def begin_anew(self) -> None:
+    def reload_on_resume(self) -> None:
         """Reload when the screen next comes to the front, in the colours of now."""
         self._seen = (-1, -1)
         if self.is_mounted and self._css_update_count != self.app._css_update_count:
@@ -214,14 +214,14 @@ class PageScreen(Screen[None]):
         one, or waits for it `in_turn`. An error that the flyer can mend becomes a notice.
         """
 
-        def woken() -> T:
-            self.desk.wake()
+        def with_engine() -> T:
+            self.resources.import_engine()
             return question()
 
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
                 try:
-                    found = await asyncio.to_thread(woken)
+                    found = await asyncio.to_thread(with_engine)
                 except FieldkitError as error:
                     self.complain(str(error))
                     return

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from textual._xterm_parser import XTermParser
 from textual.events import Key
 
-from fieldkit.tui.keys import apart
+from fieldkit.tui.keys import split_escapes
 
 pytestmark = pytest.mark.fast
 
@@ -24,7 +24,7 @@ NAMES |= {letter: letter for letter in "159abfuqT"}
 
 def keys(sent: str) -> list[str]:
     """The keys that a driver makes of what came in one piece."""
-    apart()
+    split_escapes()
     parser = XTermParser()
     found = [*parser.feed(sent), *parser.feed("")]
     return [event.key for event in found if isinstance(event, Key)]
