@@ -21,7 +21,6 @@ from fieldkit.settings import UNITS
 from fieldkit.tui import promptly
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.in_order import InOrder
-from fieldkit.tui.keys import split_escapes
 from fieldkit.tui.page import PageScreen, pages
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.themes import THEMES
@@ -74,6 +73,7 @@ class FieldkitApp(InOrder):
         self.revision = self.look = 0
         self._length: int | None = None
         self._hides = True
+        self.unseen = self._readied = False
         self.animation_level = "none"
         for theme in THEMES.values():
             self.register_theme(theme)
@@ -103,11 +103,9 @@ class FieldkitApp(InOrder):
             self.exit()
 
     def _page(self, name: str) -> PageScreen:
-        """A page, made ready before or new. It is styled when it is mounted; without the count, Textual reads every
-        style sheet anew, twice."""
+        """A page, made ready before or new."""
         if name not in self._opened:
             self._opened[name] = pages()[name].screen()
-            self._opened[name]._css_update_count = self._css_update_count
         return self._opened[name]
 
     def switch_mode(self, mode: str) -> AwaitMount:
@@ -126,21 +124,32 @@ class FieldkitApp(InOrder):
             self.look_round()
         if self._stays:
             promptly.keep()
-            self.run_worker(self._make_ready, exclusive=True, group="ready")  # type: ignore[arg-type]  # narrower than it takes
+        if self._stays and not self._readied:
+            self._readied = True
+            self.run_worker(self._make_ready, group="ready")  # type: ignore[arg-type]  # narrower than it takes
 
     async def _make_ready(self) -> None:
-        """Open and draw every page out of sight, so that the first key that asks for one is answered as fast as the
-        next."""
-        for name in pages():
-            if name not in self._opened:
-                await asyncio.sleep(PAUSE)
-                await self._init_mode(name)
-                await self._opened[name].draw_ahead(PAUSE)
-            for screen in self._opened[name].above():
-                if not screen.is_running:
-                    await self._get_screen(screen)[1]
-                    await screen.draw_ahead(PAUSE)
-        promptly.keep()
+        """Turn to every page twice behind the one in front, so that the first key that asks for one is answered as fast
+        as the next: to open a page takes 110 to 180 ms of processor time, to style it, when Textual turns to it for
+        the second time, 40 ms, and 15 to 25 ms from then on."""
+        for name in (*pages(), *pages()):
+            await asyncio.sleep(PAUSE)
+            await self._open_unseen(name)
+
+    async def _open_unseen(self, name: str) -> None:
+        """Open a page and the screens above it, and come back before anything is painted; keys wait meanwhile."""
+        async with self.turn:
+            front = self.current_mode
+            self.unseen = True
+            try:
+                with self.batch_update():
+                    await self.switch_mode(name)
+                    for screen in self._opened[name].above():
+                        await self.push_screen(screen)
+                        await self.pop_screen()
+                    await self.switch_mode(front)
+            finally:
+                self.unseen = False
 
     def on_unmount(self) -> None:
         """Let go of the ledger."""
@@ -311,5 +320,4 @@ class FieldkitApp(InOrder):
 
 def run(where: str | None) -> None:
     """Open the app on a ledger and stay until the flyer leaves."""
-    split_escapes()
     FieldkitApp(where, stays=True).run()

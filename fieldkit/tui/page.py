@@ -50,6 +50,7 @@ class Host(Protocol):
     notices: "list[Notice]"
     revision: int
     look: int
+    unseen: bool
 
     def settled(self) -> None:
         """The flights have been read."""
@@ -157,20 +158,10 @@ class PageScreen(Screen[None]):
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Show what is waiting to be read, and what has changed while another page was in front."""
         event.refresh_styles = False  # new colours were put on before, by the app: to do so again takes half of a key
-        if not self.is_current:
+        if not self.is_current or self.field_app.unseen:
             return  # made ready out of sight
         self.query_one(NoticeBar).show_notice(self.field_app.notices)
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
-
-    async def draw_ahead(self, pause: float) -> None:
-        """Lay the page out and draw it while another is in front: its widgets keep what they have drawn. Keys get their
-        turn between two widgets, and in the `pause` [s] before the first."""
-        self.post_message(events.Resize(self.app.size, self.app.size))
-        await asyncio.sleep(pause)
-        for widget in self.walk_children(Widget):
-            await asyncio.sleep(0)
-            if widget.size:
-                widget.render_lines(widget.size.region)
 
     def above(self) -> Iterable["PageScreen"]:
         """Screens that are opened from this page again and again, and are worth being made ready."""
@@ -179,9 +170,6 @@ class PageScreen(Screen[None]):
     def reload_on_resume(self) -> None:
         """Reload when the screen next comes to the front, in the colours of now."""
         self._seen = (-1, -1)
-        if self.is_mounted and self._css_update_count != self.app._css_update_count:
-            self.app.stylesheet.update(self)
-            self._css_update_count = self.app._css_update_count
 
     def refresh_if_changed(self) -> None:
         """Reload where the ledger has changed since the last time, redraw where only the settings have."""
