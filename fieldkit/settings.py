@@ -31,22 +31,22 @@ class Settings:
 def read_settings(file: Path | None = None) -> Settings:
     """The settings that are kept; whatever cannot be read or is unknown is as it is at first."""
     try:
-        kept = json.loads(read_own(file or settings_file()))
+        saved = json.loads(read_own(file or settings_file()))
     except (OSError, ValueError, RecursionError):
         return Settings()
-    kept = kept if isinstance(kept, dict) else {}
+    saved = saved if isinstance(saved, dict) else {}
     return Settings(
-        units=kept["units"] if kept.get("units") in UNITS else UNITS[0],
-        theme=kept["theme"] if kept.get("theme") in THEMES else THEMES[0],
-        target=_number(kept.get("target"), 1e6),
-        rail_length=_number(kept.get("rail_length"), 100.0),
-        rail_angle=_number(kept.get("rail_angle"), 1.5),
+        units=saved["units"] if saved.get("units") in UNITS else UNITS[0],
+        theme=saved["theme"] if saved.get("theme") in THEMES else THEMES[0],
+        target=_number(saved.get("target"), 1e6),
+        rail_length=_number(saved.get("rail_length"), 100.0),
+        rail_angle=_number(saved.get("rail_angle"), 1.5),
     )
 
 
-def _number(kept: object, most: float) -> float | None:
+def _number(saved: object, most: float) -> float | None:
     """A number above nothing and below a bound, else None."""
-    return float(kept) if isinstance(kept, int | float) and 0 < kept < most else None
+    return float(saved) if isinstance(saved, int | float) and 0 < saved < most else None
 
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:

@@ -44,14 +44,6 @@ BARE = _set(
 )
 """Superlatives, adjectives and adverbs that say nothing alone."""
 
-NOT_YET_RENAMED = _set(
-    """
-    Desk ShelfCard ShelfScreen Told action_anew action_fitting afresh apart begin_anew desk is_hopeless kept railed
-    shelf shelf_card shelf_forms shelf_lists woken
-    """
-)
-"""Names that still hold a banned word. It only shrinks: an entry that is no longer needed fails the test."""
-
 
 def _files() -> list[Path]:
     return sorted(file for folder in FOLDERS for file in (ROOT / folder).rglob("*.py"))
@@ -99,12 +91,8 @@ def test_a_name_is_split_into_words(name: str, words: set[str]) -> None:
 
 
 def test_names_hold_no_word_that_the_glossary_replaces() -> None:
-    found = {name: file for name, file in _banned_names().items() if name not in NOT_YET_RENAMED}
+    found = _banned_names()
     assert not found, "\n".join(f"{file.relative_to(ROOT)}: {name}" for name, file in found.items())
-
-
-def test_the_list_of_names_not_yet_renamed_only_shrinks() -> None:
-    assert set(_banned_names()) >= NOT_YET_RENAMED
 
 
 def test_the_glossary_says_what_to_write_for_every_banned_word() -> None:

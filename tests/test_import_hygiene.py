@@ -86,12 +86,12 @@ def imports(file: Path) -> Iterator[str]:
             yield from (name.name.partition(".")[2] for name in node.names if name.name.split(".")[0] == "fieldkit")
 
 
-@pytest.mark.parametrize("shelf", ALLOWED)
-def test_plug_ins_know_the_engine_and_not_each_other(shelf: str) -> None:
-    files = sorted((ROOT / shelf).glob("*.py"))
+@pytest.mark.parametrize("folder", ALLOWED)
+def test_plug_ins_know_the_engine_and_not_each_other(folder: str) -> None:
+    files = sorted((ROOT / folder).glob("*.py"))
     assert files
     for file in files:
-        strange = [name for name in imports(file) if not any(f"{name}.".startswith(f"{a}.") for a in ALLOWED[shelf])]
+        strange = [name for name in imports(file) if not any(f"{name}.".startswith(f"{a}.") for a in ALLOWED[folder])]
         assert not strange, file.name
 
 

@@ -65,12 +65,12 @@ def _aligned(
     mark = next((name for name in ("liftoff", "apogee") if name in first.events and name in second.events), None)
     start = first.events[mark].time - second.events[mark].time if mark else float(one.time[-1] - other.time[-1])
 
-    def apart(shift: float) -> float:
+    def mean_square(shift: float) -> float:
         return float(np.mean(_gaps(one, other, shift) ** 2)) if _gaps(one, other, shift).size > 4 else np.inf
 
     tries = start + np.linspace(-_REACH, _REACH, 61)
-    best = float(tries[np.argmin([apart(shift) for shift in tries])])
-    found = minimize_scalar(apart, bounds=(best - 0.15, best + 0.15), method="bounded")
+    best = float(tries[np.argmin([mean_square(shift) for shift in tries])])
+    found = minimize_scalar(mean_square, bounds=(best - 0.15, best + 0.15), method="bounded")
     gaps = _gaps(one, other, float(found.x))
     if gaps.size <= 4:
         return None, None, None

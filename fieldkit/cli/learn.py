@@ -30,7 +30,9 @@ def learn(
     check: Annotated[
         bool, typer.Option("--check", help="Forecast each rocket from a card learned without it: minutes.")
     ] = False,
-    afresh: Annotated[bool, typer.Option("--afresh", help="Begin from judgments, not from the card in use.")] = False,
+    from_start: Annotated[
+        bool, typer.Option("--afresh", help="Begin from judgments, not from the card in use.")
+    ] = False,
     cluster: Annotated[
         str,
         typer.Option(help="Check on Dask workers: local, local:4, or a scheduler's address.", show_default=False),
@@ -65,10 +67,12 @@ def learn(
     motors = known_motors()
     flyers = [read_flyer(path, motors, since.date() if since else None) for path in exports]
     with progress("learning") as on_progress:
-        found = learned_from(flyers, afresh=afresh, since=since.date() if since else None, on_progress=on_progress)
+        found = learned_from(
+            flyers, from_start=from_start, since=since.date() if since else None, on_progress=on_progress
+        )
     if check:
         with workers(cluster) if cluster else nullcontext() as pool, progress("leaving each rocket out") as on_progress:
-            checked = left_out(flyers, found, afresh=afresh, pool=pool, on_progress=on_progress)
+            checked = left_out(flyers, found, from_start=from_start, pool=pool, on_progress=on_progress)
         found = replace(found, about={**found.about, "scores": scores(checked)})
     text = dumps(found.json(), indent=1, sort_keys=False)
     if out:

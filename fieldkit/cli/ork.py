@@ -35,12 +35,12 @@ def ork(
     if not name:
         raise BadValue(f"{file.name}: found no name in it, expected --rocket with one")
     start = Start(name, config, design.dry_mass, design.diameter, design.length, design.cd, file.name)
-    kept = False
+    saved = False
     if not look:
         with open_ledger(context) as ledger:
-            kept = ledger.keep_start(start)
+            saved = ledger.keep_start(start)
     if json:
-        print_json(_document(start, design, kept=kept))
+        print_json(_document(start, design, saved=saved))
         return
     say(f"{name} {config}".strip())
     for line in _lines(start, design):
@@ -48,7 +48,7 @@ def ork(
     for note in design.notes:
         complain(f"note: {note}")
     if not look:
-        complain(_done(start) if kept else "it is kept already")
+        complain(_done(start) if saved else "it is kept already")
 
 
 def _lines(start: "Start", design: "Design") -> list[str]:
@@ -73,7 +73,7 @@ def _done(start: "Start") -> str:
     return f"kept; `fieldkit predict --rocket {name}{config} --motor M` starts from it, `fieldkit undo` takes it back"
 
 
-def _document(start: "Start", design: "Design", *, kept: bool) -> dict[str, object]:
+def _document(start: "Start", design: "Design", *, saved: bool) -> dict[str, object]:
     from dataclasses import asdict
 
     return {
@@ -99,5 +99,5 @@ def _document(start: "Start", design: "Design", *, kept: bool) -> dict[str, obje
             for one in design.simulations
         ],
         "notes": list(design.notes),
-        "kept": kept,
+        "kept": saved,
     }

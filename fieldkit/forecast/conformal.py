@@ -44,9 +44,9 @@ def stretched(interval: Sequence[float], factor: float) -> tuple[float, float, f
     return p50 * (p05 / p50) ** factor, p50, p50 * (p95 / p50) ** factor
 
 
-def saved_surprises(kept: Sequence[Mapping[str, object]]) -> list[float]:
+def saved_surprises(saved: Sequence[Mapping[str, object]]) -> list[float]:
     """Surprises of the forecasts saved in a ledger, one for each flight: the last that was made."""
-    last = {(one["rocket"], one["flight_id"]): one for one in kept if "flown_m" in one}
+    last = {(one["rocket"], one["flight_id"]): one for one in saved if "flown_m" in one}
     found = []
     for one in last.values():
         flown, interval = one["flown_m"], one["interval_m"]

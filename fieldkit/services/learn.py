@@ -75,17 +75,17 @@ def read_flyer(path: Path, motors: Catalogue, since: date | None = None) -> Flye
 
 
 def learn(
-    flyers: Sequence[Flyer], *, afresh: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
+    flyers: Sequence[Flyer], *, from_start: bool = False, since: date | None = None, on_progress: ReportProgress = no_op
 ) -> Hyperprior:
-    """The hyperprior that the flights of some flyers ask for, from the one in use, or `afresh` from `START`."""
+    """The hyperprior that the flights of some flyers ask for, from the one in use, or `from_start` from `START`."""
     from fieldkit.inference.laplace.learning import evidence, learn_hyperprior
 
-    start = START if afresh else learned()
+    start = START if from_start else learned()
     fleets = [list(flyer.rockets.values()) for flyer in flyers]
     found = learn_hyperprior(fleets, start, FULL_ROUNDS, FULL_STEPS, on_progress=on_progress)
     about = {
         "name": "hyperprior",
-        "command": " ".join(["fieldkit learn", *_options(afresh, since), *(flyer.name for flyer in flyers)]),
+        "command": " ".join(["fieldkit learn", *_options(from_start, since), *(flyer.name for flyer in flyers)]),
         "made_with": {"fieldkit": __version__},
         "data": [
             {"flyer": flyer.name, "flights": len(flyer.flown), "rockets": len(flyer.rockets), "sha256": flyer.digests}
@@ -96,8 +96,8 @@ def learn(
     return replace(found, about=about)
 
 
-def _options(afresh: bool, since: date | None) -> list[str]:
-    return ["--afresh"] * afresh + [f"--since {since}"] * (since is not None)
+def _options(from_start: bool, since: date | None) -> list[str]:
+    return ["--afresh"] * from_start + [f"--since {since}"] * (since is not None)
 
 
 @dataclass(frozen=True, slots=True)
@@ -108,14 +108,14 @@ class HeldOutRocket:
     flyer: int
     rocket: str
     hyperprior: Hyperprior
-    afresh: bool
+    from_start: bool
 
 
-def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, afresh: bool = False) -> Iterator[HeldOutRocket]:
+def left_out(flyers: Sequence[Flyer], hyperprior: Hyperprior, *, from_start: bool = False) -> Iterator[HeldOutRocket]:
     """Every rocket of every flyer, to be left out in turn."""
     for number, flyer in enumerate(flyers):
         for rocket in flyer.rockets:
-            yield HeldOutRocket(tuple(flyers), number, rocket, hyperprior, afresh)
+            yield HeldOutRocket(tuple(flyers), number, rocket, hyperprior, from_start)
 
 
 def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
@@ -129,7 +129,7 @@ def forecasts_of(work: HeldOutRocket) -> "list[Forecast]":
     ]
     without = learn_hyperprior(
         [fleet for fleet in fleets if fleet],
-        START if work.afresh else learned(),
+        START if work.from_start else learned(),
         LEFT_OUT_ROUNDS,
         LEFT_OUT_STEPS,
         begin=work.hyperprior,
@@ -141,12 +141,12 @@ def check(
     flyers: Sequence[Flyer],
     hyperprior: Hyperprior,
     *,
-    afresh: bool = False,
+    from_start: bool = False,
     pool: Executor | None = None,
     on_progress: ReportProgress = no_op,
 ) -> "dict[str, list[Forecast]]":
     """Forecasts of all flights with the rocket of each left out of learning, by flyer, in the order flown."""
-    works = list(left_out(flyers, hyperprior, afresh=afresh))
+    works = list(left_out(flyers, hyperprior, from_start=from_start))
     apply: "Callable[..., Iterator[list[Forecast]]]" = pool.map if pool else map
     found: "dict[str, list[Forecast]]" = {flyer.name: [] for flyer in flyers}
     for number, (work, rows) in enumerate(zip(works, apply(forecasts_of, works), strict=True)):

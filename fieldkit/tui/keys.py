@@ -1,33 +1,23 @@
-"""Esc and the key behind it, which a terminal or a busy machine may hand on together.
+"""Keys as they were pressed, where a terminal hands two on as one.
 
-Terminals send Alt and a key as Esc and that key. No key of the app goes with Alt, so here they are always two; Textual
-would make of Esc and 1 the sign that a Mac types with Option, and both keys would be lost.
+Terminals send Alt and a key as Esc and that key, and Textual takes what comes within a tenth of a second for the one
+with the other. No key of the app goes with Alt, so here they are always two. Where Textual keeps only the key behind
+Esc (a sign such as `/`), that key alone counts.
 """
 
-from collections.abc import Iterable
-
-from textual._xterm_parser import XTermParser
 from textual.events import Key
 
-ESCAPE = "\x1b"
-OPENERS = "[]OPX^_\\"
-"""What begins, or ends, a longer sequence behind Esc: an arrow, an answer of the terminal."""
-
-EARLY_ENTER = "\n"
-"""Enter, as a terminal hands it on that the app had not taken yet when it was pressed."""
-
-_read = XTermParser._sequence_to_key_events
+OPTION_DIGITS = dict(zip("¡™£¢∞§¶•ªº", "1234567890", strict=True))
+"""The digit behind Esc, by what Textual makes of the two: the letter that a Mac types with Option and the digit."""
 
 
-def apart() -> None:
-    """Have the parser of every driver read Esc and a key as two keys, and an early Enter as Enter."""
-    XTermParser._sequence_to_key_events = _two_keys  # type: ignore[method-assign, assignment]
+def pressed(key: Key, *, typed: bool) -> list[Key]:
+    """The keys that an event stands for; `typed` says that a line takes its character as a letter.
 
-
-def _two_keys(parser: XTermParser, sequence: str, alt: bool = False) -> Iterable[Key]:
-    """The keys of a sequence; `alt` says that an Esc stood before it."""
-    pair = len(sequence) == 2 and sequence[0] == ESCAPE and sequence[1] not in OPENERS
-    if alt or pair:
-        yield Key("escape", ESCAPE)
-    key = sequence[-1] if pair else sequence
-    yield from _read(parser, "\r" if key == EARLY_ENTER else key)
+    Enter comes as a line feed where it was pressed before the app had the terminal.
+    """
+    if key.character == "\n":
+        return [Key("enter", "\r")]
+    digit = None if typed else OPTION_DIGITS.get(key.character or "")
+    letter = key.character if key.key.startswith("alt+") else digit
+    return [Key("escape", "\x1b"), Key(letter, letter)] if letter else [key]

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
+from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -24,8 +24,8 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
-    from fieldkit.tui.next.desk import Desk
-    from fieldkit.tui.widgets.bars import Notice
+    from fieldkit.tui.app import FieldkitApp
+    from fieldkit.tui.resources import Resources
 
 T = TypeVar("T")
 WAIT = 0.005
@@ -41,36 +41,6 @@ class Page:
     number: int
     title: str
     screen: type["PageScreen"]
-
-
-class Host(Protocol):
-    """What pages ask of the app that shows them."""
-
-    desk: "Desk"
-    notices: "list[Notice]"
-    revision: int
-    look: int
-
-    def settled(self) -> None:
-        """The flights have been read."""
-
-    def changed(self) -> None:
-        """The ledger has changed: pages are to fill themselves again."""
-
-    def show_notice(self, text: str, *, error: bool = False) -> None:
-        """Say something."""
-
-    def choose(self, said: str = "", **changes: Any) -> None:
-        """Change settings, show what they change, and keep them."""
-
-    def ask_target(self) -> None:
-        """Ask for the height to hit."""
-
-    def action_read(self) -> None:
-        """The notice in front was read."""
-
-    async def action_page(self, name: str) -> None:
-        """Bring a page to the front."""
 
 
 @cache
@@ -120,14 +90,14 @@ class PageScreen(Screen[None]):
         return self._seen != (-1, -1)
 
     @property
-    def desk(self) -> "Desk":
+    def resources(self) -> "Resources":
         """The ledger, the motors, the settings."""
-        return self.field_app.desk
+        return self.field_app.resources
 
     @property
-    def field_app(self) -> "Host":
-        """The app, as pages know it."""
-        return cast(Host, self.app)
+    def field_app(self) -> "FieldkitApp":
+        """The app that shows the page."""
+        return cast("FieldkitApp", self.app)
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""
@@ -158,31 +128,18 @@ class PageScreen(Screen[None]):
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Show what is waiting to be read, and what has changed while another page was in front."""
         event.refresh_styles = False  # new colours were put on before, by the app: to do so again takes half of a key
-        if not self.is_current:
+        if not self.is_current or self.field_app.unseen:
             return  # made ready out of sight
         self.query_one(NoticeBar).show_notice(self.field_app.notices)
         self.call_after_refresh(self.refresh_if_changed)  # first the page, then what is on it
-
-    async def draw_ahead(self, pause: float) -> None:
-        """Lay the page out and draw it while another is in front: its widgets keep what they have drawn. Keys get their
-        turn between two widgets, and in the `pause` [s] before the first."""
-        self.post_message(events.Resize(self.app.size, self.app.size))
-        await asyncio.sleep(pause)
-        for widget in self.walk_children(Widget):
-            await asyncio.sleep(0)
-            if widget.size:
-                widget.render_lines(widget.size.region)
 
     def above(self) -> Iterable["PageScreen"]:
         """Screens that are opened from this page again and again, and are worth being made ready."""
         return ()
 
-    def begin_anew(self) -> None:
+    def reload_on_resume(self) -> None:
         """Reload when the screen next comes to the front, in the colours of now."""
         self._seen = (-1, -1)
-        if self.is_mounted and self._css_update_count != self.app._css_update_count:
-            self.app.stylesheet.update(self)
-            self._css_update_count = self.app._css_update_count
 
     def refresh_if_changed(self) -> None:
         """Reload where the ledger has changed since the last time, redraw where only the settings have."""
@@ -215,14 +172,14 @@ class PageScreen(Screen[None]):
         one, or waits for it `in_turn`. An error that the flyer can mend becomes a notice.
         """
 
-        def woken() -> T:
-            self.desk.wake()
+        def with_engine() -> T:
+            self.resources.import_engine()
             return question()
 
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
                 try:
-                    found = await asyncio.to_thread(woken)
+                    found = await asyncio.to_thread(with_engine)
                 except FieldkitError as error:
                     self.complain(str(error))
                     return

@@ -23,7 +23,7 @@ COOKIE = "fieldkit"
 PHONE_LETTERS = "10"
 """Size of letters on a phone: across one of 390 points stand 65 columns. [px]"""
 VIEWPORT = '<meta name="viewport" content="width=device-width, initial-scale=1">'
-"""Without it a phone lays the page out as for a desk and shrinks it until nothing can be read."""
+"""Without it a phone lays the page out as for a resources and shrinks it until nothing can be read."""
 NOTHING_ELSE = (
     "default-src 'self' 'unsafe-inline' data: blob:; connect-src 'self' ws: wss:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'; object-src 'none'"

@@ -48,7 +48,7 @@ class _State:
 
 
 def sample(
-    density: Density, start: Float[Array, "chain dimension"], warm_up: int, kept: int, rng: np.random.Generator
+    density: Density, start: Float[Array, "chain dimension"], warm_up: int, draws: int, rng: np.random.Generator
 ) -> Chains:
     """Chains from `start`, of a density about as wide in every direction as a standard normal one.
 
@@ -58,8 +58,8 @@ def sample(
     if not np.isfinite(state.log_density).all():
         raise ValueError("found a start outside the support of the density, expected one inside it")
     step, accepted = 0.5, []
-    positions = np.empty((kept, *start.shape))
-    for turn in range(warm_up + kept):
+    positions = np.empty((draws, *start.shape))
+    for turn in range(warm_up + draws):
         state, chance = _transition(density, state, step * rng.uniform(0.8, 1.2), rng)
         if turn < warm_up:
             step = max(step * float(np.exp((chance - ACCEPTANCE) * 2 / np.sqrt(turn + 4))), MIN_STEP)

@@ -13,7 +13,7 @@ from fieldkit.motors import catalogue
 from fieldkit.tui.flights import logged
 from fieldkit.tui.next import motor_facts
 from fieldkit.tui.next.intervals import Interval, Intervals, bar
-from fieldkit.tui.setup import shelf_card
+from fieldkit.tui.setup import setup_card
 from fieldkit.tui.widgets.groups import grouped, placed
 from fieldkit.tui.widgets.table import fitted
 from tests.pressing import frozen, opened, press, season, typed, words
@@ -80,7 +80,7 @@ def test_a_motor_is_described_in_words_with_its_units() -> None:
 def test_a_site_tells_its_air_and_what_its_safety_lines_lack() -> None:
     flights = [Flight(flight_id="1", rocket="Comet", site="Hill", apogee=200.0, site_elevation=1000.0)]
     (place,) = placed(grouped(["1"], flights, "site"), [Site("Hill", ceiling=300.0)])
-    said = "\n".join(map(str, shelf_card.of_site(place, "SI").blocks))
+    said = "\n".join(map(str, setup_card.of_site(place, "SI").blocks))
     assert "1.112 kg/m³ on a standard day" in said  # U.S. Standard Atmosphere 1976 at 1000 m
     assert "300.0 m" in said
     assert "field size  not known" in said

@@ -263,7 +263,7 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
     with Ledger.open(file) as ledger:
         wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
         ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear]})
-    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, on_progress: found):
+    with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: found):
         async with opened(file) as pilot:
             await press(pilot, "5", "A")
             assert "nothing to accept yet" in words(pilot)

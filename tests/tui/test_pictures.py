@@ -65,7 +65,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     monkeypatch.setattr("fieldkit.tui.screens.import_files.folder_text", lambda folder: folder.name)
     monkeypatch.setattr("fieldkit.paths.motor_folder", lambda: Path("/home/flyer/motors"))
     monkeypatch.setattr("fieldkit.paths.settings_file", lambda: Path("/home/flyer/settings.json"))
-    monkeypatch.setattr("fieldkit.tui.next.desk.Desk.name", "/home/flyer/ledger.db")
+    monkeypatch.setattr("fieldkit.tui.resources.Resources.name", "/home/flyer/ledger.db")
     return tmp_path / "ledger.db"
 
 
@@ -77,7 +77,7 @@ async def test_a_page_looks_as_it_did_and_can_be_read(
     if scene == "log":
         with Ledger.open(file) as ledger:
             bring_in(ledger, [LOG], lambda name: None, defaults={"rocket": "Comet"})
-    with patch("fieldkit.tui.screens.loop.look", lambda desk, rocket, on_progress: looked_at()):
+    with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: looked_at()):
         async with opened(file, size) as pilot:
             await press(pilot, *SCENES[scene])
             picture = pilot.app.export_screenshot(title="fieldkit")

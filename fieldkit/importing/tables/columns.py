@@ -52,7 +52,7 @@ def read_columns(
             kept = [i for i in kept if not lines[i].startswith(comment)]
         rows = [lines[i] if decimal == "." else lines[i].replace(decimal, ".") for i in kept]
         reader.read([first + i for i in kept], rows)
-        if reader.is_hopeless():
+        if reader.too_much_damaged():
             break
     table = reader.table(cut=is_cut(log))
     note_table(channels, reader.seen, reader.damaged)

@@ -71,7 +71,7 @@ class Rows:
         except ValueError:
             self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
 
-    def is_hopeless(self) -> bool:
+    def too_much_damaged(self) -> bool:
         """Whether so many rows are damaged that what follows is no table."""
         return self.damaged > max(MOST_DAMAGED, self.seen)
 
@@ -253,7 +253,7 @@ class Rows:
             yield DamagedLog(f"found {more} more rows that are damaged")
         if torn or short:
             yield Note("is cut off where the file ends, left out", row=self.last)
-        if self.is_hopeless():
+        if self.too_much_damaged():
             yield Note("is no table from here on, left out", row=self.last)
         if self.step > 1:
             yield Note(f"found more than {MOST_NUMBERS} numbers, kept one row in {self.step}")

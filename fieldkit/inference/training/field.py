@@ -76,7 +76,7 @@ def train_field(
     with one_thread(seed):
         members, mean, sd = fit(lambda: batch(streams[1], truth), plan, progress)
     exported = density_graph(members, mean, sd)
-    card = _card(seed, n_train, schedule, plan, effects, apart=bool(cluster)) | {
+    card = _card(seed, n_train, schedule, plan, effects, on_cluster=bool(cluster)) | {
         "simulations": len(truth),
         "simulation_seconds": flown,
         "seconds": round(time.perf_counter() - began, 1),
@@ -130,10 +130,10 @@ def reach(columns: Float[Array, "flight feature"]) -> dict[str, list[float]]:
 
 
 def _card(
-    seed: int, n_train: int, schedule: str, plan: TrainingPlan, effects: Sequence[str], apart: bool
+    seed: int, n_train: int, schedule: str, plan: TrainingPlan, effects: Sequence[str], on_cluster: bool
 ) -> dict[str, Any]:
     """What is known before training."""
-    named = (f" --effects {','.join(effects)}" if effects else "") + (" --cluster local" if apart else "")
+    named = (f" --effects {','.join(effects)}" if effects else "") + (" --cluster local" if on_cluster else "")
     options = f"--schedule {schedule} --seed {seed} --n-train {n_train}{named}"
     return {
         "name": "field",

@@ -12,7 +12,7 @@ from fieldkit.importing.manual_entry import NOT_RECORDED, QUESTIONS, Question, i
 from fieldkit.quantities import measure, spelled
 
 if TYPE_CHECKING:
-    from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.resources import Resources
 
 SETUP = ("rocket", "config", "motor", "site")
 """Asked above the readouts, and offered from the last flight."""
@@ -113,8 +113,8 @@ class Draft:
     dropped. All methods may be called from any thread.
     """
 
-    def __init__(self, desk: "Desk") -> None:
-        self._desk = desk
+    def __init__(self, resources: "Resources") -> None:
+        self._resources = resources
         self._lock = Lock()
         self._units: Mapping[str, str] = {}
         self.flight = 0
@@ -126,7 +126,7 @@ class Draft:
         """Take up what was typed halfway."""
         from fieldkit.services.manual_entry import DRAFT, UNITS
 
-        ledger = self._desk.ledger
+        ledger = self._resources.ledger
         draft, self._units = ledger.draft(DRAFT) or {}, ledger.draft(UNITS) or {}
         return FormStart(draft, self._units, self.offers(draft))
 
@@ -134,12 +134,12 @@ class Draft:
         """What the flight that was planned, or the last one, suggests, given what was answered."""
         from fieldkit.services.manual_entry import offer, planned_answers
 
-        plan = planned_answers(self._desk.ledger)
+        plan = planned_answers(self._resources.ledger)
         flight, offers = Flight(), dict[str, str]()
         for question in QUESTIONS:
             text = answers.get(question.name)
             if text is None:
-                text = offers[question.name] = offer(self._desk.ledger, flight, question, plan)
+                text = offers[question.name] = offer(self._resources.ledger, flight, question, plan)
             try:
                 flight = flight.with_changes(**{question.name: read_answer(question.name, text)})
             except BadValue:
@@ -150,17 +150,17 @@ class Draft:
         """The usual readouts of the same rocket on the same motor. [SI]"""
         from fieldkit.services.manual_entry import usual
 
-        return usual(self._desk.ledger, flight)
+        return usual(self._resources.ledger, flight)
 
     def keep(self, flight: int, answers: Mapping[str, str], units: Mapping[str, str]) -> None:
         """Keep what was typed of the `flight`-th flight."""
         from fieldkit.services.manual_entry import DRAFT, UNITS
 
-        self._desk.wake()
+        self._resources.import_engine()
         with self._lock:
             if flight != self.flight:
                 return
-            ledger = self._desk.ledger
+            ledger = self._resources.ledger
             before = {} if self.shown else ledger.draft(DRAFT) or {}
             ledger.keep_draft(DRAFT, {**before, **answers})
             if units != self._units:
@@ -173,7 +173,7 @@ class Draft:
 
         with self._lock:
             self.flight += 1
-            return self._desk.ledger.drop_draft(DRAFT)
+            return self._resources.ledger.drop_draft(DRAFT)
 
     def save(self, said: Answered, *, confirmed: bool = False) -> Saved:
         """Put the flight in the ledger, if all of it can be read, its motor is known, and its apogee is not far from
@@ -189,11 +189,11 @@ class Draft:
             return Saved(confirm=question)
         try:
             with self._lock:
-                flight, added = enter(self._desk.ledger, said.flight, DRAFT)
+                flight, added = enter(self._resources.ledger, said.flight, DRAFT)
                 self.flight += 1
         except FieldkitError as error:
             return Saved(wrong=READ[0] if said.flight.rocket else "rocket", trouble=str(error))
-        odd = implausible_flights([flight], self._desk.motors) if added.new else []
+        odd = implausible_flights([flight], self._resources.motors) if added.new else []
         return Saved(added.new[0] if added.new else "", flight, lacks=lacks(said.flight), trouble="; ".join(odd))
 
     def _question(self, flight: Flight) -> str:
@@ -201,22 +201,22 @@ class Draft:
         from fieldkit.presentation.after_flight_text import question
         from fieldkit.services.after_flight import expected_instead
 
-        expected = expected_instead(self._desk.ledger, self._desk.motors, flight)
+        expected = expected_instead(self._resources.ledger, self._resources.motors, flight)
         if expected is None or flight.apogee is None:
             return ""
-        return question(expected, flight.apogee, self._desk.settings.units)
+        return question(expected, flight.apogee, self._resources.settings.units)
 
     def outcome(self, flight: Flight) -> str:
         """How a flight that was saved did beside its forecast, and the next one; empty where nothing can be said."""
         from fieldkit.presentation.after_flight_text import outcome_lines
         from fieldkit.services.after_flight import outcome
 
-        found = outcome(self._desk.ledger, self._desk.motors, flight)
-        return " ".join(outcome_lines(found, self._desk.settings.units)) if found else ""
+        found = outcome(self._resources.ledger, self._resources.motors, flight)
+        return " ".join(outcome_lines(found, self._resources.settings.units)) if found else ""
 
     def motor_trouble(self, name: str) -> str:
         """Why a motor is not known, empty where it is or none is named."""
         from fieldkit.motors import is_cluster
 
-        trouble = "" if not name or is_cluster(name) else self._desk.motors.complaint(name)
+        trouble = "" if not name or is_cluster(name) else self._resources.motors.complaint(name)
         return f"Motor: {trouble}" if trouble else ""

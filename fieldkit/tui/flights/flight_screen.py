@@ -26,7 +26,7 @@ from fieldkit.tui.widgets import cards
 from fieldkit.tui.widgets.hanging import hanging, stacked
 
 if TYPE_CHECKING:
-    from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.resources import Resources
 
 
 EMPTY = ("heading", "forecast", "drag-title", "thrust-title", "doubts", "log-title")
@@ -103,7 +103,7 @@ class FlightScreen(PageScreen):
         self._flight_id, self._flight, self._text = id, None, []
         for question in ("ask", "said", "forecast", "log"):
             self.workers.cancel_group(self, question)
-        self.begin_anew()
+        self.reload_on_resume()
         for place in self.query(Static):
             if place.id in PLACES:
                 place.update(PLACES[place.id])
@@ -146,11 +146,11 @@ class FlightScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flight; what follows from it comes when it is worked out."""
-        self.ask(lambda: self.desk.ledger.flight(self._flight_id), self._have)
+        self.ask(lambda: self.resources.ledger.flight(self._flight_id), self._have)
 
     def _have(self, flight: Flight) -> None:
         self._flight = flight
-        system = self.desk.settings.units
+        system = self.resources.settings.units
         self.query_one("#heading", Static).update(Content(printable(cards.heading(flight, self._flight_id))))
         blocks = [
             cards.lines("Readouts", cards.readouts(flight, system), 20),
@@ -161,11 +161,13 @@ class FlightScreen(PageScreen):
             blocks.append(cards.lines("Also on record", logged.beside(flight.extra, system), 20))
         self._text = [cards.heading(flight, self._flight_id), *map(str, blocks)]
         self.query_one("#figures", Static).update(stacked(blocks))
-        self.ask(or_why(partial(hills, flight, self.desk)), self._have_said, "said")
+        self.ask(or_why(partial(hills, flight, self.resources)), self._have_said, "said")
         self.ask(
-            or_why(partial(forecast_facts, flight, self.desk.ledger, self.desk.motors)), self._have_forecast, "forecast"
+            or_why(partial(forecast_facts, flight, self.resources.ledger, self.resources.motors)),
+            self._have_forecast,
+            "forecast",
         )
-        self.ask(or_why(partial(drawn, self.desk.ledger, self._flight_id, system)), self._have_log, "log")
+        self.ask(or_why(partial(drawn, self.resources.ledger, self._flight_id, system)), self._have_log, "log")
 
     def _have_log(self, log: Drawn | str) -> None:
         from fieldkit.tui.widgets.plots import Plot
@@ -207,7 +209,7 @@ class FlightScreen(PageScreen):
         if isinstance(said, str) or self._flight is None:
             place.update(Content(f"no forecast: {printable(str(said))}"))
             return
-        system, flown = self.desk.settings.units, self._flight.apogee
+        system, flown = self.resources.settings.units, self._flight.apogee
         low, high = number(cards.APOGEE, said.low, system), measure(cards.APOGEE, said.high, system)
         parts: list[str | tuple[str, str]] = [("Forecast and flown", "b $primary"), "\n"]
         parts += [f"{printable(line)}\n" for line in said.by.splitlines()]
@@ -252,9 +254,9 @@ class FlightScreen(PageScreen):
                 raise BadValue(f"found {text!r}, expected COLUMN=VALUE such as apogee=281m")
             changes = read_changes(flight, {name.strip(): value.strip() for name, _, value in pairs})
             motor = str(changes.get("motor", ""))
-            if motor and (complaint := self.desk.motors.complaint(motor)):
+            if motor and (complaint := self.resources.motors.complaint(motor)):
                 raise BadValue(f"motor: {complaint}")
-            return self.desk.ledger.edit(self._flight_id, **changes)
+            return self.resources.ledger.edit(self._flight_id, **changes)
 
         self.change(change, self._changed)
 
@@ -279,11 +281,11 @@ class Hills:
     warnings: tuple[str, ...]
 
 
-def hills(flight: Flight, desk: "Desk") -> Hills:
+def hills(flight: Flight, resources: "Resources") -> Hills:
     """The posterior of a flight as it is drawn. Raises FieldkitError where it can have none."""
     from fieldkit.tui.widgets.plots import draw_density
 
-    said = said_by(flight, desk.motors)
+    said = said_by(flight, resources.motors)
     drawn = tuple(
         (
             place,

@@ -20,4 +20,4 @@ def remove(page: PageScreen, id: str, then: Callable[[], object] = lambda: None)
         page.show_notice(f"flight {id} taken out; u brings it back")
         page.field_app.changed()
 
-    page.change(lambda: page.desk.ledger.remove(id), removed)
+    page.change(lambda: page.resources.ledger.remove(id), removed)

@@ -77,9 +77,9 @@ class TagScreen(PageScreen):
 
     def _read(self) -> tuple[Flight, dict[str, list[str]]]:
         """The flight, and the flights of its rocket by the tags that they bear."""
-        flight = self.desk.ledger.flight(self._flight_id)
+        flight = self.resources.ledger.flight(self._flight_id)
         bearers: dict[str, list[str]] = {}
-        for one in self.desk.ledger.flights(flight.rocket):
+        for one in self.resources.ledger.flights(flight.rocket):
             for tag in one.tags:
                 bearers.setdefault(tag, []).append(one.flight_id)
         return flight, bearers
@@ -105,12 +105,12 @@ class TagScreen(PageScreen):
         from fieldkit.services.forecasts import predict_plans
 
         plan = Flight(rocket=flight.rocket, config=flight.config, motor=flight.motor, dry_mass=flight.dry_mass)
-        (forecast,) = predict_plans(self.desk.ledger, self.desk.motors, [plan], keep=False)
+        (forecast,) = predict_plans(self.resources.ledger, self.resources.motors, [plan], keep=False)
         return Shift(forecast)
 
     def _have_shift(self, shift: Shift) -> None:
         self._before, self._now = self._before or shift, shift
-        system = self.desk.settings.units
+        system = self.resources.settings.units
         before, now = self._before.lines(system), shift.lines(system)
         rows = [
             (name, old if old == new else f"{old}\n{'':13}now {new}")
@@ -125,7 +125,7 @@ class TagScreen(PageScreen):
     def _beside(self) -> None:
         """The same drawn, where there is room."""
         if self.has_class("-wide") and self._before is not None and self._now is not None:
-            self.query_one(TagCard).show_shift(self._before, self._now, self.desk.settings.units)
+            self.query_one(TagCard).show_shift(self._before, self._now, self.resources.settings.units)
 
     def on_resize(self, _event: events.Resize) -> None:
         """There may be room now."""
@@ -155,7 +155,7 @@ class TagScreen(PageScreen):
         """Put a tag on, or take it off where it is; one after the other, however fast keys come."""
 
         def work() -> None:
-            ledger = self.desk.ledger
+            ledger = self.resources.ledger
             there = tag in ledger.flight(self._flight_id).tags
             (ledger.untag if there else ledger.tag)(self._flight_id, tag)
 

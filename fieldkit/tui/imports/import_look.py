@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from fieldkit.flight.start import Start
     from fieldkit.importing.reading import ColumnChoice
     from fieldkit.services.imports import Receipt
-    from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.resources import Resources
 
 Parts = list[str | tuple[str, str]]
 MAX_LISTED, MAX_NOTES = 200, 6
@@ -91,13 +91,13 @@ def listed(folder: Path) -> list[Path]:
         raise FieldkitError(f"{folder}: cannot be read ({error.strerror})") from error
 
 
-def look_at(desk: "Desk", path: Path, reading: ReadOptions) -> Look:
+def look_at(resources: "Resources", path: Path, reading: ReadOptions) -> Look:
     """What a file would bring; nothing is stored."""
     try:
         if path.suffix.lower() == SUFFIX:
-            start, words = design_at(path, reading.given, desk.settings.units)
+            start, words = design_at(path, reading.given, resources.settings.units)
             return Look(path, "OpenRocket design", None, start=start, words=words)
-        receipt, flights = _bring_in(desk, path, reading, dry_run=True)
+        receipt, flights = _bring_in(resources, path, reading, dry_run=True)
     except FieldkitError as error:
         return Look(path, "", None, by_keys(str(error)))
     if (count := len(reading.together(path))) > 1:
@@ -115,26 +115,28 @@ def _by_key(options: re.Match[str]) -> str:
     return "m, then " + "; ".join(part for part in options.groups() if part)
 
 
-def store(desk: "Desk", path: Path, reading: ReadOptions) -> "Receipt":
+def store(resources: "Resources", path: Path, reading: ReadOptions) -> "Receipt":
     """Put what a file brings into the ledger, and remember how its columns were named."""
     from fieldkit.importing.tables.mapping import remember
 
-    receipt, _ = _bring_in(desk, path, reading, dry_run=False)
+    receipt, _ = _bring_in(resources, path, reading, dry_run=False)
     for mapped in receipt.mapped:
         if mapped.chosen:
             remember(mapped.choice)
     return receipt
 
 
-def _bring_in(desk: "Desk", path: Path, reading: ReadOptions, *, dry_run: bool) -> "tuple[Receipt, tuple[Flight, ...]]":
+def _bring_in(
+    resources: "Resources", path: Path, reading: ReadOptions, *, dry_run: bool
+) -> "tuple[Receipt, tuple[Flight, ...]]":
     """What became of a file, and the flights in it."""
     from fieldkit.importing.tables.mapping import remembered
     from fieldkit.services.imports import gather, take_in
 
     choices = [*reading.named(), *remembered()]
     paths, defaults = reading.together(path), reading.defaults()
-    found = gather(paths, desk.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
-    receipt = take_in(desk.ledger, found, choices=choices, dry_run=dry_run, motors=desk.motors)
+    found = gather(paths, resources.motors.complaint, format=reading.format, defaults=defaults, choices=choices)
+    receipt = take_in(resources.ledger, found, choices=choices, dry_run=dry_run, motors=resources.motors)
     return receipt, tuple(arrival.flight for arrival in found.arrivals)
 
 

@@ -9,7 +9,7 @@ from fieldkit.progress import ReportProgress
 if TYPE_CHECKING:
     from fieldkit.ledger import Version
     from fieldkit.services.findings import Findings
-    from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.resources import Resources
 
 
 PANELS = ("Verdict", "Residuals", "Fingerprint", "Ranking", "Versions")
@@ -38,11 +38,11 @@ class Standing:
         return next((version.number for version in self.versions if version.active), PLAIN_MODEL)
 
 
-def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
+def standing_of(resources: "Resources", rocket: str | None) -> Standing | None:
     """How a rocket stands, that flown last where it is not said or gone; None where nothing has flown."""
     from fieldkit.services.forecasts import which_rocket
 
-    ledger = desk.ledger
+    ledger = resources.ledger
     rockets = tuple(ledger.names("rocket"))
     if not rockets:
         return None
@@ -50,11 +50,11 @@ def standing_of(desk: "Desk", rocket: str | None) -> Standing | None:
     return Standing(name, rockets, tuple(ledger.versions(name)), tuple(ledger.flights(name)))
 
 
-def look(desk: "Desk", rocket: str, on_progress: ReportProgress) -> "Findings":
+def look(resources: "Resources", rocket: str, on_progress: ReportProgress) -> "Findings":
     """What the model of a rocket lacks, by its flights and the logs kept with them; nothing is changed.
 
     Raises NoFlights for too few flights.
     """
     from fieldkit.services import close_loop
 
-    return close_loop.look(desk.ledger, desk.motors, rocket, on_progress)
+    return close_loop.look(resources.ledger, resources.motors, rocket, on_progress)

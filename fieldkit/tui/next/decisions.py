@@ -89,7 +89,7 @@ class Decision:
         answer = Answer(words, self._beside(said, allowed(rule, said.plan, said.found, day.length)))
         return decision_plots.of_points(answer, ahead.points.ravel())
 
-    def kept(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
+    def saved_forecasts(self, ledger: "Ledger", motors: "Catalogue") -> Answer:
         """The forecasts of the rocket that are kept, the newest first, each marked where it is stale, and why."""
         from fieldkit.services.saved_forecasts import LISTED_STATES, in_words, list_forecasts, standing
 

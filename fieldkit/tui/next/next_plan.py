@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
     from fieldkit.planning.motor_guide import Wanted
-    from fieldkit.tui.next.desk import Desk
+    from fieldkit.tui.resources import Resources
 
 DRAFT = "plan"
 """Name under which the ledger keeps the plan."""
@@ -90,7 +90,7 @@ class Plan:
         return printable(" · ".join(parts))
 
 
-def read_plan(desk: "Desk") -> Plan | None:
+def read_plan(resources: "Resources") -> Plan | None:
     """The plan as it was left, else for the rocket of known mass that flew last; None where nothing has flown.
 
     Raises ImpossibleFlight for a rocket of unknown mass, LedgerError.
@@ -102,15 +102,15 @@ def read_plan(desk: "Desk") -> Plan | None:
     from fieldkit.planning.motor_guide import Wanted, mount_of
     from fieldkit.services.planning import completed_plan, rocket_of
 
-    ledger = desk.ledger
+    ledger = resources.ledger
     flights, draft = ledger.flights(), ledger.draft(DRAFT) or {}
     if not flights and not draft:
         return None
     last = next((one for one in reversed(flights) if one.rocket and one.dry_mass is not None), ledger.latest())
     plan = Flight(rocket=last.rocket, config=last.config) if last is not None else Flight()
     plan = plan.with_changes(**plan_changes(draft))
-    rocket = rocket_of(ledger, desk.motors, plan.rocket)
-    full = completed_plan(ledger, desk.motors, plan, desk.settings)
+    rocket = rocket_of(ledger, resources.motors, plan.rocket)
+    full = completed_plan(ledger, resources.motors, plan, resources.settings)
     if full.dry_mass is None:
         raise ImpossibleFlight(f"{plan.rocket or 'the rocket'}: no dry mass known; p sets one")
     builds = {(flight.rocket, flight.config): flight for flight in flights if flight.rocket}

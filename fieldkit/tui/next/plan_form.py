@@ -12,7 +12,7 @@ from fieldkit.tui.page import PageScreen
 
 def ask_plan(page: PageScreen, plan: Flight, keep: Callable[[Flight], None]) -> None:
     """Ask for changes of a plan; what comes of them is kept."""
-    system = page.desk.settings.units
+    system = page.resources.settings.units
     units = {name: unit_of(BY_NAME[name], system) for name in PLAN}
 
     def answered(values: dict[str, object] | None) -> None:

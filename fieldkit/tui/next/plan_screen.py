@@ -129,7 +129,7 @@ class PlanScreen(PageScreen):
         """Work out the answer in hand."""
         self.query_one(TabLine).front(self._view)
         self._say(Answer(("working it out ...",)))
-        self.ask(partial(self._answer, self._view, self.desk.settings), self._say, "plan")
+        self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan")
 
     def _say(self, answer: Answer) -> None:
         self._said = answer
@@ -153,7 +153,7 @@ class PlanScreen(PageScreen):
         from fieldkit.ledger.sites import site_of
         from fieldkit.services.contest_day import day_of
 
-        ledger, plan = self.desk.ledger, self._decision.plan
+        ledger, plan = self.resources.ledger, self._decision.plan
         day = day_of(ledger, self._season)
         decision = replace(self._decision, site=site_of(ledger, plan.site), system=settings.units)
         if view == 0:
@@ -163,8 +163,8 @@ class PlanScreen(PageScreen):
         if view == 2:
             return decision.contest(ledger, self._season, SHARES[self._share], day)
         if view == 3:
-            return decision.kept(ledger, self.desk.motors)
-        return decision.fared(ledger, self.desk.motors)
+            return decision.saved_forecasts(ledger, self.resources.motors)
+        return decision.fared(ledger, self.resources.motors)
 
     def action_view(self, view: int) -> None:
         """Another answer."""
@@ -199,13 +199,13 @@ class PlanScreen(PageScreen):
         from fieldkit.ledger.sites import site_of
         from fieldkit.services.contest_day import day_of
 
-        ledger, season, name = self.desk.ledger, self._season, self._decision.plan.site
+        ledger, season, name = self.resources.ledger, self._season, self._decision.plan.site
         self.ask(lambda: (day_of(ledger, season), site_of(ledger, name)), partial(self._ask_day, season), "day")
 
     def _ask_day(self, season: int, known: "tuple[Day, Site]") -> None:
         from fieldkit.planning.contest_day import read_part
 
-        (day, site), system = known, self.desk.settings.units
+        (day, site), system = known, self.resources.settings.units
         title = f"The day of season {season}" + (f", at {site.name}" if site.name else "")
         texts, units = contest_form.texts(day, site, system), contest_form.units(system)
         form = Form(title, contest_form.questions(site), texts, units, read_part)
@@ -221,9 +221,9 @@ class PlanScreen(PageScreen):
             from fieldkit.ledger.sites import put_site
             from fieldkit.services.contest_day import keep_day
 
-            keep_day(self.desk.ledger, season, day)
+            keep_day(self.resources.ledger, season, day)
             if site != known[1]:
-                put_site(self.desk.ledger, site)
+                put_site(self.resources.ledger, site)
 
         self.change(work, lambda _: self.field_app.changed())
 

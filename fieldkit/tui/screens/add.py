@@ -56,7 +56,7 @@ class AddScreen(PageScreen):
         Binding("enter", "go_on", "Next", key_display="Enter", priority=True),
         Binding("down", "app.focus_next", "Fields", key_display="↑↓", priority=True),
         Binding("ctrl+s", "save", "Save", key_display="^S"),
-        Binding("ctrl+n", "anew", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),
+        Binding("ctrl+n", "start_again", "New", key_display="^N", tooltip="Start anew: what was typed is forgotten"),
         Binding("up", "app.focus_previous", "Back a field", show=False, priority=True),
         Binding("f1", "help", "Help", key_display="F1"),
         Binding("escape", "back", "Leave", tooltip="Leave the field, so that keys are keys again", priority=True),
@@ -90,7 +90,7 @@ class AddScreen(PageScreen):
 
     def on_mount(self) -> None:
         """The flight that is typed here."""
-        self._draft = Draft(self.desk)
+        self._draft = Draft(self.resources)
 
     def on_unmount(self) -> None:
         """The last key is kept as well."""
@@ -109,13 +109,13 @@ class AddScreen(PageScreen):
         if not self._sheet.touched:
             self.ask(self._draft.begin, self._begun, "start")
 
-    def _begun(self, begun: FormStart) -> None:
+    def _begun(self, start: FormStart) -> None:
         """Fill what was not typed in the meantime, and go to the first line that is asked and empty."""
-        self._units = dict(begun.units) | self._units
+        self._units = dict(start.units) | self._units
         ahead = self.field(READ[0]).typed
-        self._sheet.fill({**begun.offers, **begun.draft})
-        self._sheet.touched |= begun.draft.keys() & BY_NAME.keys()
-        if begun.draft and not self._draft.shown:
+        self._sheet.fill({**start.offers, **start.draft})
+        self._sheet.touched |= start.draft.keys() & BY_NAME.keys()
+        if start.draft and not self._draft.shown:
             self.show_notice("a flight was typed halfway: it goes on here; ^N starts anew")
         self._draft.shown = True
         first = self.field(READ[0]).line
@@ -144,7 +144,7 @@ class AddScreen(PageScreen):
         column = question.column
         if column is None:
             return ""
-        return self._units.get(kind(column)) or unit_of(column, self.desk.settings.units)
+        return self._units.get(kind(column)) or unit_of(column, self.resources.settings.units)
 
     @on(Input.Changed)
     def _typed(self, event: Input.Changed) -> None:
@@ -159,7 +159,7 @@ class AddScreen(PageScreen):
     def _look(self) -> None:
         """Read all answers into a flight and note what cannot be read or looks odd."""
         self._said = self._read()
-        system = self.desk.settings.units
+        system = self.resources.settings.units
         for name, question in BY_NAME.items():
             self.field(name).note(beside(question, self._said, self._unit_of_answer(question), system))
         self._in_hand()
@@ -185,7 +185,11 @@ class AddScreen(PageScreen):
 
     def _in_hand(self) -> None:
         """The field in hand, large, with what it means and what the figures say together."""
-        field, hand, system = self._sheet.take_in_hand(self.focused), self.query_one(Hand), self.desk.settings.units
+        field, hand, system = (
+            self._sheet.take_in_hand(self.focused),
+            self.query_one(Hand),
+            self.resources.settings.units,
+        )
         if field is not None:
             hand.show(field, self._said, self.unit(field.question), system)
         else:
@@ -195,15 +199,15 @@ class AddScreen(PageScreen):
     def _keep(self) -> Future[None]:
         """Keep the draft; one that still waits to be written makes room for it."""
         kept = self._pen.submit(self._draft.keep, self._draft.flight, self._answers(), dict(self._units))
-        self.run_worker(partial(self._kept, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
+        self.run_worker(partial(self._report_unsaved, kept), exclusive=True, group="draft")  # type: ignore[arg-type]  # narrower than it takes
 
         return kept
 
-    async def _kept(self, kept: Future[None]) -> None:
+    async def _report_unsaved(self, writing: Future[None]) -> None:
         """Say once why keys cannot be kept, where they cannot."""
         before, self._unkept = self._unkept, ""
         try:
-            await wrap_future(kept)
+            await wrap_future(writing)
         except FieldkitError as error:
             self._unkept = str(error)
             if self._unkept != before:
@@ -309,7 +313,7 @@ class AddScreen(PageScreen):
         if outcome:
             self.show_notice(f"{said} {outcome}")
 
-    def action_anew(self) -> None:
+    def action_start_again(self) -> None:
         """Put away what was typed; undo brings it back."""
         self._sheet.clear()
         self.set_focus(self.field(READ[0]).line)

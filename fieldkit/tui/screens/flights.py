@@ -108,7 +108,7 @@ class FlightsScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the flights; what each says of drag and thrust follows."""
-        self.ask(lambda: read_rows(self.desk.ledger, self.desk.motors), self._have)
+        self.ask(lambda: read_rows(self.resources.ledger, self.resources.motors), self._have)
 
     def redraw(self) -> None:
         """The same rows in other units."""
@@ -139,7 +139,7 @@ class FlightsScreen(PageScreen):
         from fieldkit.inference.network.flights import infer
 
         owners = {id(row.flight): row for row in rows}
-        found = infer([row.flight for row in rows], self.desk.motors).inferred
+        found = infer([row.flight for row in rows], self.resources.motors).inferred
         return [(owners[id(one.flight)], one) for one in found]
 
     def _have_drag(self, found: "list[tuple[Row, Inferred]]") -> None:
@@ -164,7 +164,7 @@ class FlightsScreen(PageScreen):
         """The rows that hold all words of the filter, in order."""
         words = self.query_one(Input).value.lower().split()
         rows = [row for row in self._rows.values() if all(word in self._hay[row.id] for word in words)]
-        system = self.desk.settings.units
+        system = self.resources.settings.units
         shown = self._shown()
         arrow = "▼" if self._down else "▲"
         heads = [
@@ -197,7 +197,7 @@ class FlightsScreen(PageScreen):
             return
         row, tall = self._row(), self.has_class("-tall")
         build = self._build(row) if row is not None and tall else []
-        self.query_one(FlightCard).show(row, build, self.desk.settings.units)
+        self.query_one(FlightCard).show(row, build, self.resources.settings.units)
         if row is not None and tall:
             self._rest = self.set_timer(REST, partial(self._read_log, row.id))
 
@@ -207,8 +207,8 @@ class FlightsScreen(PageScreen):
         return [one for one in self._rows.values() if (one.flight.rocket, one.flight.config) == name]
 
     def _read_log(self, id: str) -> None:
-        system = self.desk.settings.units
-        self.ask(or_why(partial(drawn, self.desk.ledger, id, system)), partial(self._have_log, id), "log")
+        system = self.resources.settings.units
+        self.ask(or_why(partial(drawn, self.resources.ledger, id, system)), partial(self._have_log, id), "log")
 
     def _have_log(self, id: str, log: Drawn | str) -> None:
         row = self._row()

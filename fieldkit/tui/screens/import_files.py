@@ -150,12 +150,12 @@ class ImportScreen(PageScreen):
             self.query_one("#said", Static).update("Enter opens the folder")
             return
         self.query_one("#said", Static).update("reading ...")
-        self.ask(partial(look_at, self.desk, path, self._reading), self._examined, "look")
+        self.ask(partial(look_at, self.resources, path, self._reading), self._examined, "look")
 
     def _examined(self, look: Look) -> None:
         self._look = look
         self.query_one("#said", Static).update(what_it_brings(look, self._reading.given))
-        parts = (left_out(look), what_it_holds(look, self.desk.settings.units))
+        parts = (left_out(look), what_it_holds(look, self.resources.settings.units))
         self.query_one("#more", Static).update(stacked(part for part in parts if part.lines))
 
     @on(Table.Chosen, "#files")
@@ -167,9 +167,9 @@ class ImportScreen(PageScreen):
         elif path is not None and path.is_dir():
             self.go(path)
         elif self._look is not None and self._look.path == path and (start := self._look.start) is not None:
-            self.change(lambda: self.desk.ledger.keep_start(start), self._kept)
+            self.change(lambda: self.resources.ledger.keep_start(start), self._kept)
         elif self._look is not None and self._look.path == path and self._look.receipt is not None:
-            self.change(partial(store, self.desk, path, self._reading), self._stored)
+            self.change(partial(store, self.resources, path, self._reading), self._stored)
         elif self._look is not None:
             self.complain(self._look.trouble)
         else:

@@ -83,7 +83,7 @@ class LoopScreen(PageScreen):
     """
 
     @dataclass
-    class Told(Message):
+    class TrialProgress(Message):
         """What is being tried, and the share done."""
 
         text: str
@@ -114,13 +114,13 @@ class LoopScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the models of the rocket; what was found of older flights is no longer so."""
-        self.ask(partial(standing_of, self.desk, self._rocket), self._have)
+        self.ask(partial(standing_of, self.resources, self._rocket), self._have)
 
     def redraw(self) -> None:
         """The same in other units."""
         if self._standing is not None:
             self._show_versions(self._standing)
-        self.panels.show_verdict(self.desk.settings.units)
+        self.panels.show_verdict(self.resources.settings.units)
 
     def _have(self, standing: Standing | None) -> None:
         if standing is None:
@@ -138,7 +138,7 @@ class LoopScreen(PageScreen):
         more = " · b next rocket" if len(standing.rockets) > 1 else ""
         model = f"version {standing.used}" if standing.used else "the plain model"
         self.query_one("#what", Static).update(Content(printable(f"{standing.rocket} · predicts with {model}{more}")))
-        self.panels.show_versions(standing, self.desk.settings.units)
+        self.panels.show_versions(standing, self.resources.settings.units)
 
     async def action_look(self) -> None:
         """Look for what is missing, and show how far that is; nothing is changed."""
@@ -147,14 +147,14 @@ class LoopScreen(PageScreen):
             return
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
-        self._tell_share("reading flights", 0.0)
-        self.ask(or_why(partial(look, self.desk, rocket, self._tell_share)), self._looked, "look")
+        self._report_progress("reading flights", 0.0)
+        self.ask(or_why(partial(look, self.resources, rocket, self._report_progress)), self._looked, "look")
 
-    def _tell_share(self, text: str, share: float) -> None:
-        self.post_message(self.Told(text, share))
+    def _report_progress(self, text: str, share: float) -> None:
+        self.post_message(self.TrialProgress(text, share))
 
-    @on(Told)
-    def _told(self, message: Told) -> None:
+    @on(TrialProgress)
+    def _progress(self, message: TrialProgress) -> None:
         """How far it is."""
         self.panels.share(message.text, message.share)
 
@@ -167,7 +167,7 @@ class LoopScreen(PageScreen):
         if found.rocket != self._rocket:
             return
         self._effect = self._panel = 0
-        self.panels.show(found, self.desk.settings.units)
+        self.panels.show(found, self.resources.settings.units)
         self.panels.show_residuals(self._against)
         self._front()
 
@@ -232,7 +232,7 @@ class LoopScreen(PageScreen):
         if plain and not found.diagnosis.accepted and found.unexplained is None:
             self.complain("nothing to accept: the plain model stands")
             return
-        self.change(lambda: adopt(self.desk.ledger, found.rocket, found.diagnosis), self._accepted)
+        self.change(lambda: adopt(self.resources.ledger, found.rocket, found.diagnosis), self._accepted)
 
     def _accepted(self, _: None) -> None:
         self.show_notice("accepted: forecasts rest on it from now on; u takes it back")
@@ -250,7 +250,7 @@ class LoopScreen(PageScreen):
         if self._standing is None:
             return
         rocket, number = self._standing.rocket, message.key
-        work = partial(self.desk.ledger.activate, rocket, number or None)
+        work = partial(self.resources.ledger.activate, rocket, number or None)
         said = f"{rocket} predicts with " + (f"version {number}" if number else "the plain model")
         self.change(work, partial(self._used, said))
 

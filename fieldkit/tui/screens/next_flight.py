@@ -89,7 +89,7 @@ class NextScreen(PageScreen):
         Binding("c", "compare", "Compare", tooltip="All figures of all motors side by side"),
         Binding(
             "asterisk",
-            "fitting",
+            "toggle_fit",
             "All",
             key_display="*",
             show=False,
@@ -140,7 +140,7 @@ class NextScreen(PageScreen):
 
     def reload(self) -> None:
         """Read the plan, and forecast every motor anew."""
-        self.ask(partial(read_plan, self.desk), self._have_plan, "plan")
+        self.ask(partial(read_plan, self.resources), self._have_plan, "plan")
 
     def redraw(self) -> None:
         """Other units or another target leave the forecasts as they are: they are sorted and written at once."""
@@ -160,7 +160,7 @@ class NextScreen(PageScreen):
         self._search_now()
 
     def _show_plan(self, plan: Plan) -> None:
-        self.query_one("#plan", Static).update(Content(plan.line(self.desk.settings)))
+        self.query_one("#plan", Static).update(Content(plan.line(self.resources.settings)))
 
     @on(Input.Changed)
     def _search_anew(self) -> None:
@@ -171,7 +171,7 @@ class NextScreen(PageScreen):
     def _search_now(self) -> None:
         """Look up the motors and forecast those that are not known yet."""
         text = self.query_one(Input).value
-        self.ask(lambda: self._motors.find(self.desk.motors, text), self._found, "find")
+        self.ask(lambda: self._motors.find(self.resources.motors, text), self._found, "find")
 
     def _found(self, motors: "list[Motor]") -> None:
         self._motors.found = motors
@@ -200,7 +200,7 @@ class NextScreen(PageScreen):
         """The motors in their order, those not forecast yet last."""
         from fieldkit.tui.next.motor_rows import listed
 
-        settings, table = self.desk.settings, self.query_one(Table)
+        settings, table = self.resources.settings, self.query_one(Table)
         brief = not self.has_class("-comparing") and self.size.width < WIDE_SCREEN
         heads, cells = listed(self._motors, settings, table.size.width, brief=brief)
         table.show(heads, self._motors.ordered(settings.target), cells)
@@ -218,13 +218,13 @@ class NextScreen(PageScreen):
         if one is None or self._motors.plan is None:
             card.clear()
         else:
-            card.show(self._motors.plan, one, self.desk.settings)
+            card.show(self._motors.plan, one, self.resources.settings)
 
     def action_search(self) -> None:
         """Type a motor's name."""
         self.set_focus(self.query_one(Input))
 
-    def action_fitting(self) -> None:
+    def action_toggle_fit(self) -> None:
         """Only what fits, or everything."""
         self._motors.fitting = not self._motors.fitting
         self._search_anew()
@@ -269,7 +269,7 @@ class NextScreen(PageScreen):
 
     def _keep_plan(self, plan: Flight) -> None:
         texts, name = plan_texts(plan), f"{plan.rocket} {plan.config}".strip()
-        self.change(lambda: self.desk.ledger.change_draft(DRAFT, texts, "plan", name), lambda _: self.reload())
+        self.change(lambda: self.resources.ledger.change_draft(DRAFT, texts, "plan", name), lambda _: self.reload())
 
     @on(Table.Chosen)
     def _keep_forecast(self) -> None:
@@ -284,14 +284,14 @@ class NextScreen(PageScreen):
         def work() -> "list[Prediction]":
             from fieldkit.services.forecasts import predict_plans
 
-            return predict_plans(self.desk.ledger, self.desk.motors, [one.plan], decided=True)
+            return predict_plans(self.resources.ledger, self.resources.motors, [one.plan], decided=True)
 
         self.change(work, self._kept)
 
     def _kept(self, made: "list[Prediction]") -> None:
         from fieldkit.tui.next.next_words import saved_in_words
 
-        self.show_notice(saved_in_words(made[0], self.desk.settings.units))
+        self.show_notice(saved_in_words(made[0], self.resources.settings.units))
         self.changed_for_others()
 
     def copied(self) -> str:

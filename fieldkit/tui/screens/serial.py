@@ -218,7 +218,7 @@ class CaptureScreen(PageScreen):
             bar = "█" * round(progress.share * 20)
             parts.append(f"[{bar:20}] {progress.share:.0%}")
         self.query_one("#count", Static).update(Content("   ".join(parts)))
-        sample, system = progress.sample, self.desk.settings.units
+        sample, system = progress.sample, self.resources.settings.units
         if sample is None:
             return
         self._heights = [*self._heights, sample.altitude][-MAX_DRAWN_ALTITUDES:]
@@ -250,8 +250,8 @@ class CaptureScreen(PageScreen):
     def _store(self, end: "Ended") -> "Receipt":
         from fieldkit.services.imports import bring_in
 
-        motors = self.desk.motors
-        return bring_in(self.desk.ledger, [end.file], motors.complaint, motors=motors)
+        motors = self.resources.motors
+        return bring_in(self.resources.ledger, [end.file], motors.complaint, motors=motors)
 
     def _stored(self, receipt: "Receipt") -> None:
         self.show_notice(f"{len(receipt.ids)} imported, {receipt.duplicates} there already; u takes them back")

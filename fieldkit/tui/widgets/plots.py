@@ -57,7 +57,6 @@ class Plot(PlotextPlot):
         plt.ticks_color(ink.text)
         self._draw(plt, ink)
         plt.plotsize(width, height)
-        plt._set_size(width, height)
         return Text.from_ansi(plt.build())
 
     def _ink(self) -> Ink:

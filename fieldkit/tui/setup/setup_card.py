@@ -35,13 +35,13 @@ class Facts:
     draw: Any = None
 
 
-class ShelfCard(VerticalScroll):
+class SetupCard(VerticalScroll):
     """Facts, and below them a plot, put in once there is something to draw."""
 
     DEFAULT_CSS = """
-    ShelfCard { padding: 0 1; }
-    ShelfCard Static { height: auto; }
-    ShelfCard Plot { height: 14; margin-top: 1; border-top: solid $border-blurred; border-title-color: $foreground; }
+    SetupCard { padding: 0 1; }
+    SetupCard Static { height: auto; }
+    SetupCard Plot { height: 14; margin-top: 1; border-top: solid $border-blurred; border-title-color: $foreground; }
     """
 
     def compose(self) -> Iterable[Widget]:

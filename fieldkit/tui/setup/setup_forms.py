@@ -11,7 +11,7 @@ from fieldkit.quantities import measure, unit_of
 from fieldkit.tui.add.fields import Form
 from fieldkit.tui.page import PageScreen
 from fieldkit.tui.setup import site_form
-from fieldkit.tui.setup.shelf_lists import RAIL, answer_of, same
+from fieldkit.tui.setup.setup_lists import RAIL, answer_of, same
 from fieldkit.tui.widgets.dialogs import AskText
 from fieldkit.tui.widgets.groups import Group, LaunchSite
 
@@ -33,7 +33,7 @@ def change_build(page: PageScreen, group: Group) -> None:
 
 def _edit(page: PageScreen, group: Group, questions: Sequence[Question], what: str) -> None:
     """A form over a group; what is changed there is changed in every flight of it."""
-    system = page.desk.settings.units
+    system = page.resources.settings.units
     texts = {question.name: answer_of(group.last, question, system) for question in questions}
     units = {question.name: unit_of(question.column, system) if question.column else "" for question in questions}
     title = f"{what}: {len(group.ids)} flights"
@@ -46,16 +46,16 @@ def _edited(page: PageScreen, group: Group, what: str, texts: dict[str, str], va
     changes = {
         name: value
         for name, value in values.items()
-        if not same(group.last, name, value, texts[name], page.desk.settings.units)
+        if not same(group.last, name, value, texts[name], page.resources.settings.units)
     }
     if changes:
-        work = partial(page.desk.ledger.edit_all, group.ids, what, **changes)
+        work = partial(page.resources.ledger.edit_all, group.ids, what, **changes)
         page.change(work, partial(_changed, page, what))
 
 
 def change_site(page: PageScreen, place: LaunchSite) -> None:
     """A form over a site: name and elevation are those of its flights, the rest is kept beside them."""
-    system, site = page.desk.settings.units, place.site
+    system, site = page.resources.settings.units, place.site
     elevation = measure(BY_NAME["site_elevation"], site.elevation, system)
     texts = {"site": site.name, "site_elevation": elevation} | site_form.room(site, system)
     form = Form(
@@ -71,7 +71,7 @@ def change_site(page: PageScreen, place: LaunchSite) -> None:
 def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], values: dict[str, object] | None) -> None:
     if values is None:
         return
-    system, was = page.desk.settings.units, place.site
+    system, was = page.resources.settings.units, place.site
     flown = {"site": values["site"], "site_elevation": values["site_elevation"]}
     changes = {name: new for name, new in flown.items() if not same(place.last, name, new, texts[name], system)}
     site = site_form.answered(was, values, texts, system)
@@ -79,7 +79,7 @@ def _site_edited(page: PageScreen, place: LaunchSite, texts: dict[str, str], val
     def work() -> int:
         from fieldkit.ledger.sites import SITES, with_site
 
-        ledger = page.desk.ledger
+        ledger = page.resources.ledger
         beside = {SITES: with_site(ledger, site, was.name)} if site != was else {}
         return ledger.edit_all(place.ids, was.name, beside, **changes)
 
@@ -96,16 +96,16 @@ def _changed(page: PageScreen, what: str, count: int) -> None:
 
 def ask_rail(page: PageScreen) -> None:
     """Length and tilt of the rail that is used where a plan names none."""
-    settings = page.desk.settings
+    settings = page.resources.settings
     questions = [Question(name, BY_NAME[name].title, f"{BY_NAME[name].help} Empty: none.") for name in RAIL]
     texts = {name: measure(BY_NAME[name], getattr(settings, name), settings.units) for name in RAIL}
     units = {name: unit_of(BY_NAME[name], settings.units) for name in RAIL}
 
-    def railed(values: dict[str, object] | None) -> None:
+    def save_rail(values: dict[str, object] | None) -> None:
         if values is not None:
             page.field_app.choose("the usual rail is kept", **values)
 
-    page.app.push_screen(Form("Your usual rail", questions, texts, units), railed)
+    page.app.push_screen(Form("Your usual rail", questions, texts, units), save_rail)
 
 
 def ask_motors(page: PageScreen) -> None:
@@ -127,6 +127,6 @@ def _import(page: PageScreen, text: str | None) -> None:
 
 
 def _imported(page: PageScreen, motors: "list[Motor]") -> None:
-    page.desk.forget_motors()
+    page.resources.forget_motors()
     page.show_notice(f"{len(motors)} motors added: {', '.join(one.designation for one in motors[:4])}")
     page.field_app.changed()

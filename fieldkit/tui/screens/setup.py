@@ -14,7 +14,7 @@ from fieldkit.settings import THEMES, UNITS
 from fieldkit.tui.add.fields import Line
 from fieldkit.tui.help import Help
 from fieldkit.tui.page import LEAVE_LINE, Page, PageScreen
-from fieldkit.tui.setup.shelf_lists import (
+from fieldkit.tui.setup.setup_lists import (
     MEANS,
     ListContents,
     builds_listed,
@@ -29,15 +29,15 @@ from fieldkit.tui.widgets.tabs import TabLine
 
 if TYPE_CHECKING:
     from fieldkit.motors import Motor
-    from fieldkit.tui.setup.shelf_card import Facts, ShelfCard
+    from fieldkit.tui.setup.setup_card import Facts, SetupCard
 
 KINDS = ("Motors", "Rockets", "Sites", "Settings")
 
 
-class ShelfScreen(PageScreen):
+class SetupScreen(PageScreen):
     """Four lists in one table; left and right go from one to the next."""
 
-    NAME = "shelf"
+    NAME = "setup"
     TITLE = "Setup"
     ABOUT = Help(
         "Four lists; the arrows left and right, or a click, go from one to the next. Motors: the whole catalogue; "
@@ -76,30 +76,30 @@ class ShelfScreen(PageScreen):
         Binding("i", "import_motors", "Add motors", tooltip="Add the motors of a .eng or .rse file"),
     ]
     DEFAULT_CSS = """
-    ShelfScreen #search { height: 1; }
-    ShelfScreen #search Static { width: auto; padding: 0 1; }
-    ShelfScreen #search Input { width: 1fr; }
-    ShelfScreen #split { layout: vertical; }
-    ShelfScreen ShelfCard { height: 2fr; border-top: solid $border-blurred; }
-    ShelfScreen ShelfCard.-motors { display: none; }
-    ShelfScreen Table.-settings { height: 8; }
-    ShelfScreen.-short.-normal ShelfCard Plot, ShelfScreen.-short.-narrow ShelfCard Plot { height: 8; }
-    ShelfScreen.-wide #split { layout: horizontal; }
-    ShelfScreen.-wide Table { height: 1fr; }
-    ShelfScreen.-wide ShelfCard { display: block; width: 40%; min-width: 62; height: 1fr; border-top: none;
+    SetupScreen #search { height: 1; }
+    SetupScreen #search Static { width: auto; padding: 0 1; }
+    SetupScreen #search Input { width: 1fr; }
+    SetupScreen #split { layout: vertical; }
+    SetupScreen SetupCard { height: 2fr; border-top: solid $border-blurred; }
+    SetupScreen SetupCard.-motors { display: none; }
+    SetupScreen Table.-settings { height: 8; }
+    SetupScreen.-short.-normal SetupCard Plot, SetupScreen.-short.-narrow SetupCard Plot { height: 8; }
+    SetupScreen.-wide #split { layout: horizontal; }
+    SetupScreen.-wide Table { height: 1fr; }
+    SetupScreen.-wide SetupCard { display: block; width: 40%; min-width: 62; height: 1fr; border-top: none;
         border-left: solid $border-blurred; }
     """
 
     def __init__(self) -> None:
         super().__init__()
         self._kind = 0
-        self._kept = LedgerNames((), ())
+        self._names = LedgerNames((), ())
         self._found: Sequence[Motor] = ()
         self._in_hand: Facts
 
     def body(self) -> Iterable[Widget]:
         """The names of the lists, a search, the list, and what is known of its row in hand."""
-        from fieldkit.tui.setup.shelf_card import ShelfCard
+        from fieldkit.tui.setup.setup_card import SetupCard
 
         yield TabLine(KINDS, "screen.kind")
         with Horizontal(id="search"):
@@ -107,7 +107,7 @@ class ShelfScreen(PageScreen):
             yield Line(placeholder="motor: F24, aerotech 24mm, a case ...", compact=True)
         with Container(id="split"):
             yield Table(empty="nothing here yet", enter="Change")
-            yield ShelfCard(id="card")
+            yield SetupCard(id="card")
 
     def on_mount(self) -> None:
         """Keys go to the table."""
@@ -126,25 +126,25 @@ class ShelfScreen(PageScreen):
     def _read(self) -> LedgerNames:
         from fieldkit.ledger.sites import sites
 
-        flights = self.desk.ledger.flights()
-        ids = self.desk.ledger.ids(flights)
-        places = placed(grouped(ids, flights, "site"), sites(self.desk.ledger))
+        flights = self.resources.ledger.flights()
+        ids = self.resources.ledger.ids(flights)
+        places = placed(grouped(ids, flights, "site"), sites(self.resources.ledger))
         return LedgerNames(grouped(ids, flights, "rocket", "config"), places)
 
-    def _have(self, kept: LedgerNames) -> None:
-        self._kept = kept
+    def _have(self, names: LedgerNames) -> None:
+        self._names = names
         self._show()
 
     @on(Input.Changed)
     def _search_now(self) -> None:
         text = self.query_one(Input).value
-        self.ask(lambda: self.desk.motors.search(text), self._have_motors, "motors")
+        self.ask(lambda: self.resources.motors.search(text), self._have_motors, "motors")
 
     def _have_motors(self, motors: "list[Motor]") -> None:
         self._found = motors
-        for error in self.desk.complaints:
+        for error in self.resources.complaints:
             self.complain(str(error))
-        self.desk.complaints.clear()
+        self.resources.complaints.clear()
         self._show()
 
     @on(Table.Sized)
@@ -166,7 +166,7 @@ class ShelfScreen(PageScreen):
         """What is known of the row under the cursor, where there is room for it."""
         if self._kind == 0 and not self.has_class("-wide"):
             return
-        kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.desk.settings.units
+        kind, key, system = KINDS[self._kind], self.query_one(Table).current, self.resources.settings.units
         self.ask(partial(self._facts, kind, key, system), self._have_facts, "card")
 
     def _have_facts(self, facts: "Facts") -> None:
@@ -175,35 +175,35 @@ class ShelfScreen(PageScreen):
         self.soon(self._show_facts)
 
     def _show_facts(self) -> None:
-        cast("ShelfCard", self.query_one("#card")).show(self._in_hand)
+        cast("SetupCard", self.query_one("#card")).show(self._in_hand)
 
     def _facts(self, kind: str, key: Any, system: str) -> "Facts":
-        from fieldkit.tui.setup import shelf_card
+        from fieldkit.tui.setup import setup_card
 
         if key is None:
-            return shelf_card.Facts(())
+            return setup_card.Facts(())
         match kind:
             case "Motors":
-                return shelf_card.of_motor(key)
+                return setup_card.of_motor(key)
             case "Rockets":
-                return shelf_card.of_build(key, system)
+                return setup_card.of_build(key, system)
             case "Sites":
-                return shelf_card.of_site(key, system)
+                return setup_card.of_site(key, system)
             case _:
-                return shelf_card.of_setting(key, MEANS[key])
+                return setup_card.of_setting(key, MEANS[key])
 
     def _list(self) -> ListContents:
         """The list in front, as wide as there is room for."""
-        desk, width = self.desk, self.query_one(Table).size.width
+        resources, width = self.resources, self.query_one(Table).size.width
         match KINDS[self._kind]:
             case "Motors":
                 return motors_listed(self._found, width)
             case "Rockets":
-                return builds_listed(self._kept, desk.settings.units, width)
+                return builds_listed(self._names, resources.settings.units, width)
             case "Sites":
-                return sites_listed(self._kept, desk.settings.units, width)
+                return sites_listed(self._names, resources.settings.units, width)
             case _:
-                return settings_listed(desk.settings, desk.name)
+                return settings_listed(resources.settings, resources.name)
 
     def action_kind(self, kind: int) -> None:
         """Another list."""
@@ -223,15 +223,15 @@ class ShelfScreen(PageScreen):
 
     @on(Table.Chosen)
     def _change(self, message: Table.Chosen) -> None:
-        from fieldkit.tui.setup import shelf_forms
+        from fieldkit.tui.setup import setup_forms
 
         match KINDS[self._kind]:
             case "Motors":
                 self._about_motor(message.key)
             case "Rockets":
-                shelf_forms.change_build(self, message.key)
+                setup_forms.change_build(self, message.key)
             case "Sites":
-                shelf_forms.change_site(self, message.key)
+                setup_forms.change_site(self, message.key)
             case _:
                 self._change_setting(message.key)
 
@@ -244,7 +244,7 @@ class ShelfScreen(PageScreen):
         self.app.push_screen(HelpScreen(text, about, (), "On record"))
 
     def _change_setting(self, name: str) -> None:
-        settings = self.desk.settings
+        settings = self.resources.settings
         if name == "units":
             self.field_app.choose(units=UNITS[(UNITS.index(settings.units) + 1) % len(UNITS)])
         elif name == "theme":
@@ -252,7 +252,7 @@ class ShelfScreen(PageScreen):
         elif name == "target":
             self.field_app.ask_target()
         elif name == "rail":
-            from fieldkit.tui.setup.shelf_forms import ask_rail
+            from fieldkit.tui.setup.setup_forms import ask_rail
 
             ask_rail(self)
         else:
@@ -260,7 +260,7 @@ class ShelfScreen(PageScreen):
 
     def action_import_motors(self) -> None:
         """Add the motors of a file."""
-        from fieldkit.tui.setup.shelf_forms import ask_motors
+        from fieldkit.tui.setup.setup_forms import ask_motors
 
         ask_motors(self)
 
@@ -269,4 +269,4 @@ class ShelfScreen(PageScreen):
         return self.query_one(Table).current_text()
 
 
-PAGE = Page(6, "Setup", ShelfScreen)
+PAGE = Page(6, "Setup", SetupScreen)

@@ -46,7 +46,7 @@ def motors_listed(found: "Sequence[Motor]", width: int) -> ListContents:
     return ListContents(heads, found, cells)
 
 
-def builds_listed(kept: LedgerNames, system: str, width: int) -> ListContents:
+def builds_listed(names: LedgerNames, system: str, width: int) -> ListContents:
     """The builds of the rockets that flights name; where it is narrow, their last motors stand in the card alone."""
     narrow = width < NORMAL_TABLE_WIDTH
 
@@ -56,10 +56,10 @@ def builds_listed(kept: LedgerNames, system: str, width: int) -> ListContents:
 
     heads = [Head("rocket", 0), Head("config", 8), Head("dry mass", 9, True), Head("diameter", 9, True)]
     heads += [Head("flights", 7, True), Head("last motor", 14)][: 1 if narrow else 2]
-    return ListContents(heads, kept.builds, cells)
+    return ListContents(heads, names.builds, cells)
 
 
-def sites_listed(kept: LedgerNames, system: str, width: int) -> ListContents:
+def sites_listed(names: LedgerNames, system: str, width: int) -> ListContents:
     """The sites that flights name or that were saved, with what safety lines ask of them."""
     narrow = width < NORMAL_TABLE_WIDTH
 
@@ -72,7 +72,7 @@ def sites_listed(kept: LedgerNames, system: str, width: int) -> ListContents:
 
     heads = [Head("site", 0), Head("elevation", 9, True), Head("size", 9, True), Head("ceiling", 9, True)]
     heads += [Head("flights", 7, True), Head("last", 10)][: 1 if narrow else 2]
-    return ListContents(heads, kept.sites, cells)
+    return ListContents(heads, names.sites, cells)
 
 
 def settings_listed(settings: Settings, ledger: str) -> ListContents:

@@ -27,7 +27,7 @@ ENGINE = (
 """What pages work and draw with, imported by the first worker."""
 
 
-class Desk:
+class Resources:
     """One flyer's things. `settings` is replaced as a whole by `choose`."""
 
     def __init__(self, where: str | Path | None = None, settings_file: Path | None = None) -> None:
@@ -37,7 +37,7 @@ class Desk:
         self.settings: Settings = read_settings(settings_file)
         self.complaints: list[FieldkitError] = []
 
-    def wake(self) -> None:
+    def import_engine(self) -> None:
         """Import the engine, one worker at a time.
 
         A worker that imports a part of a package, while another is in the midst of the package itself, is let through
