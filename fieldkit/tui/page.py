@@ -60,6 +60,9 @@ class Host(Protocol):
     def show_notice(self, text: str, *, error: bool = False) -> None:
         """Say something."""
 
+    def survive(self, error: Exception) -> None:
+        """Write down an error that nobody foresaw, and say so."""
+
     def choose(self, said: str = "", **changes: Any) -> None:
         """Change settings, show what they change, and keep them."""
 
@@ -211,7 +214,7 @@ class PageScreen(Screen[None]):
         self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask", *, in_turn: bool = False
     ) -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
-        one, or waits for it `in_turn`. An error that the flyer can mend becomes a notice.
+        one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
         """
 
         def woken() -> T:
@@ -222,10 +225,11 @@ class PageScreen(Screen[None]):
             async with self._turns[group] if in_turn else nullcontext():
                 try:
                     found = await asyncio.to_thread(woken)
+                    answer(found)
                 except FieldkitError as error:
                     self.complain(str(error))
-                    return
-                answer(found)
+                except Exception as error:
+                    self.field_app.survive(error)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
 
@@ -285,6 +289,15 @@ class PageScreen(Screen[None]):
     def action_leave_line(self) -> None:
         """From a line to the first table."""
         self.set_focus(self.resting_place())
+
+    def row(self) -> Any:
+        """The row under the cursor of the first table, None where there is none."""
+        return getattr(self.resting_place(), "current", None)
+
+    def go_to_row(self, key: Any) -> None:
+        """Put the cursor of the first table on a row, where there is such a row."""
+        if key is not None and (move := getattr(self.resting_place(), "move_to", None)):
+            move(key)
 
     def resting_place(self) -> Widget | None:
         """Where the focus goes when a field is left: the first table, if there is one."""
