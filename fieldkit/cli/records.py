@@ -7,7 +7,7 @@ import typer
 
 from fieldkit.cli.completing import flight_ids, rocket_names
 from fieldkit.cli.predictions import prediction_of, print_prediction
-from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, say
+from fieldkit.cli.screen import complain, in_both_units, print_card, print_json, print_table, say
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 
 if TYPE_CHECKING:

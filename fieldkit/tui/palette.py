@@ -1,5 +1,6 @@
 """The command palette, which takes keys from the first moment on."""
 
+from textual.await_complete import AwaitComplete
 from textual.command import CommandList, CommandPalette
 from textual.css.query import NoMatches
 
@@ -12,6 +13,10 @@ class Palette(CommandPalette):
         if action == "command_list" and not self._is_laid_out():
             return False
         return super().check_action(action, parameters)
+
+    def dismiss(self, result: None = None) -> AwaitComplete:
+        """Close, once: Enter typed twice would close the page below as well."""
+        return super().dismiss(result) if self in self.app.screen_stack else AwaitComplete()
 
     def _is_laid_out(self) -> bool:
         try:
