@@ -24,16 +24,16 @@ def stream_table(headers: Sequence[str], pages: Iterable[Sequence[Sequence[str]]
     """
     room = _room()
     right = [header in numbers for header in headers]
-    head = [(printable(header),) for header in headers]
+    head = [[printable(header)] for header in headers]
     wanted = [cells(title) for (title,) in head]
     for page in pages:
         columns = [_harmless(column) for column in zip(*page, strict=True)]
         wanted = [max(width, _widest(column)) for width, column in zip(wanted, columns, strict=True)]
         widths = _fitted(wanted, right, room)
-        both = [(*titles, *column) for titles, column in zip(head or [()] * len(columns), columns, strict=True)]
+        both = [[*titles, *column] for titles, column in zip(head, columns, strict=True)]
         sys.stdout.write(_lines(both, widths, right))
         sys.stdout.flush()
-        head = []
+        head = [[] for _ in headers]
 
 
 def _harmless(column: Sequence[str]) -> Sequence[str]:

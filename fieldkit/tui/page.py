@@ -18,6 +18,7 @@ from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
+from textual.worker import get_current_worker
 
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.help import Help
@@ -76,6 +77,16 @@ class Host(Protocol):
         """Bring a page to the front."""
 
 
+class Dropped(Exception):
+    """Nobody waits for an answer any more."""
+
+
+def go_on() -> None:
+    """Called within a question's work. Raises Dropped where nobody waits for its answer any more."""
+    if get_current_worker().is_cancelled:
+        raise Dropped
+
+
 @cache
 def pages() -> dict[str, Page]:
     """Every page by the name of its module, in the order of their numbers."""
@@ -114,6 +125,7 @@ class PageScreen(Screen[None]):
         super().__init__()
         self._seen = (-1, -1)
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._threads: dict[str, asyncio.Future[Any]] = {}
         self._due: list[Callable[[], None]] = []
 
     @property
@@ -211,10 +223,19 @@ class PageScreen(Screen[None]):
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def ask(
-        self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask", *, in_turn: bool = False
+        self,
+        question: Callable[[], T],
+        answer: Callable[[T], None],
+        group: str = "ask",
+        *,
+        in_turn: bool = False,
+        alone: bool = False,
     ) -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
         one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
+
+        A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
+        `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
         """
 
         def woken() -> T:
@@ -224,14 +245,22 @@ class PageScreen(Screen[None]):
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
                 try:
-                    found = await asyncio.to_thread(woken)
-                    answer(found)
+                    answer(await (self._alone(group, woken) if alone else asyncio.to_thread(woken)))
                 except FieldkitError as error:
                     self.complain(str(error))
                 except Exception as error:
                     self.field_app.survive(error)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _alone(self, group: str, question: Callable[[], T]) -> T:
+        """Work a question out when the one before it is over, also where that was dropped."""
+        while (before := self._threads.get(group)) is not None and not before.done():
+            await asyncio.wait([before])
+        running = asyncio.ensure_future(asyncio.to_thread(question))
+        running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # of one that was dropped
+        self._threads[group] = running
+        return await asyncio.shield(running)
 
     async def settled(self, *groups: str) -> None:
         """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
