@@ -8,7 +8,7 @@ REFERENCE_FLIGHTS = Path(__file__).parent / "data" / "reference_flights.csv"
 """Twelve flights of one rocket, to try things on."""
 HOME = "FIELDKIT_HOME"
 """The variable of the environment that names another folder for all of these."""
-DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "captures")
+DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons", "captures", "crashes")
 """Files and folders that fieldkit and its user keep in the data folder, beside the ledger."""
 
 
@@ -53,6 +53,11 @@ def settings_file() -> Path:
 def capture_folder() -> Path:
     """The folder of what was captured from loggers, which may not be there."""
     return data_folder() / "captures"
+
+
+def crash_folder() -> Path:
+    """The folder of what failed in the app, for whoever mends it; it may not be there."""
+    return data_folder() / "crashes"
 
 
 def own_files() -> list[Path]:

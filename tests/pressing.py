@@ -123,6 +123,8 @@ async def opened(file: Path, size: tuple[int, int] = (80, 24), *, stays: bool = 
             await calm(pilot)
             yield pilot
             app.workers.cancel_all()
+    if app.errors:
+        raise app.errors[0]
 
 
 async def calm(pilot: Pilot[None]) -> None:

@@ -13,11 +13,11 @@ import subprocess
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from tempfile import mkdtemp
 
-from bench.faults import damage, discs, histories, kills, servers, statements, writers
+from bench.faults import calls, damage, discs, failing, histories, kills, servers, session, statements, writers
 from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
@@ -44,6 +44,7 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
     else:
         missing = Outcome("full disc, read-only file system", "skipped: mounting a small file system takes root")
         yield "discs", lambda: missing
+    yield from _of_calls(scratch / "calls", others)
     yield "two_commands", partial(writers.two_commands, next(folders), others // 4)
     yield "app_and_command", partial(writers.app_and_command, next(folders), others // 4)
     yield "restores", partial(histories.restores_beside_writers, next(folders), 5, 2 * others, max(2, others // 4))
@@ -52,6 +53,27 @@ def parts(scratch: Path, *, killed: int, others: int) -> Iterator[Part]:
     yield "cut_short", partial(damage.cut_short, next(folders), others, SEED)
     yield "bits_flipped", partial(damage.bits_flipped, next(folders), 2 * others, SEED)
     yield from _of_a_server(scratch / "server", max(3, others // 16))
+
+
+def _of_calls(folder: Path, others: int) -> Iterator[Part]:
+    """System calls that fail, for every command of the tree."""
+    if not calls.can_trace():
+        yield "calls", lambda: Outcome("a call fails", "skipped: there is no strace on this machine")
+        return
+
+    @cache
+    def found() -> list[session.Call]:
+        with at_home(folder / "desk" / "home"):
+            return session.calls(folder)
+
+    for number, name in enumerate(session.commands()):
+        if name in session.LEFT_OUT:
+            left = Outcome("a call fails", f"{name}: not tried, {session.LEFT_OUT[name]}")
+            yield f"fails_{name}", partial(lambda outcome: outcome, left)
+        else:
+            there = folder / "trials" / str(number)
+            yield f"fails_{name}", partial(failing.every_call, there, name, found, others // 8, others // 8)
+    yield "fails_histories", partial(failing.history, folder / "histories", 2 * others, SEED)
 
 
 def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:

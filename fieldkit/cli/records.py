@@ -1,5 +1,6 @@
 """Flights of the ledger: `flights`, `show`, `edit`, `tag`, `untag` and `remove`."""
 
+from itertools import chain
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -36,31 +37,32 @@ def flights(
     json: AsJson = False,
 ) -> None:
     """List the flights of the ledger."""
+    from fieldkit.cli.stream import stream_json, stream_table
     from fieldkit.presentation.export import document
 
     with open_ledger(context) as ledger:
-        chosen = ledger.flights(rocket, tag=tag)
-        ids = ledger.ids(chosen)
-        name = ledger.name
-    if json:
-        print_json({"flights": [document(flight) for flight in chosen]})
-    elif not chosen:
-        complain(f"no such flights in {name}" if rocket or tag else f"no flights in {name} yet")
-    else:
-        headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
-        rows = [
-            (
-                id,
-                f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
-                flight.rocket,
-                flight.config,
-                flight.motor,
-                in_both_units("apogee", flight.apogee),
-                "; ".join(flight.tags),
-            )
-            for id, flight in zip(ids, chosen, strict=True)
-        ]
-        print_table(headers, rows, numbers=["apogee"])
+        pages = ledger.pages(rocket, tag)
+        if json:
+            stream_json("flights", (document(flight) for page in pages for _, flight in page))
+        elif (first := next(pages, None)) is None:
+            complain(f"no such flights in {ledger.name}" if rocket or tag else f"no flights in {ledger.name} yet")
+        else:
+            headers = ("id", "date", "rocket", "config", "motor", "apogee", "tags")
+            rows = ([_listed(id, flight) for id, flight in page] for page in chain([first], pages))
+            stream_table(headers, rows, numbers=["apogee"])
+
+
+def _listed(id: str, flight: "Flight") -> tuple[str, ...]:
+    """A flight as a row of the list."""
+    return (
+        id,
+        f"{flight.date_time:%Y-%m-%d}" if flight.date_time else "",
+        flight.rocket,
+        flight.config,
+        flight.motor,
+        in_both_units("apogee", flight.apogee),
+        "; ".join(flight.tags),
+    )
 
 
 @app.command()

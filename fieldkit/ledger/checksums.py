@@ -16,6 +16,7 @@ from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights, tags
 
 CHECKSUM = "checksum"
 """Name of the column."""
+_AS_JSON = json.JSONEncoder(sort_keys=True).encode
 SEPARATE_COLUMN = "images"
 """A long column that is often not read, with a checksum of its own in `images_checksum`."""
 
@@ -29,7 +30,7 @@ def checksum(row: Mapping[str, Any]) -> int:
 
 def checksum_of(document: Any) -> int:
     """CRC-32 of something as JSON. [1]"""
-    return crc32(json.dumps(document, sort_keys=True).encode())
+    return crc32(_AS_JSON(document).encode())
 
 
 def checked(row: Row) -> Row:

@@ -1,10 +1,10 @@
 """Flights as the tables hold them: reading them, and what they name."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from sqlalchemy import Connection, Select, func, select, tuple_
+from sqlalchemy import ColumnElement, Connection, Select, func, select, tuple_
 
 from fieldkit.flight import Flight
 from fieldkit.ledger.checksums import sound_flights
@@ -32,6 +32,35 @@ _FLIGHT_DATE = func.coalesce(flights.c.date_time, _EARLIER_DATE)
 """When a flight counts as flown: by its date, and without one after those of its rocket that were entered before it."""
 
 
+PAGE = 100
+"""Flights of the first page of a list; every later one is larger, up to `MAX_ROWS_BY_NAME`. [1]"""
+
+
+def load_pages(connection: Connection, *, rocket: str | None = None, tag: str | None = None) -> Iterator[list[Held]]:
+    """The same as `load`, some at a time: first only the order is read, then the rows of each page."""
+    entries = list(connection.scalars(_chosen(select(flights.c.entry), rocket, tag).order_by(*_order(connection))))
+    start, size = 0, PAGE
+    while start < len(entries):
+        some = entries[start : start + size]
+        held = {one.entry: one for one in _all_held(connection, select(flights).where(flights.c.entry.in_(some)))}
+        yield [held[entry] for entry in some]
+        start, size = start + size, MAX_ROWS_BY_NAME
+
+
+def _order(connection: Connection) -> tuple[ColumnElement[Any], ...]:
+    """The order flown. Where every flight has its date that is by date, which takes half as long."""
+    undated = connection.scalar(select(flights.c.entry).where(flights.c.date_time.is_(None)).limit(1))
+    return (flights.c.date_time if undated is None else _FLIGHT_DATE.nulls_first(), flights.c.entry)
+
+
+def _chosen(query: Select[Any], rocket: str | None, tag: str | None) -> Select[Any]:
+    if rocket is not None:
+        query = query.where(flights.c.rocket == rocket)
+    if tag is not None:
+        query = query.where(flights.c.entry.in_(select(tags.c.entry).where(tags.c.tag == tag)))
+    return query
+
+
 def load(
     connection: Connection,
     *,
@@ -40,11 +69,7 @@ def load(
     entries: Sequence[int] | None = None,
 ) -> list[Held]:
     """Flights in the order flown; of a rocket, with a tag, at these entries."""
-    query = select(flights).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
-    if rocket is not None:
-        query = query.where(flights.c.rocket == rocket)
-    if tag is not None:
-        query = query.where(flights.c.entry.in_(select(tags.c.entry).where(tags.c.tag == tag)))
+    query = _chosen(select(flights), rocket, tag).order_by(_FLIGHT_DATE.nulls_first(), flights.c.entry)
     if entries is not None and len(entries) <= MAX_ROWS_BY_NAME:
         query = query.where(flights.c.entry.in_(entries))
     held = _all_held(connection, query)

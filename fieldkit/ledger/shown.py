@@ -1,6 +1,6 @@
 """Flights as they come out of a ledger: listed, named, with their logs, and as they once were."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 
 from fieldkit.flight import Flight
 from fieldkit.ledger import finding, logs, naming, past
@@ -22,6 +22,13 @@ class FlightsOut(OpenLedger):
         with self._reading() as connection:
             entries = None if ids is None else [held.entry for held in naming.resolve_all(connection, ids)]
             return [held.flight for held in finding.load(connection, rocket=rocket, tag=tag, entries=entries)]
+
+    def pages(self, rocket: str | None = None, tag: str | None = None) -> Iterator[list[tuple[str, Flight]]]:
+        """The same flights some at a time, each with the id that names it; all of one state of the ledger."""
+        with self._reading() as connection:
+            for held in finding.load_pages(connection, rocket=rocket, tag=tag):
+                names = naming.ids(connection, [(one.flight.rocket, one.flight.flight_id) for one in held])
+                yield [(names[one.flight.rocket, one.flight.flight_id], one.flight) for one in held]
 
     def flight(self, id: str) -> Flight:
         """The flight with this id: its flight_id where that is unique, else `rocket/flight_id`.

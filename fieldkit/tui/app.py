@@ -2,14 +2,19 @@
 
 import asyncio
 import gc
+import sys
+import time
 from collections.abc import Iterable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
 from typing import Any, ClassVar
 
+from rich.console import Console
+from textual import events
 from textual.app import SystemCommand
 from textual.binding import Binding, BindingType
+from textual.command import CommandPalette
 from textual.screen import Screen
 from textual.widget import AwaitMount
 from textual.widgets import Input
@@ -18,9 +23,11 @@ from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import BY_NAME
 from fieldkit.quantities import measure, unit_of
 from fieldkit.settings import UNITS
+from fieldkit.tui.crash import Crash, place_of, record
 from fieldkit.tui.hangup import gone, terminal
 from fieldkit.tui.in_order import InOrder
 from fieldkit.tui.page import PageScreen, pages
+from fieldkit.tui.palette import Palette
 from fieldkit.tui.resources import Resources
 from fieldkit.tui.themes import THEMES
 from fieldkit.tui.widgets.bars import Notice, NoticeBar
@@ -32,8 +39,20 @@ PAUSE = 0.05
 TERMINAL_CHECK_INTERVAL = 1.0
 """Time between checks that the terminal is still there. [s]"""
 
+MAX_RESTARTS, WITHIN = 3, 60.0
+"""How often in a time the app is opened again after an error, before it gives up. [1], [s]"""
+
 LOOKS = {"units", "theme", "target"}
 """Settings that change how things are shown and nothing that is worked out."""
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where a flyer was: the page, the row of its first table, and what went wrong there."""
+
+    page: str
+    row: Any
+    crash: Crash
 
 
 class FieldkitApp(InOrder):
@@ -62,9 +81,21 @@ class FieldkitApp(InOrder):
     ]
 
     def __init__(
-        self, where: str | Path | None = None, settings_file: Path | None = None, *, stays: bool = False
+        self,
+        where: str | Path | None = None,
+        settings_file: Path | None = None,
+        *,
+        stays: bool = False,
+        back: Place | None = None,
     ) -> None:
         super().__init__()
+        self.error_console = Console(stderr=True, quiet=True)  # what fails is told in a line
+        self._back = back
+        self.place: Place | None = None
+        """Where the flyer was when an error ended the app."""
+        self.errors: list[Exception] = []
+        """What nobody foresaw and was survived."""
+        self._crashes: dict[str, Crash] = {}
         self._stays = stays
         self.resources = Resources(where, settings_file)
         self.notices: list[Notice] = []
@@ -82,9 +113,18 @@ class FieldkitApp(InOrder):
         """The first page."""
         for name in pages():
             self.add_mode(name, partial(self._page, name))
-        self.switch_mode(next(iter(pages())))
+        self.switch_mode(self._back.page if self._back else next(iter(pages())))
+        if self._back:
+            self.show_notice(self._back.crash.line(), error=True)
         if not self.is_headless and (held := terminal()) is not None:
             self.set_interval(TERMINAL_CHECK_INTERVAL, partial(self._leave_if_gone, held))
+
+    async def on_event(self, event: events.Event) -> None:
+        """Handle an event; a key that fails leaves everything where it is."""
+        try:
+            await super().on_event(event)
+        except Exception as error:
+            self.survive(error)
 
     def _leave_if_gone(self, held: int) -> None:
         """Leave where the terminal was closed: whatever was typed is kept already."""
@@ -111,6 +151,9 @@ class FieldkitApp(InOrder):
         """The flights have been read."""
         if self._length is None:
             self.look_round()
+        if self._back is not None and isinstance(self.screen, PageScreen):
+            self.screen.go_to_row(self._back.row)
+            self._back = None
         if self._stays:
             _keep_from_collector()
         if self._stays and not self._readied:
@@ -154,6 +197,33 @@ class FieldkitApp(InOrder):
         elif notice not in self.notices:
             self.notices.append(notice)
         self._show_notices()
+
+    def survive(self, error: Exception) -> None:
+        """Write down an error that nobody foresaw, once for each place that it comes from, and say so."""
+        self.errors.append(error)
+        self.show_notice(self._crash(error).line(), error=True)
+
+    def _crash(self, error: BaseException) -> Crash:
+        crash = record(error) if (known := self._crashes.get(place_of(error))) is None else known
+        return self._crashes.setdefault(crash.where, crash)
+
+    def bell(self) -> None:
+        """Textual rings it where an error has reached it, which ends the app; nothing else rings it."""
+        error = sys.exception()
+        if error is not None and self.place is None:
+            self.place = Place(self.current_mode, self._row(), self._crash(error))
+        super().bell()
+
+    def _row(self) -> Any:
+        try:
+            return page.row() if isinstance(page := self.screen_stack[0], PageScreen) else None
+        except Exception:  # an app that is failing may have no screen left
+            return None
+
+    def action_command_palette(self) -> None:
+        """Find anything by its name."""
+        if not isinstance(self.screen, CommandPalette):
+            self.push_screen(Palette(id="--command-palette"))
 
     def action_read(self) -> None:
         """The notice in front was read."""
@@ -316,5 +386,18 @@ def _keep_from_collector() -> None:
 
 
 def run(where: str | None) -> None:
-    """Open the app on a ledger and stay until the flyer leaves."""
-    FieldkitApp(where, stays=True).run()
+    """Open the app on a ledger and stay until the flyer leaves; after an error of our own, where the flyer was.
+
+    Raises FieldkitError where one error follows the other.
+    """
+    began: list[float] = []
+    place: Place | None = None
+    while True:
+        app = FieldkitApp(where, stays=True, back=place)
+        app.run()
+        place, ended = app.place, time.monotonic()
+        began = [one for one in began if ended - one < WITHIN] + [ended]
+        if place is None:
+            return
+        if len(began) > MAX_RESTARTS or app.is_web:
+            raise FieldkitError(place.crash.line())

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -18,6 +18,7 @@ from textual.reactive import Reactive
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Input
+from textual.worker import get_current_worker
 
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.help import Help
@@ -41,6 +42,16 @@ class Page:
     number: int
     title: str
     screen: type["PageScreen"]
+
+
+class Dropped(Exception):
+    """Nobody waits for an answer any more."""
+
+
+def go_on() -> None:
+    """Called within a question's work. Raises Dropped where nobody waits for its answer any more."""
+    if get_current_worker().is_cancelled:
+        raise Dropped
 
 
 @cache
@@ -81,7 +92,9 @@ class PageScreen(Screen[None]):
     def __init__(self) -> None:
         super().__init__()
         self._seen = (-1, -1)
+        self._theme = ""
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
+        self._threads: dict[str, asyncio.Future[Any]] = {}
         self._due: list[Callable[[], None]] = []
 
     @property
@@ -127,7 +140,8 @@ class PageScreen(Screen[None]):
 
     def on_screen_resume(self, event: events.ScreenResume) -> None:
         """Show what is waiting to be read, and what has changed while another page was in front."""
-        event.refresh_styles = False  # new colours were put on before, by the app: to do so again takes half of a key
+        event.refresh_styles = self._theme != self.app.theme  # to style a page again takes half of a key
+        self._theme = self.app.theme
         if not self.is_current or self.field_app.unseen:
             return  # made ready out of sight
         self.query_one(NoticeBar).show_notice(self.field_app.notices)
@@ -166,10 +180,19 @@ class PageScreen(Screen[None]):
         self._seen = (self.field_app.revision, self.field_app.look)
 
     def ask(
-        self, question: Callable[[], T], answer: Callable[[T], None], group: str = "ask", *, in_turn: bool = False
+        self,
+        question: Callable[[], T],
+        answer: Callable[[T], None],
+        group: str = "ask",
+        *,
+        in_turn: bool = False,
+        alone: bool = False,
     ) -> None:
         """Do some work off the keys and give what comes of it to `answer`; a newer question of a group drops an older
-        one, or waits for it `in_turn`. An error that the flyer can mend becomes a notice.
+        one, or waits for it `in_turn`. An error becomes a notice, one that nobody foresaw a file as well.
+
+        A thread cannot be ended from outside: what was dropped is worked out to its end, or to where it calls
+        `go_on`. Of questions that are long and large, each is worked out `alone`, the newest when that is over.
         """
 
         def with_engine() -> T:
@@ -179,13 +202,22 @@ class PageScreen(Screen[None]):
         async def work() -> None:
             async with self._turns[group] if in_turn else nullcontext():
                 try:
-                    found = await asyncio.to_thread(with_engine)
+                    answer(await (self._alone(group, with_engine) if alone else asyncio.to_thread(with_engine)))
                 except FieldkitError as error:
                     self.complain(str(error))
-                    return
-                answer(found)
+                except Exception as error:
+                    self.field_app.survive(error)
 
         self.run_worker(work, exclusive=not in_turn, group=group)  # type: ignore[arg-type]  # narrower than it takes
+
+    async def _alone(self, group: str, question: Callable[[], T]) -> T:
+        """Work a question out when the one before it is over, also where that was dropped."""
+        while (before := self._threads.get(group)) is not None and not before.done():
+            await asyncio.wait([before])
+        running = asyncio.ensure_future(asyncio.to_thread(question))
+        running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # of one that was dropped
+        self._threads[group] = running
+        return await asyncio.shield(running)
 
     async def settled(self, *groups: str) -> None:
         """Wait until what was asked in some groups is answered: keys typed ahead of the answer are about it."""
@@ -243,6 +275,15 @@ class PageScreen(Screen[None]):
     def action_leave_line(self) -> None:
         """From a line to the first table."""
         self.set_focus(self.resting_place())
+
+    def row(self) -> Any:
+        """The row under the cursor of the first table, None where there is none."""
+        return getattr(self.resting_place(), "current", None)
+
+    def go_to_row(self, key: Any) -> None:
+        """Put the cursor of the first table on a row, where there is such a row."""
+        if key is not None and (move := getattr(self.resting_place(), "move_to", None)):
+            move(key)
 
     def resting_place(self) -> Widget | None:
         """Where the focus goes when a field is left: the first table, if there is one."""

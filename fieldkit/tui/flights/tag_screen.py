@@ -87,7 +87,7 @@ class TagScreen(PageScreen):
     def _have(self, read: tuple[Flight, dict[str, list[str]]]) -> None:
         flight, self._bearers = read
         self._list(flight)
-        self.ask(partial(self._shift, flight), self._have_shift, "effect")
+        self.ask(partial(self._shift, flight), self._have_shift, "effect", alone=True)
 
     def _list(self, flight: Flight) -> None:
         """The tags, with a mark at those that the flight bears."""

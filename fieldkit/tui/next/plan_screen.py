@@ -129,7 +129,7 @@ class PlanScreen(PageScreen):
         """Work out the answer in hand."""
         self.query_one(TabLine).front(self._view)
         self._say(Answer(("working it out ...",)))
-        self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan")
+        self.ask(partial(self._answer, self._view, self.resources.settings), self._say, "plan", alone=True)
 
     def _say(self, answer: Answer) -> None:
         self._said = answer

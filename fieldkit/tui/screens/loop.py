@@ -16,7 +16,7 @@ from fieldkit.safe_text import printable
 from fieldkit.tui.flights.flight_facts import or_why
 from fieldkit.tui.help import Help
 from fieldkit.tui.loop.loop_look import PANELS, Standing, look, standing_of
-from fieldkit.tui.page import Page, PageScreen
+from fieldkit.tui.page import Page, PageScreen, go_on
 from fieldkit.tui.report import ask_report
 from fieldkit.tui.widgets.table import Table
 from fieldkit.tui.widgets.tabs import TabLine
@@ -148,7 +148,12 @@ class LoopScreen(PageScreen):
         rocket = self._standing.rocket
         self.action_panel(PANELS.index("Verdict"))
         self._report_progress("reading flights", 0.0)
-        self.ask(or_why(partial(look, self.resources, rocket, self._report_progress)), self._looked, "look")
+        self.ask(or_why(partial(look, self.resources, rocket, self._looking)), self._looked, "look", alone=True)
+
+    def _looking(self, text: str, share: float) -> None:
+        """Say how far it is, unless another look was asked for or the app is left."""
+        go_on()
+        self._report_progress(text, share)
 
     def _report_progress(self, text: str, share: float) -> None:
         self.post_message(self.TrialProgress(text, share))

@@ -189,7 +189,7 @@ class NextScreen(PageScreen):
 
             return guide(plan.rocket, plan.full, waiting, plan.limits, plan.site, DRAWS)
 
-        self.ask(work, self._have, "forecast")
+        self.ask(work, self._have, "forecast", alone=True)
 
     def _have(self, found: "Sequence[MotorChoice]") -> None:
         self._motors.known |= {one.motor: one for one in found}

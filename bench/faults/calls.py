@@ -1,0 +1,168 @@
+"""System calls that fail: a command in a process of its own, under strace, which lets its n-th call go wrong.
+
+strace stands between a process and the system, so the calls of SQLite's own code fail as Python's do, and nothing of
+the program is replaced. A call that does its work in part, as on a disc that is nearly full, is had by a limit on the
+size of files instead, which the system itself keeps.
+"""
+
+import os
+import re
+import resource
+import shutil
+import signal
+import subprocess
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from contextlib import suppress
+from dataclasses import dataclass
+from pathlib import Path
+
+from fieldkit.cli.main import main as run
+
+GROUPS = {
+    "read": ("read", "pread64"),
+    "write": ("write", "pwrite64", "ftruncate"),
+    "fsync": ("fsync", "fdatasync"),
+    "rename": ("rename", "renameat", "renameat2", "link", "linkat"),
+    "unlink": ("unlink", "unlinkat"),
+}
+"""System calls by what they are for."""
+CALLS = tuple(name for names in GROUPS.values() for name in names)
+TRACEBACK = 99
+"""Exit status of a command that ended in a traceback."""
+PATIENCE = 120.0
+"""How long a command may take under a fault. [s]"""
+
+_LINE = re.compile(r"^(?:\[pid\s+\d+\]\s+|\d+\s+)?(\w+)\((.*)$")
+
+
+@dataclass(frozen=True, slots=True)
+class Fault:
+    """The n-th call of a name gone wrong: `error=EIO`, `retval=0` (nothing read), `signal=SIGKILL`."""
+
+    call: str
+    number: int
+    how: str
+
+    def __str__(self) -> str:
+        return f"{self.call} {self.number} {self.how}"
+
+
+@dataclass(frozen=True, slots=True)
+class Ended:
+    """How a command ended: exit status, negative for a signal; what it said; whether its fault came."""
+
+    status: int
+    out: str
+    said: str
+    came: bool
+
+
+def can_trace() -> bool:
+    """Whether strace is here and may look at a process."""
+    if shutil.which("strace") is None:
+        return False
+    return subprocess.run(["strace", "-qq", "-o", os.devnull, "true"], capture_output=True).returncode == 0
+
+
+def run_with(
+    work: Callable[[], int], folder: Path, notes: Path, fault: Fault | None = None, largest: int | None = None
+) -> Ended:
+    """Run some work in a fork, with a fault in it that counts where it is in this folder; `notes` is a folder beside.
+
+    `largest` is a limit on the size of a file. [byte]
+    """
+    notes.mkdir(parents=True, exist_ok=True)
+    pid = os.fork()
+    if not pid:
+        _child(work, notes, largest)
+    tracer = _attached(pid, notes / "calls.txt", fault) if largest is None else None
+    if tracer is None:
+        os.waitpid(pid, os.WUNTRACED)
+        os.kill(pid, signal.SIGCONT)
+    status = _waited(pid)
+    if tracer is not None:
+        tracer.wait(PATIENCE)
+    trace = (notes / "calls.txt").read_text(errors="replace") if tracer is not None else ""
+    came = any("(INJECTED)" in line and str(folder) in line for line in trace.splitlines()) or status == -signal.SIGKILL
+    out, said = ((notes / name).read_text(errors="replace") for name in ("out.txt", "err.txt"))
+    return Ended(status, out, said, came)
+
+
+def _child(work: Callable[[], int], notes: Path, largest: int | None) -> None:
+    """The forked process: it waits for whoever looks at it, and does its work."""
+    status = TRACEBACK
+    try:
+        for stream, name in ((1, "out.txt"), (2, "err.txt")):
+            os.dup2(os.open(notes / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), stream)
+        if largest is not None:
+            resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
+        os.kill(os.getpid(), signal.SIGSTOP)
+        status = work()
+    except BaseException as error:
+        os.write(2, f"Traceback: {type(error).__name__}: {error}\n".encode())
+    os._exit(status)
+
+
+def _attached(pid: int, log: Path, fault: Fault | None) -> "subprocess.Popen[bytes]":
+    """strace, looking at a process that has stopped, which then goes on."""
+    os.waitpid(pid, os.WUNTRACED)
+    log.unlink(missing_ok=True)
+    command = ["strace", "-f", "-qq", "-y", "-s", "0", "-o", str(log), "-e", f"trace={','.join(CALLS)}"]
+    command += ["-e", f"inject={fault.call}:{fault.how}:when={fault.number}"] if fault else []
+    tracer = subprocess.Popen([*command, "-p", str(pid)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    status = Path(f"/proc/{pid}/status")
+    while "TracerPid:\t0\n" in status.read_text(encoding="utf-8") and tracer.poll() is None:
+        time.sleep(0.001)
+    os.kill(pid, signal.SIGCONT)
+    return tracer
+
+
+def _waited(pid: int) -> int:
+    """Exit status of a process, negative for a signal; one that takes too long is ended."""
+    ends = time.monotonic() + PATIENCE
+    while True:
+        found, status = os.waitpid(pid, os.WNOHANG)
+        if found:
+            return os.waitstatus_to_exitcode(status)
+        if time.monotonic() > ends:
+            with suppress(ProcessLookupError):
+                os.kill(pid, signal.SIGKILL)
+        time.sleep(0.002)
+
+
+def made(notes: Path, folder: Path) -> list[tuple[str, int]]:
+    """The calls of the last run that were about this folder: name, and which of that name it was."""
+    counts: Counter[str] = Counter()
+    found = []
+    for line in (notes / "calls.txt").read_text(errors="replace").splitlines():
+        if match := _LINE.match(line):
+            counts[match[1]] += 1
+            if str(folder) in match[2]:
+                found.append((match[1], counts[match[1]]))
+    return found
+
+
+def faults(calls: Sequence[tuple[str, int]], reads: int, others: int) -> list[Fault]:
+    """What is to go wrong: each call refused by the disc, writes for want of room too, reads that bring nothing, and
+    the process killed at each; of calls of one kind at most so many, evenly over the command."""
+    chosen: list[Fault] = []
+    for kind, names in GROUPS.items():
+        some = _evenly([one for one in calls if one[0] in names], reads if kind == "read" else others)
+        ways = {"read": ("error=EIO", "retval=0"), "write": ("error=EIO", "error=ENOSPC", "signal=SIGKILL")}
+        for call, number in some:
+            for how in ways.get(kind, ("error=EIO", "signal=SIGKILL")):
+                if call != "ftruncate" or how != "error=ENOSPC":
+                    chosen.append(Fault(call, number, how))
+    return chosen
+
+
+def _evenly(some: Sequence[tuple[str, int]], most: int) -> list[tuple[str, int]]:
+    count = min(len(some), most)
+    return [some[place * len(some) // count] for place in range(count)]
+
+
+def command(ledger: Path, arguments: Sequence[str]) -> Callable[[], int]:
+    """A command as work."""
+    return lambda: run(["--ledger", str(ledger), *arguments])

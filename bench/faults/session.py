@@ -1,0 +1,102 @@
+"""Every command there is, as the session of examples in the manual calls it, and what it finds when it is called.
+
+The list is made from the command line's own tree: a new command has its example in `docs/examples.sh`, or a test fails,
+and so is tried here without a word more.
+"""
+
+import shlex
+import shutil
+from collections.abc import Iterator, Sequence
+from contextlib import chdir
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from typer.main import get_command
+
+from bench.faults.ledgers import ROOT, fieldkit
+from fieldkit.cli.main import app
+
+SESSION = ROOT / "docs" / "examples.sh"
+LONG = ROOT / "docs" / "examples-long.sh"
+MORE = (
+    "backups restore 1 --yes",
+    "loop --rocket Astra --effect motor_thrust",
+    "loop --rocket Astra --look --page loop.html",
+)
+"""Calls of commands that write by an option, or of which the session shows another part."""
+LEFT_OUT = {
+    "tui": "stays open; the ledger beneath it is that of the commands",
+    "serve": "stays open",
+    "train": "computes for hours; its files are put in their places by the same function as an export",
+    "learn": "computes for minutes; its file is written by the same function as an export",
+    "study reference": "computes for minutes; its file is written by the same function as an export",
+    "study rockets": "computes for minutes; its file is written by the same function as an export",
+    "ork": "its design is no file of the session",
+    "paper": "computes for minutes and keeps nothing",
+}
+"""Commands that are not tried, and why."""
+
+
+@cache
+def commands() -> tuple[str, ...]:
+    """The names of all commands, from the tree."""
+    return tuple(_leaves(get_command(app), ()))
+
+
+def _leaves(command: Any, path: tuple[str, ...]) -> Iterator[str]:
+    if below := getattr(command, "commands", None):
+        for name in below:
+            yield from _leaves(below[name], (*path, name))
+        if not path or not command.invoke_without_command:
+            return
+    yield " ".join(path)
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """A command as a flyer calls it, and the folder that it finds: its ledger, and what the flyer keeps."""
+
+    arguments: tuple[str, ...]
+    found: Path
+
+    @property
+    def line(self) -> str:
+        """As it is typed."""
+        return shlex.join(self.arguments)
+
+
+def _lines(file: Path) -> list[tuple[str, ...]]:
+    lines = (shlex.split(line, comments=True) for line in file.read_text(encoding="utf-8").splitlines())
+    return [tuple(words[1:]) for words in lines if words[:1] == ["fieldkit"]]
+
+
+def calls(folder: Path) -> list[Call]:
+    """The lines of the session, each with a copy of what it finds; those that stay open or compute for long are not
+    among them. The copies lie in this folder."""
+    desk = furnished(folder / "desk")
+    extra = [tuple(shlex.split(line)) for line in MORE]
+    quick = [words for words in _lines(LONG) if named(words) not in LEFT_OUT]
+    made: list[Call] = []
+    with chdir(desk):
+        for number, words in enumerate((*_lines(SESSION), *extra, *quick)):
+            found = folder / "found" / str(number)
+            shutil.copytree(desk, found, symlinks=True)
+            made.append(Call(words, found))
+            fieldkit(desk / "ledger.db", *words)
+    return made
+
+
+def furnished(desk: Path) -> Path:
+    """A folder in which the session's paths lead to files of the checkout."""
+    desk.mkdir(parents=True)
+    for name in ("sample_logs", "fieldkit"):
+        (desk / name).symlink_to(ROOT / name)
+    return desk
+
+
+def named(arguments: Sequence[str]) -> str:
+    """The command that a line calls, by its name in the tree."""
+    known = set(commands())
+    return next((name for count in (2, 1) if (name := " ".join(arguments[:count])) in known), arguments[0])

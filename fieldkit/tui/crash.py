@@ -1,0 +1,95 @@
+"""What is left of an error that nobody foresaw: a file that says where it happened, and a line for the flyer.
+
+The file is meant to be sent to others, so it holds nothing of the flyer: of an error the type and the lines of the
+program, never its message, which may quote a flight, and never a variable; of a path what follows the home folder.
+"""
+
+import platform
+import sys
+import traceback
+from collections.abc import Iterator
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from importlib.metadata import version
+from pathlib import Path
+
+import fieldkit
+from fieldkit.errors import FieldkitError
+from fieldkit.files import replace
+from fieldkit.paths import crash_folder
+
+MAX_CRASH_FILES = 20
+"""The newest are kept. [1]"""
+MAX_FRAMES = 60
+"""Calls of one error that are written down, the innermost. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Crash:
+    """An error that nobody foresaw: where it was raised, and the file that says more, None where none could be kept."""
+
+    where: str
+    file: Path | None
+
+    def line(self) -> str:
+        """What a flyer reads."""
+        kept = f"{self.file} says where, without your flights" if self.file else "no file of it could be kept"
+        return f"an error in fieldkit itself, {self.where}; what was typed and saved is kept; {kept}"
+
+
+def record(error: BaseException) -> Crash:
+    """Write down what failed, in the folder of crashes."""
+    where = place_of(error)
+    file = crash_folder() / f"{datetime.now(UTC):%Y%m%dT%H%M%S%f}.txt"
+    try:
+        replace(file, ("\n".join(_lines(error)) + "\n").encode())
+        for old in sorted(file.parent.glob("*.txt"))[:-MAX_CRASH_FILES]:
+            old.unlink(missing_ok=True)
+    except (FieldkitError, OSError):
+        return Crash(where, None)
+    return Crash(where, file)
+
+
+def place_of(error: BaseException) -> str:
+    """The type of an error, and the line that raised it."""
+    frames = _frames(error)
+    return f"{type(error).__name__} in {frames[-1][0]} line {frames[-1][1]}" if frames else type(error).__name__
+
+
+def _lines(error: BaseException) -> Iterator[str]:
+    """The versions, and every error of the chain, the first cause first."""
+    yield f"fieldkit {fieldkit.__version__}, Textual {version('textual')}, Python {platform.python_version()}"
+    yield f"{platform.system()} {platform.machine()}, {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+    for one in _chain(error):
+        yield ""
+        yield type(one).__name__
+        for file, line, function, code in _frames(one)[-MAX_FRAMES:]:
+            yield f"  {file} line {line}, {function}: {code}"
+
+
+def _chain(error: BaseException) -> list[BaseException]:
+    """An error and what caused it, the first cause first."""
+    chain: list[BaseException] = []
+    now: BaseException | None = error
+    while now is not None and now not in chain:
+        chain.insert(0, now)
+        now = now.__cause__ or (None if now.__suppress_context__ else now.__context__)
+    return chain
+
+
+def _frames(error: BaseException) -> list[tuple[str, int, str, str]]:
+    """The calls that led to an error: file, line, function, and the line of the program."""
+    found = traceback.extract_tb(error.__traceback__)
+    return [(shortened(frame.filename), frame.lineno or 0, frame.name, frame.line or "") for frame in found]
+
+
+def shortened(file: str) -> str:
+    """A file of the program as everybody has it, any other one from the home folder on."""
+    path = Path(file)
+    for root in (Path(fieldkit.__file__).parents[1], *map(Path, sys.path), Path(sys.base_prefix)):
+        if root.is_absolute() and root != Path(root.anchor) and root != Path.home() and path.is_relative_to(root):
+            return path.relative_to(root).as_posix()
+    try:
+        return f"~/{path.relative_to(Path.home()).as_posix()}"
+    except ValueError:
+        return path.name
