@@ -7,7 +7,7 @@ are scaled by factors on a grid, weighted by the evidence for each.
 
 from dataclasses import dataclass
 from functools import lru_cache
-from math import erf, log, sqrt
+from math import erf, log, pi, sqrt
 
 import numpy as np
 
@@ -136,7 +136,9 @@ def _concluded(
     offset = (covariance @ gain[..., None])[..., 0]
     log_terms = np.linalg.slogdet(precision)[1] - log_det_prior
     left = misfit - (gain * offset).sum(axis=1)
-    log_likelihood = -0.5 * (left + told.log_det.sum(axis=1) + log_terms)
+    unseen = float((~data.seen).sum()) * log(UNOBSERVED_SD)  # which the noise has in it
+    constant = unseen - 0.5 * float(data.seen.sum()) * log(2 * pi)
+    log_likelihood = constant - 0.5 * (left + told.log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
     log_weight = log_likelihood + model.hyperprior.scales()[2] + _log_inside(model, mean, covariance)
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
