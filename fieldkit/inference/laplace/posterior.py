@@ -63,7 +63,7 @@ class FlightEvidence:
 
     `slope` and `miss` are zero in what cannot be compared; `miss` is from what the prior means of the terms expect.
     `noise` is the covariance of each flight's readouts about what the terms say, `sharpness` its inverse, `log_det`
-    the logarithm of its determinant.
+    the logarithm of its determinant, with the 2 pi of a normal density and without what was not observed.
     """
 
     slope: Float[Array, "flight readout term"]
@@ -136,9 +136,7 @@ def _concluded(
     offset = (covariance @ gain[..., None])[..., 0]
     log_terms = np.linalg.slogdet(precision)[1] - log_det_prior
     left = misfit - (gain * offset).sum(axis=1)
-    unseen = float((~data.seen).sum()) * log(UNOBSERVED_SD)  # which the noise has in it
-    constant = unseen - 0.5 * float(data.seen.sum()) * log(2 * pi)
-    log_likelihood = constant - 0.5 * (left + told.log_det.sum(axis=1) + log_terms)
+    log_likelihood = -0.5 * (left + told.log_det.sum(axis=1) + log_terms)
     mean = prior_mean + offset
     log_weight = log_likelihood + model.hyperprior.scales()[2] + _log_inside(model, mean, covariance)
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
@@ -150,7 +148,9 @@ def _told(model: Model, data: Data, near: Tangent) -> FlightEvidence:
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     noise = _noise(model, data, near, usable)
-    return FlightEvidence(slope, miss, noise, *_inverses(noise, usable))
+    sharpness, log_det = _inverses(noise, usable)
+    unseen, seen = (part.sum(axis=-1) for part in (~data.seen, data.seen))
+    return FlightEvidence(slope, miss, noise, sharpness, log_det - 2 * log(UNOBSERVED_SD) * unseen + log(2 * pi) * seen)
 
 
 def _inverses(noise: Float[Array, "scale flight readout readout"], usable: Flags) -> tuple[Array, Array]:
@@ -231,5 +231,5 @@ def _last_unseen(told: FlightEvidence, flight: int) -> FlightEvidence:
     slope[-1] = miss[-1] = 0.0
     every = np.eye(noise.shape[-1])
     noise[:, -1], sharpness[:, -1] = every * UNOBSERVED_SD**2, every / UNOBSERVED_SD**2
-    log_det[:, -1] = len(every) * 2 * log(UNOBSERVED_SD)
+    log_det[:, -1] = 0.0
     return FlightEvidence(slope, miss, noise, sharpness, log_det)
