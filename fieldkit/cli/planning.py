@@ -101,7 +101,21 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
     if ceiling:
         known = replace(known, name="", ceiling=ceiling)  # the day's, and not what the site is known by
-    return replace(known, size=size or known.size)
+    away = {name: length(given.get(name)) or getattr(known, name) for name in ("people", "bystanders")}
+    rules = given.get("rules")
+    if rules is not None:
+        check_rules(rules)
+    return replace(known, size=size or known.size, rules=known.rules if rules is None else rules, **away)
+
+
+def check_rules(text: str) -> None:
+    """Raise BadValue for rules of an authority that no set is of."""
+    import datetime
+
+    from fieldkit.planning.rules import governing, read_authorities
+    from fieldkit.planning.safety import known_rules
+
+    governing(known_rules(), read_authorities(text), False, datetime.date.today())
 
 
 def length(text: str | None, default: str = "m", *, signed: bool = False) -> float | None:

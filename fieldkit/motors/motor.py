@@ -29,7 +29,8 @@ class Motor:
     motor is sold so; empty where they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
     the certification [N], None where none is on record or only the number of the name; `corrections` are the
-    figures that differ from the source, and those on which documents disagree. Two motors are equal when
+    figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
+    of stages that this one stands for, empty for a single motor. Two motors are equal when
     they are the same object.
     """
 
@@ -55,6 +56,7 @@ class Motor:
     certified_average: float | None = None
     certified_peak: float | None = None
     corrections: tuple[Correction, ...] = ()
+    parts: tuple["Motor", ...] = ()
 
     @property
     def burning(self) -> tuple[float, float]:
