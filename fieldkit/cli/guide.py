@@ -28,8 +28,8 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
+    from fieldkit.planning.check import ADVICE_NOTE
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
-    from fieldkit.planning.safety import ADVICE_NOTE
 
     target = length(fit["target"])
     with planning(context, given) as plan:
@@ -88,7 +88,7 @@ def _print_json(
     plan: PlanContext, wanted: "Wanted", target: float | None, choices: "list[MotorChoice]", weak: list[str]
 ) -> None:
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import ADVICE_NOTE
+    from fieldkit.planning.check import ADVICE_NOTE
 
     said = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}

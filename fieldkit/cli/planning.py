@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
+    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import SafetyCheck
 
 Given = Mapping[str, str | None]
 """Options of a plan as typed, None where not given."""
@@ -101,11 +101,17 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
     if ceiling:
         known = replace(known, name="", ceiling=ceiling)  # the day's, and not what the site is known by
-    away = {name: length(given.get(name)) or getattr(known, name) for name in ("people", "bystanders")}
+    people, bystanders = length(given.get("people")), length(given.get("bystanders"))
     rules = given.get("rules")
     if rules is not None:
         check_rules(rules)
-    return replace(known, size=size or known.size, rules=known.rules if rules is None else rules, **away)
+    return replace(
+        known,
+        size=size or known.size,
+        people=people or known.people,
+        bystanders=bystanders or known.bystanders,
+        rules=known.rules if rules is None else rules,
+    )
 
 
 def check_rules(text: str) -> None:
@@ -162,7 +168,7 @@ def safety_of(
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import ADVICE_NOTE
+    from fieldkit.planning.check import ADVICE_NOTE
 
     return {
         "conditions": conditions(said.plan),
@@ -193,7 +199,7 @@ _WIDTH = 79
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan and all safety lines, well or not, and who decides."""
-    from fieldkit.planning.safety import safety_text
+    from fieldkit.planning.check import safety_text
 
     print_conditions(plan, starts)
     say("  safety")

@@ -13,9 +13,9 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
 from fieldkit.planning.air import air_of
+from fieldkit.planning.check import SafetyCheck, Verdict
 from fieldkit.planning.descent import durations, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.safety import SafetyCheck, Verdict
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 

@@ -16,12 +16,13 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import tolerance
 from fieldkit.planning.descent import fall_of
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
-from fieldkit.planning.safety import SafetyCheck, safety_lines, thrust_to_weight
+from fieldkit.planning.safety import safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DIAMETER_TOLERANCE = 0.0006

@@ -15,7 +15,7 @@ from fieldkit.planning.classification import Build, legal_class, why_high_power
 from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
 from fieldkit.units import DEGREE, STANDARD_GRAVITY
 
-CHECKED = (
+FIGURE_RULES = (
     "ground wind",
     "launch angle",
     "mass",
@@ -55,7 +55,7 @@ class Governed:
 
     def reminders(self) -> list[Rule]:
         """The rules that no figure of a plan is held against."""
-        every = [rule for one in self.sets for rule in one.rules if rule.check not in CHECKED]
+        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES]
         return [rule for rule in every if not rule.classes or self.legal in rule.classes]
 
 

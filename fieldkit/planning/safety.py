@@ -21,10 +21,7 @@ from fieldkit.motors.motor import Motor
 from fieldkit.paths import data_folder
 from fieldkit.planning import rule_lines
 from fieldkit.planning.air import air_of
-from fieldkit.planning.check import ADVICE_NOTE as ADVICE_NOTE
-from fieldkit.planning.check import MARKS as MARKS
 from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, length, speed, worst
-from fieldkit.planning.check import safety_text as safety_text
 from fieldkit.planning.classification import build_of
 from fieldkit.planning.descent import Fall, landing, landing_mass
 from fieldkit.planning.limits import Limits

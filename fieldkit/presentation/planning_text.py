@@ -9,10 +9,10 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
+from fieldkit.planning.check import length, speed
 from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
-from fieldkit.planning.safety import length, speed
 from fieldkit.quantities import measure
 from fieldkit.units import FOOT
 

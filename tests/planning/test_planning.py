@@ -19,13 +19,14 @@ from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered, tolerance
 from fieldkit.planning.descent import Fall
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors
-from fieldkit.planning.safety import SafetyCheck, first_thrust, safety_lines
+from fieldkit.planning.safety import first_thrust, safety_lines
 from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans

@@ -17,11 +17,11 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Motor
+    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.contest_day import Day
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import SafetyCheck
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
@@ -140,8 +140,9 @@ class Decision:
 
     def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
+        from fieldkit.planning.check import safety_text
         from fieldkit.planning.descent import fall_of
-        from fieldkit.planning.safety import safety_lines, safety_text
+        from fieldkit.planning.safety import safety_lines
         from fieldkit.presentation.planning_text import conditions_in_words
 
         lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
