@@ -52,7 +52,7 @@ class PlanContext:
         from fieldkit.planning.descent import fall_of
         from fieldkit.planning.safety import safety_lines
 
-        return safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
 
 
 @contextmanager
@@ -76,19 +76,27 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     Raises BadValue.
     """
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.safety import motor_temperature
     from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
 
-    changes = {name: text for name, text in given.items() if text is not None and name not in dict(FIELD)}
+    changes = {
+        name: text for name, text in given.items() if text is not None and name not in (*dict(FIELD), *RECOVERY_NAMES)
+    }
     last = ledger.latest(changes.get("rocket"))
     plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
     plan = plan.with_changes(**read_changes(plan, changes))
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
-    return completed_plan(ledger, motors, plan, read_settings())
+    typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
+    plan = plan.with_changes(extra={**plan.extra, **typed})
+    plan = completed_plan(ledger, motors, plan, read_settings())
+    recovery_of(plan)
+    rail_direction(plan)
+    return plan
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
@@ -161,8 +169,10 @@ def safety_of(
     from fieldkit.services.forecasts import flown
 
     limits = own_limits()
-    falls = {name: fall_of(flown(ledger, motors, name)) for name in {one.plan.rocket for one in said}}
-    return [safety_lines(one, field_of(ledger, one.plan, given), falls[one.plan.rocket], limits) for one in said]
+    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
+    falls = [fall_of(histories[one.plan.rocket], one.plan) for one in said]
+    sites = [field_of(ledger, one.plan, given) for one in said]
+    return [safety_lines(one, site, fall, limits) for one, site, fall in zip(said, sites, falls, strict=True)]
 
 
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:

@@ -82,6 +82,7 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
         "duration": landed - start,
         "rail_speed": track.rail_speed,
         "drift": top.drift,
+        "across": top.across,
         "rise_time": top.time - start,
         "coast_time": top.time - setup.burns.burnout[setup.motor] * setup.burn_stretch,
     }

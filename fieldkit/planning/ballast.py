@@ -177,12 +177,12 @@ def _named(
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
     """From lift-off to landing of each mass, on the same luck. [s]"""
-    fall = fall_of(rocket.history)
+    fall = fall_of(rocket.history, said[0].plan)
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [
         fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said
     ]
-    return np.nan_to_num(durations(said, np.concatenate(speeds, axis=1)))
+    return np.nan_to_num(durations(said, fall, np.concatenate(speeds, axis=1)))
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:

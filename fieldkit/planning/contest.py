@@ -171,12 +171,12 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     should be.
     """
     said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
-    fall, shape = fall_of(rocket.history), (draws, rule.declared)
+    fall, shape = fall_of(rocket.history, said[0].plan), (draws, rule.declared)
     mass, density = landing_mass(said[0].plan, found), air_of(said[0].plan).density
 
     def timed(share: float) -> Float[Array, "draw declared"]:
         speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, share)
-        return durations(said, speeds)
+        return durations(said, fall, speeds)
 
     apogee = np.stack([one.apogee for one in said], axis=-1)
     best = _best_area(lambda share: float(rule.points(apogee, timed(share)).mean()))

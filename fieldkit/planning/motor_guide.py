@@ -168,7 +168,7 @@ def guide(
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
-    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
+    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history, plan)
     return [
         MotorChoice(
             motor,

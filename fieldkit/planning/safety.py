@@ -20,10 +20,10 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import Motor
 from fieldkit.paths import data_folder
 from fieldkit.planning import rule_lines
-from fieldkit.planning.air import air_of
 from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, length, speed, worst
 from fieldkit.planning.classification import build_of
-from fieldkit.planning.descent import Fall, landing, landing_mass
+from fieldkit.planning.descent import Fall
+from fieldkit.planning.landing import landing
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import three
 from fieldkit.planning.rules import RuleSet, rule_sets
@@ -159,23 +159,11 @@ def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> Safet
     if said.plan.wind is None:
         verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
         return replace(code, verdict=verdict, text=f"{code.text}; wind not given, so no drift")
-    away = np.abs(landing(said, _speeds(said, fall)))
-    _, usual, reach = three(away)
+    _, usual, reach = three(landing(said, fall).away)
     text = f"{code.text}; lands {length(usual)} from the pad, 95 % within {length(reach)}"
     if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
         return SafetyCheck(code.name, "caution", f"{text}: off the field", "half the field's shorter side")
     return replace(code, text=text)
-
-
-def _speeds(said: Prediction, fall: Fall) -> Float[Array, "draw"]:
-    unit = _unit_speeds(fall, len(said.apogee))
-    return np.asarray(unit * math.sqrt(landing_mass(said.plan, said.found) / air_of(said.plan).density))
-
-
-@lru_cache(maxsize=8)
-def _unit_speeds(fall: Fall, draws: int) -> Float[Array, "draw"]:
-    """Descent speeds of a kilogram in air of a kilogram a cubic metre: motors of a guide fall by the same luck."""
-    return fall.speeds(np.random.default_rng(5), (draws, 1), 1.0, 1.0)[:, 0]
 
 
 def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:

@@ -145,7 +145,7 @@ class Decision:
         from fieldkit.planning.safety import safety_lines
         from fieldkit.presentation.planning_text import conditions_in_words
 
-        lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
         return (*conditions_in_words(said.plan, self.rocket.starts), "", *safety_text([*lines, *more]))
 
 
