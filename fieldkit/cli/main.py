@@ -41,6 +41,7 @@ GROUPS = {
     "motors": ("motors",),
     "plan": ("delay", "ballast"),
     "contest": ("contest",),
+    "landing": ("landing", "track"),
     "sites": ("sites",),
     "simulate": ("simulate",),
     "paper": ("paper",),

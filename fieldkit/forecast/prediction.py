@@ -17,11 +17,12 @@ class Prediction:
 
     `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from apogee to
     the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of the plan,
-    `drift` how far downwind the apogee lies, `across` how far to the right of that. `cd` and `alpha` are the drag
-    coefficient and thrust factor flown with, `random_draws` what single flights differ by, cause by cause.
-    `rests_on` counts the flights that taught the model. `stretched_by` is by what the spread of `apogee` was
-    multiplied because of how `earlier_forecasts` fared, 1 where there are too few of them. `left_out` has a line
-    for each readout that does not fit the rest of its flight and taught nothing.
+    `drift` how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
+    `across_speed` how fast it still moves there. `cd` and `alpha` are the drag coefficient and thrust factor flown
+    with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that taught
+    the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts`
+    fared, 1 where there are too few of them. `left_out` has a line for each readout that does not fit the rest of
+    its flight and taught nothing.
     """
 
     plan: Flight
@@ -46,6 +47,8 @@ class Prediction:
     earlier_forecasts: int = 0
     left_out: tuple[str, ...] = ()
     across: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
+    drift_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
+    across_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
 
     def apogee_quantiles(self) -> Float[Array, "level"]:
         """At 5, 50 and 95 %. [m]"""

@@ -24,7 +24,7 @@ from fieldkit.physics.state import Setup
 from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
-EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across")
+EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across", "drift_speed", "across_speed")
 """Figures of a flight that the altimeter does not show and a plan asks for."""
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""

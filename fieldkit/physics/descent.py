@@ -14,6 +14,8 @@ from fieldkit.units import STANDARD_GRAVITY
 
 GRID = 401
 """Heights at which the integrals over the descent are tabulated. [1]"""
+STILL = np.zeros(1)
+"""No speed sideways. [m/s]"""
 MAX_REACH = 300.0
 """Gravity times time over terminal speed, beyond which a fall has long been steady. [1]"""
 
@@ -93,12 +95,14 @@ def descend(
     devices: Devices,
     air: Air,
     wind: WindProfile,
+    sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (STILL, STILL),
 ) -> DescentResult:
     """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it where negative [s].
 
     `terminal` is the speed of the airframe alone [m/s]; `air` is one for all draws. A charge before apogee is taken to
-    have opened its device by then. With `wait` nan nothing ever opens. An airframe that falls nose first keeps its own
-    path: the wind is not taken to carry it before something opens.
+    have opened its device by then. With `wait` nan nothing ever opens. An airframe that falls nose first keeps the
+    speed downwind and across it that it has at apogee (`sideways`) [m/s]; once something is open that speed takes its
+    terminal speed over gravity to become the wind's.
     """
     apogee = np.maximum(np.asarray(apogee, float), 0.0)
     after = np.asarray(wait, float)
@@ -119,11 +123,16 @@ def descend(
     def total(which: int) -> Array:
         return np.asarray(first[which] / devices.first + main[which] / last)
 
+    carried = [
+        speed * free_time
+        + np.where(ballistic, 0.0, (speed - np.interp(opened, table.height, blow)) * devices.first / STANDARD_GRAVITY)
+        for speed, blow in zip(sideways, table.wind, strict=True)
+    ]
     reached = dual & (main_at <= 0)
     return DescentResult(
         time=np.where(ballistic, hard, free_time + total(0)),
-        along=np.where(ballistic, 0.0, total(1)),
-        across=np.where(ballistic, 0.0, total(2)),
+        along=carried[0] + np.where(ballistic, 0.0, total(1)),
+        across=carried[1] + np.where(ballistic, 0.0, total(2)),
         eject_height=np.where(np.isfinite(after) & (charge > 0), charge, np.nan),
         open_height=np.where(ballistic, np.nan, opened),
         landing_speed=np.where(ballistic, terminal, np.where(reached, devices.first, last)),
@@ -133,13 +142,14 @@ def descend(
 
 @dataclass(frozen=True, slots=True)
 class _Table:
-    """Integrals from the ground up: of the root of the density ratio [m], and of it times the wind along and
-    across [m^2/s]."""
+    """Integrals from the ground up: of the root of the density ratio [m], of it times the wind along and
+    across [m^2/s]; and the wind itself along and across [m/s]."""
 
     height: Array
     time: Array
     along: Array
     across: Array
+    wind: tuple[Array, Array]
 
     @classmethod
     def of(cls, top: float, air: Air, wind: WindProfile) -> "_Table":
@@ -151,7 +161,7 @@ class _Table:
             return np.concatenate([[0.0], np.cumsum(0.5 * (values[1:] + values[:-1]) * np.diff(height))])
 
         columns = [summed(values) for values in (thin, thin * along, thin * across)]
-        return cls(height, *columns)
+        return cls(height, columns[0], columns[1], columns[2], (along, across))
 
     def between(self, high: Array, low: Array) -> tuple[Array, Array, Array]:
         """What is passed through between two heights, to be divided by a speed near the ground."""

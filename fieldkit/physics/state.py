@@ -120,9 +120,9 @@ class FlightResult:
 
     `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a barometric
     altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it; accelerations are net of
-    gravity. `drift` is how far downwind the apogee lies, `across` how far to the right of that. `rise_time` is from
-    lift-off to apogee, `coast_time` from burnout, negative where the motor still burns at apogee. nan where there
-    is nothing to tell (no delay, no ejection).
+    gravity. `drift` is how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
+    `across_speed` how fast it still moves there. `rise_time` is from lift-off to apogee, `coast_time` from burnout,
+    negative where the motor still burns at apogee. nan where there is nothing to tell (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]
@@ -142,6 +142,8 @@ class FlightResult:
     lift_off: Float[Array, "*draw"]
     drift: Float[Array, "*draw"]
     across: Float[Array, "*draw"]
+    drift_speed: Float[Array, "*draw"]
+    across_speed: Float[Array, "*draw"]
     rise_time: Float[Array, "*draw"]
     coast_time: Float[Array, "*draw"]
 

@@ -164,8 +164,9 @@ def descents(
     first = speed
     if recovery.dual and fall.drogue is not None:
         first = fall.drogue.speeds(np.random.default_rng(seed), (len(speed), 1), mass, density)[:, 0]
+    sideways = (np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
     devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time)
-    return descend(said.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan))
+    return descend(said.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan), sideways)
 
 
 def durations(
@@ -198,22 +199,36 @@ def _shown(flight: Flight, found: Found) -> tuple[float | None, float | None]:
         return flight.descent_speed, None
     recovery = recovery_of(flight)
     path = _path(flight, found, recovery)
-    above, below = path.opened, 0.0
-    if recovery.dual and recovery.main_altitude is not None:
-        below = min(recovery.main_altitude, above)
-    left = flight.duration - path.rise - path.free
+    left, air = flight.duration - path.rise - path.free, _air([flight])
     if left <= 0:
         return flight.descent_speed, None
-    air = _air([flight])
-    high, low = (_thin_path(height, air) for height in (above, below))
-    if not below:
-        return high / left, None
-    if flight.descent_speed:
-        under_drogue = left - low / flight.descent_speed
-        return flight.descent_speed, (high - low) / under_drogue if under_drogue > 0 and high > low else None
-    drogue = recovery.drogue_speed or DROGUE_SPEED
-    under_main = left - (high - low) / drogue
-    return (low / under_main if under_main > 0 else None), None
+    if not recovery.dual or recovery.main_altitude is None:
+        return _thin_path(path.opened, air) / left, None
+    return _two_devices(flight, recovery, path.opened, left, air)
+
+
+def _two_devices(
+    flight: Flight, recovery: Recovery, opened: float, left: float, air: Air
+) -> tuple[float | None, float | None]:
+    """Speeds under main and drogue of a flight that has both open, from a height [m], for the rest of its time [s]."""
+    main, drogue = flight.descent_speed, recovery.drogue_speed or DROGUE_SPEED
+    shown: tuple[float | None, float | None] = main, None
+    for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
+        open_main = min(max((recovery.main_altitude or 0.0) - drogue * recovery.opening_time, 0.0), opened)
+        high, low = (_thin_path(height, air) for height in (opened, open_main))
+        if not main:
+            under = left - (high - low) / drogue
+            return (low / under if under > 0 else None), None
+        under = left - low / main
+        if under <= 0 or high <= low:
+            return main, None
+        drogue = (high - low) / under
+        shown = main, drogue
+    return shown
+
+
+ROUNDS = 6
+"""Of the search for a drogue's speed, each of which changes it by an opening time's part of the last. [1]"""
 
 
 def _thin_path(height: float, air: Air) -> float:

@@ -27,6 +27,8 @@ ELLIPSE_LEVEL = 0.9
 """Fraction of the landings that the ellipse holds. [1]"""
 ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)
 """Angles of the rail that are tried. [deg]"""
+MAX_RECOMMENDED_ANGLE = 10 * DEGREE
+"""Of the rail that is recommended, below what any code allows, for it costs altitude. [rad]"""
 TRIED_DRAWS = 80
 """Flights flown for each. [1]"""
 
