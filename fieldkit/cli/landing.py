@@ -51,7 +51,8 @@ def landing(
         files.write(kml, landing_kml(name, down, place, wind_from), force=force)
         complain(f"{kml}: the landing ellipse")
     if json:
-        document = {"rocket": said.plan.rocket, "motor": found.motor.designation, "landing": down.json()}
+        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation}
+        document["landing"] = down.json()
         document |= {"on_field": _on_field(down, plan.site.size), "rail": [one.json() for one in rail]}
         print_json(document | {"timed_flights": fall.flights} | about_plan(said, lines))
         return
