@@ -49,7 +49,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest with its maker's tool."
-    yield f"  Too fast is over {speed(fast, 0)}. That delays stray by up to 20 % or 1.5 s (NFPA 1125) is reckoned with."
+    yield f"  Too fast is over {speed(fast, 0)}. Delays are taken to stray by up to 20 %, 1.5 to 3 s (NFPA 1125)."
 
 
 def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:

@@ -239,6 +239,27 @@ def test_a_delay_strays_by_a_fifth_or_a_second_and_a_half() -> None:
     assert tolerance(np.array([4.0, 10.0])) * [4.0, 10.0] * 2 == pytest.approx([1.5, 2.0])
 
 
+def test_no_delay_strays_by_more_than_three_seconds() -> None:
+    """Source: NFPA 1125 as in openrocket#3041."""
+    printed = np.array([7.5, 15.0, 17.0, 30.0])
+    assert tolerance(printed) * printed * 2 == pytest.approx([1.5, 3.0, 3.0, 3.0])
+
+
+def test_a_drill_goes_by_the_diameter_and_leaves_what_it_must(motors: Catalogue) -> None:
+    small, wide = motors.resolve("Cesaroni 25E75-17A").motor, motors.resolve("Cesaroni 2014K1200-16A").motor
+    taken = [tool.takes_off if (tool := drill_of(motor)) else () for motor in (small, wide)]
+    assert taken == [(3.0, 5.0, 7.0, 9.0), tuple(float(off) for off in range(1, 11))]
+    assert drill_of(motors.resolve("Cesaroni 6438M1300-P").motor) is None  # 75 mm: plugged
+    reload, dms = motors.resolve("H128W-14A").motor, motors.resolve("H283ST").motor
+    for motor, least in ((reload, 4.0), (dms, 6.0)):
+        tool = drill_of(motor)
+        assert tool is not None
+        drilled = [delay for delay, sold in offered(motor, tool.takes_off, tool.least_left).items() if not sold]
+        assert drilled
+        assert min(drilled) >= least
+    assert max(offered(reload, (2.0, 4.0, 6.0, 8.0), 4.0)) == 14.0  # as the bag says, and not the 10 s of an old list
+
+
 def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, motors: Catalogue) -> None:
     reload, single = motors.resolve("F40W").motor, motors.resolve("F67W").motor
     tool = drill_of(reload)
@@ -247,6 +268,7 @@ def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, moto
     assert tool.takes_off == (2.0, 4.0, 6.0, 8.0)
     assert "not checked" in tool.caveat
     assert offered(reload, tool.takes_off)[2.0] is False
+    assert 2.0 not in offered(reload, tool.takes_off, tool.least_left)
     own = tmp_path / "drills.toml"
     own.write_text("[AeroTech]\ntakes_off_s = [1]\nchecked = true\n")
     mine = drill_of(reload, own)

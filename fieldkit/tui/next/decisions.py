@@ -53,7 +53,8 @@ class Decision:
         fast = self.limits["eject_speed"].value
         tool = drill_of(self.motor, data_folder() / "drills.toml")
         takes_off = tool.takes_off if tool else ()
-        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off)
+        left = tool.least_left if tool else 0.0
+        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
         words = tuple(delays_in_words(judged, fast, tool))
         return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
 
