@@ -40,7 +40,7 @@ GROUPS = {
     "backups": ("backups",),
     "motors": ("motors",),
     "plan": ("delay", "ballast"),
-    "contest": ("contest",),
+    "contest": ("contest", "finals"),
     "landing": ("landing", "track"),
     "sites": ("sites",),
     "simulate": ("simulate",),

@@ -56,6 +56,7 @@ FIELD = (
     ("motor_temperature", "Of the motor as it is loaded; in °C."),
     ("waiver", "Ceiling above the pad: 500m. That saved with the site, where not said."),
     ("field_size", "The field's shorter side: 300m. That saved with the site, where not said."),
+    ("lift_off_mass", "As weighed on the pad with the motor in it: 620g; in place of the dry mass."),
     ("people", "From the pad to the people at the launch: 30m. That of the site, where not said."),
     ("bystanders", "To persons and property that have no part in it: 500m. That of the site, where not said."),
     ("rules", "Whose rules govern the launch: NAR,FAA or UKRA. Those of the site, where not said."),

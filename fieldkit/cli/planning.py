@@ -91,12 +91,28 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
+    if given.get("lift_off_mass"):
+        plan = plan.with_changes(dry_mass=_dry_mass(motors, plan, given["lift_off_mass"] or "", last))
     typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
     plan = plan.with_changes(extra={**plan.extra, **typed})
     plan = completed_plan(ledger, motors, plan, read_settings())
     recovery_of(plan)
     rail_direction(plan)
     return plan
+
+
+def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float:
+    """The dry mass of a rocket weighed with its motor. Raises BadValue, UnknownMotor. [kg]"""
+    from fieldkit.errors import BadValue
+    from fieldkit.units import parse
+
+    motor = motors.resolve(plan.motor or (last.motor if last else "")).motor
+    mass = parse(text, "mass", "g") - motor.loaded_mass
+    if mass <= 0:
+        raise BadValue(
+            f"lift_off_mass: found {text}, expected more than the {motor.loaded_mass * 1e3:.0f} g of its motor"
+        )
+    return mass
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":

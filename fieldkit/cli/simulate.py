@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
-from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.screen import complain, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
 
 app = typer.Typer()
@@ -68,6 +68,10 @@ def simulate(
     width = max(map(len, result))
     for name, value in result.items():
         say(f"{name:{width}}  {value:.4g}")
+    if physics is not Physics.paper:
+        say_wrapped(
+            "apogee_m and eject_altitude_m are as a barometric altimeter shows them; true_apogee_m is above the pad."
+        )
 
 
 def _dashed(name: str) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
 from fieldkit.errors import BadValue
@@ -127,8 +128,9 @@ class Decision:
         if not scored:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
+        told = [(one, own) for one, own in last if isfinite(own)]
         alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in last)}"
+        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
         if alone:
             yield f"            for the height alone, no duration: {', '.join(alone)}"
         if not day.declared:
