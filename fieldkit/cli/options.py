@@ -57,6 +57,7 @@ FIELD = (
     ("waiver", "Ceiling above the pad: 500m. That saved with the site, where not said."),
     ("field_size", "The field's shorter side: 300m. That saved with the site, where not said."),
     ("lift_off_mass", "As weighed on the pad with the motor in it: 620g; in place of the dry mass."),
+    ("kit", "A kit of yours in kits.toml, for mass, diameter and mount."),
     ("people", "From the pad to the people at the launch: 30m. That of the site, where not said."),
     ("bystanders", "To persons and property that have no part in it: 500m. That of the site, where not said."),
     ("rules", "Whose rules govern the launch: NAR,FAA or UKRA. Those of the site, where not said."),

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
+    from fieldkit.planning.kits import Kit
     from fieldkit.planning.limits import Limit
 
 Given = Mapping[str, str | None]
@@ -37,6 +38,8 @@ class PlanContext:
     rocket: "Rocket"
     site: "Site"
     limits: "dict[str, Limit]"
+    mount: float | None = None
+    """Of the kit, where one was named. [m]"""
 
     def motor(self) -> "Found":
         """The motor of the plan, that of the rocket's last flight where not said. Raises UnknownMotor."""
@@ -57,17 +60,47 @@ class PlanContext:
 
 @contextmanager
 def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
-    """A plan for a rocket that has flown or has a design, with its ledger open. Raises NoFlights, BadValue."""
-    from fieldkit.services.forecasts import which_rocket
+    """A plan for a rocket that has flown, has a design, or of which the mass or a kit is given; its ledger is open.
+
+    Raises NoFlights, BadValue.
+    """
     from fieldkit.services.planning import rocket_of
 
     motors = known_motors()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
-        name = which_rocket(ledger, given.get("rocket"))
+        name = known_rocket(ledger, given)
         on_progress(f"flying {name} on what its flights taught", 0.3)
         flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
-        yield PlanContext(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
+        kit = _kit(given)
+        site = field_of(ledger, flight, given)
+        yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
+
+
+NEW_ROCKET = "new rocket"
+"""Of a plan that names no rocket and says what it weighs."""
+
+
+def known_rocket(ledger: "Ledger", given: Given) -> str:
+    """The rocket of a plan; one that nobody has flown where its mass or its kit is given. Raises NoFlights."""
+    from fieldkit.errors import NoFlights
+    from fieldkit.services.forecasts import which_rocket
+
+    try:
+        return which_rocket(ledger, given.get("rocket"))
+    except NoFlights:
+        if not any(given.get(name) for name in ("dry_mass", "lift_off_mass", "kit")):
+            raise
+    return given.get("rocket") or given.get("kit") or NEW_ROCKET
+
+
+def _kit(given: Given) -> "Kit | None":
+    """The kit that is named. Raises BadValue."""
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.kits import FILE_NAME, kit_of
+
+    name = given.get("kit")
+    return kit_of(data_folder() / FILE_NAME, name) if name else None
 
 
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
@@ -91,6 +124,9 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
+    if kit := _kit(given):
+        known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter}
+        plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
     if given.get("lift_off_mass"):
         plan = plan.with_changes(dry_mass=_dry_mass(motors, plan, given["lift_off_mass"] or "", last))
     typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}

@@ -9,6 +9,7 @@ from fieldkit.planning.check import length, speed
 from fieldkit.planning.descent import Fall, wind_profile
 from fieldkit.planning.landing import ELLIPSE_LEVEL, Landing, RailChoice, profile_in_words
 from fieldkit.planning.quantiles import three
+from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.units import DEGREE
 
 
@@ -37,6 +38,7 @@ def landing_in_words(
     if (ballistic := float(down.down.ballistic.mean())) >= 0.005:
         yield f"            {ballistic:.0%} reach the ground before anything is open"
     yield f"  descent   {_rests_on(fall)}"
+    yield f"  rests on  {rests_in_words(said)}"
     yield f"  wind      {profile_in_words(wind_profile(plan))}"
     if plan.wind is None:
         yield "            no wind was given: --wind says what it is at the pad, --wind-aloft higher up"

@@ -13,6 +13,7 @@ from fieldkit.planning.check import length, speed
 from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
+from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.quantities import measure
 from fieldkit.units import FOOT
 
@@ -40,7 +41,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
-    yield f"  90 % between {p05:.1f} and {p95:.1f} s; rests on {said.rests_on} clean flights, model {said.model}"
+    yield f"  90 % between {p05:.1f} and {p95:.1f} s; rests on {rests_in_words(said)}"
     if judged.delays:
         yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>6}  {'too fast':>8}"
     yield from (f"  {_delay(one)}" for one in judged.delays)
@@ -69,7 +70,7 @@ def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
     if best.there.points is not None and best.today.points is not None:
         yield f"  points    {best.there.points:.0f} a flight, with duration ({best.today.points:.0f} without change)"
     yield f"  a gram more is {best.slope / FOOT / 1e3:+.1f} ft ({best.slope / 1e3:+.2f} m)"
-    yield f"  rests on  {said.rests_on} clean flights, model {said.model}"
+    yield f"  rests on  {rests_in_words(said)}"
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
     if not best.met:
@@ -102,7 +103,7 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would bring {ahead.points_there:.0f} points a flight, the fewest"
-    yield f"  rests on  {said.rests_on} clean flights, model {said.model}"
+    yield f"  rests on  {rests_in_words(said)}"
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"
