@@ -48,7 +48,7 @@ class PlanContext:
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
             raise UnknownMotor(f"{self.flight.rocket}: found no flights to know a motor from, expected --motor")
-        return self.motors.resolve(self.flight.motor or (last.motor if last else ""))
+        return self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
         """Every safety line of a forecast."""

@@ -16,8 +16,10 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
+from fieldkit.motors.names import tidy
 from fieldkit.motors.own_corrections import OwnCorrection, corrected
 from fieldkit.motors.search import Found, Listing, Listings
+from fieldkit.motors.several import names_several, resolve_several
 from fieldkit.safe_text import printable
 
 DATA = Path(__file__).with_name("catalogue.json.gz")
@@ -32,6 +34,8 @@ class Catalogue:
     about: Mapping[str, Any]
     lots: Mapping[tuple[str, str, str], Motor] = field(default_factory=dict)
     """Motors of single lots by maker, designation and lot."""
+    _several: dict[tuple[str, float | None], Found] = field(default_factory=dict, repr=False, compare=False)
+    """Clusters and stages that were asked for, so that each is one object."""
 
     def __len__(self) -> int:
         return sum(map(len, self.listings.values()))
@@ -50,6 +54,16 @@ class Catalogue:
         plain, lot = split_lot(text)
         found = search.resolve(self.listings, plain, maker)
         return self._of_lot(found, lot) if lot else found
+
+    def resolve_several(self, text: str, booster_mass: float | None = None) -> Found:
+        """The motor of a text, or the cluster or the two stages that it names, flown as one motor; see
+        `fieldkit.motors.several`. Raises UnknownMotor."""
+        if not names_several(text):
+            return self.resolve(text)
+        key = tidy(text), booster_mass
+        if key not in self._several:
+            self._several[key] = resolve_several(text, self.resolve, booster_mass)
+        return self._several[key]
 
     def _of_lot(self, found: Found, lot: str) -> Found:
         """The motor of a lot where its figures are known, else a note that it is flown as any of its type."""

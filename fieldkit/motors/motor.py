@@ -30,7 +30,8 @@ class Motor:
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
     the certification [N], None where none is on record or only the number of the name; `corrections` are the
     figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
-    of stages that this one stands for, empty for a single motor. Two motors are equal when
+    of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
+    is gone at each knot [1], None where it goes with the impulse. Two motors are equal when
     they are the same object.
     """
 
@@ -57,6 +58,7 @@ class Motor:
     certified_peak: float | None = None
     corrections: tuple[Correction, ...] = ()
     parts: tuple["Motor", ...] = ()
+    spent: Float[Array, "knot"] | None = field(default=None, repr=False)
 
     @property
     def burning(self) -> tuple[float, float]:
