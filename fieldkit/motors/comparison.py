@@ -64,7 +64,7 @@ class Difference:
 
 
 @dataclass(frozen=True, slots=True)
-class Comparison:
+class CatalogueComparison:
     """What a table of tests comes to: rows, motors found, names that no motor has, and figures that differ."""
 
     rows: int
@@ -73,7 +73,9 @@ class Comparison:
     differences: tuple[Difference, ...]
 
 
-def compare_tests(catalogue: Catalogue, content: bytes, name: str, tolerance: float = DIFFERENCE) -> Comparison:
+def compare_tests(
+    catalogue: Catalogue, content: bytes, name: str, tolerance: float = DIFFERENCE
+) -> CatalogueComparison:
     """The figures of a catalogue that a table of tests has otherwise by more than a ratio, the furthest off first.
 
     Of several tests of a motor those on the best basis count, by their mean. Raises BadValue that names the row and the
@@ -97,7 +99,7 @@ def compare_tests(catalogue: Catalogue, content: bytes, name: str, tolerance: fl
                 figures.setdefault(column, []).append((basis, value, row.get("source") or name))
     found = [one for motor, figures in tests.values() for one in _differences(motor, figures, tolerance)]
     found.sort(key=lambda one: -abs(one.ratio))
-    return Comparison(rows, len(tests), tuple(dict.fromkeys(unknown)), tuple(found))
+    return CatalogueComparison(rows, len(tests), tuple(dict.fromkeys(unknown)), tuple(found))
 
 
 def listed_figures(motor: Motor) -> dict[str, float]:

@@ -34,12 +34,12 @@ MAX_MOTORS = 20
 """In a cluster. [1]"""
 
 
-_SEVERAL = re.compile(r"^\s*\d{1,2}\s*[x×*]\s*\w|\s\+\s|@\s*\d", re.IGNORECASE)
+_SEVERAL_MARKS = re.compile(r"^\s*\d{1,2}\s*[x×*]\s*\w|\s\+\s|@\s*\d", re.IGNORECASE)
 
 
 def names_several(text: str) -> bool:
     """Whether a text names several motors, makers and air-starts included."""
-    return is_cluster(text) or _SEVERAL.search(text) is not None
+    return is_cluster(text) or _SEVERAL_MARKS.search(text) is not None
 
 
 def resolve_several(text: str, resolve: Callable[[str], Found], booster_mass: float | None = None) -> Found:

@@ -14,7 +14,7 @@ from fieldkit.units import STANDARD_GRAVITY
 
 GRID = 401
 """Heights at which the integrals over the descent are tabulated. [1]"""
-STILL = np.zeros(1)
+NO_SPEED = np.zeros(1)
 """No speed sideways. [m/s]"""
 MAX_REACH = 300.0
 """Gravity times time over terminal speed, beyond which a fall has long been steady. [1]"""
@@ -95,7 +95,7 @@ def descend(
     devices: Devices,
     air: Air,
     wind: WindProfile,
-    sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (STILL, STILL),
+    sideways: tuple[Float[Array, "*#draw"], Float[Array, "*#draw"]] = (NO_SPEED, NO_SPEED),
 ) -> DescentResult:
     """Come down from an apogee above the pad [m]; the charge fires `wait` after it, before it where negative [s].
 

@@ -22,7 +22,7 @@ FINE_MASSES = 97
 """Masses that are judged. [1]"""
 AREAS = tuple(np.exp(np.linspace(np.log(0.3), np.log(2.5), 22)))
 """Areas of the parachute over that flown which are judged. [1]"""
-LIGHTEST = 0.6
+MIN_MASS_RATIO = 0.6
 """Least dry mass that is judged, over today's. [1]"""
 DRAWS = 300
 STEP = 5 * FOOT
@@ -79,7 +79,7 @@ def trials(
     if plan.dry_mass is None:
         raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
     most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
-    low = bounds[0] or min(LIGHTEST * plan.dry_mass, LIGHTEST * most)
+    low = bounds[0] or min(MIN_MASS_RATIO * plan.dry_mass, MIN_MASS_RATIO * most)
     if not 0 < low < most:
         raise ImpossibleFlight(f"found masses from {low * 1e3:.0f} to {most * 1e3:.0f} g, expected the lighter first")
     flown = np.linspace(low, most, MASSES)
