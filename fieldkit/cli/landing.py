@@ -16,11 +16,17 @@ if TYPE_CHECKING:
 
 app = typer.Typer()
 
+CARD_LINES = 30
+"""Lines of a range card above its safety lines. [1]"""
+
 
 def landing(
     context: typer.Context,
     kml: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the ellipse as KML; with --pad.")] = None,
     pad: Annotated[str | None, typer.Option(help="Latitude and longitude of the pad: 47.5,8.7.")] = None,
+    card: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the range card: a page with all of it, .png, .pdf, .svg.")
+    ] = None,
     wind_from: Annotated[float, typer.Option(help="Where the wind is from, degrees from north.")] = 270.0,
     force: Force = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
@@ -38,7 +44,12 @@ def landing(
     if (kml is None) != (pad is None):
         raise typer.BadParameter("found one of --kml and --pad, expected both: a map wants to know where the pad is")
     place = None if pad is None else read_place(pad)
-    force = settled(kml, force) if kml is not None else force
+    if card is not None:
+        from fieldkit.presentation.report.finals_card import check_card
+
+        check_card(card)
+    for file in (kml, card):
+        force = settled(file, force) if file is not None else force
     with planning(context, given) as plan:
         found = plan.motor()
         (said,) = forecasts(plan.rocket, [(plan.flight, found)], draws=400)
@@ -50,6 +61,14 @@ def landing(
         name = f"{said.plan.rocket} on {found.motor.designation}"
         files.write(kml, landing_kml(name, down, place, wind_from), force=force)
         complain(f"{kml}: the landing ellipse")
+    if card is not None:
+        from fieldkit.presentation.forecast_text import in_words
+        from fieldkit.presentation.report.range_card import range_card
+
+        told = [*landing_in_words(said, down, fall, rail, plan.site)][1:]
+        words = [*in_words(said), *told][:CARD_LINES]
+        files.write(card, range_card(words, lines, down, plan.site, card.suffix.lower()), force=force)
+        complain(f"{card}: the range card")
     if json:
         document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation}
         document["landing"] = down.json()

@@ -29,7 +29,7 @@ ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)
 """Angles of the rail that are tried. [deg]"""
 MAX_RECOMMENDED_ANGLE = 10 * DEGREE
 """Of the rail that is recommended, below what any code allows, for it costs altitude. [rad]"""
-TRIED_DRAWS = 80
+TRIED_DRAWS = 300
 """Flights flown for each. [1]"""
 
 

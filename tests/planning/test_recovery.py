@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -159,3 +160,12 @@ def test_the_command_says_where_it_lands_and_writes_it_as_kml(
     out = " ".join(capsys.readouterr().out.split())
     assert "9.0 at 300 m" in out
     assert "recommended rail" in out
+
+
+def test_the_range_card_is_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    card, body = tmp_path / "card.png", ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm"]
+    command = ["--ledger", str(tmp_path / "ledger.db"), "landing", "--motor", "F39T-6", "--wind", "3m/s", *body]
+    assert main([*command, "--card", str(card)]) == 0
+    assert card.read_bytes().startswith(b"\x89PNG")
+    assert main([*command, "--card", str(tmp_path / "card.txt")]) == 1
+    assert ".png" in capsys.readouterr().err
