@@ -48,6 +48,10 @@ fieldkit ballast --rocket Astra --motor F24-4W --target 800ft
 fieldkit contest --rocket Astra --season 2026
 # the score of the flights that were declared, and a plan for the next season
 fieldkit contest --rocket Astra --season 2026 --declared 2,3,9
+# mass and parachute for every target that finals may have, in the day's air, on one card
+fieldkit finals --rocket Astra --season 2027 --motor F39T-6 --temperature 25c --wind 3m/s --card finals.png
+# where a plan lands, and which rail angle brings it back
+fieldkit landing --rocket Astra --motor F24-4W --wind 4m/s --wind-aloft 9m/s --field-size 400m
 # one flight from what you say, none of it from your own flights
 fieldkit simulate --motor F24-4W --dry-mass 322g --diameter 66mm --cd 0.6 --alpha 1 --wind 5mps
 

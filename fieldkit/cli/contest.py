@@ -1,13 +1,15 @@
 """`fieldkit contest`: flights and plans scored by the rule of a season."""
 
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from fieldkit.cli.options import takes_plan
 from fieldkit.cli.planning import about_plan, length, planning, print_plan, season_rule
-from fieldkit.cli.screen import complain, print_json, say, say_wrapped
+from fieldkit.cli.screen import complain, print_json, print_table, say, say_wrapped
+from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.flight import Flight
@@ -16,9 +18,65 @@ if TYPE_CHECKING:
 app = typer.Typer()
 
 
+def finals(
+    context: typer.Context,
+    season: Annotated[int, typer.Option(help="2019 to 2027.")],
+    targets: Annotated[str | None, typer.Option(help="Lowest and highest, in feet: 775-825.")] = None,
+    window: Annotated[str | None, typer.Option(help="Seconds as announced that day: 37-40.")] = None,
+    lightest: Annotated[str | None, typer.Option(help="The least dry mass possible: 480g.")] = None,
+    card: Annotated[Path | None, typer.Option(metavar="FILE", help="Write it as one card: .png, .pdf, .svg.")] = None,
+    force: Force = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
+) -> None:
+    """Solve mass and parachute together for each target that finals may have."""
+    from dataclasses import replace
+
+    from fieldkit import files
+    from fieldkit.planning.contest_day import read_window
+    from fieldkit.planning.finals import finals_table, finals_targets, trials
+    from fieldkit.presentation.finals_text import FINALS_NOTES, HEADERS, finals_heading, finals_rows
+    from fieldkit.units import FOOT, parse
+
+    rule = season_rule(season).announced(None, read_window(window) if window else None)
+    if targets:
+        low, high = read_window(targets)
+        rule = replace(rule, finals_range=(low * FOOT, high * FOOT))
+    if card is not None:
+        from fieldkit.presentation.report.finals_card import check_card, finals_card
+
+        check_card(card)
+        force = settled(card, force)
+    least = parse(lightest, "mass", "g") if lightest else None
+    with planning(context, given) as plan:
+        found = plan.motor()
+        table = finals_table(trials(plan.rocket, plan.flight, found, rule, (least, None)), rule, finals_targets(rule))
+    heading, rows = list(finals_heading(plan.flight, found, rule)), finals_rows(table, found)
+    if card is not None:
+        files.write(card, finals_card(heading, rows, card.suffix.lower(), [rule.caveat]), force=force)
+        complain(f"{card}: the card")
+    if json:
+        keys = ("target_ft", "dry_mass_g", "parachute_area", "apogee_ft", "duration_s", "points")
+        values = [
+            (one.target / FOOT, one.mass * 1e3, one.area, one.apogee[1] / FOOT, one.duration[1], one.points)
+            for one in table
+        ]
+        print_json({"season": season, "finals": [dict(zip(keys, row, strict=True)) for row in values]})
+        return
+    for line in heading:
+        say_wrapped(line)
+    print_table(HEADERS, rows, numbers=HEADERS)
+    for line in (*FINALS_NOTES, rule.caveat):
+        say_wrapped(line)
+
+
+takes_plan(finals)
+app.command()(finals)
+
+
 def contest(
     context: typer.Context,
-    season: Annotated[int, typer.Option(help="2020 to 2027.")],
+    season: Annotated[int, typer.Option(help="2019 to 2027.")],
     target: Annotated[str | None, typer.Option(help="As announced that day: 785ft.")] = None,
     window: Annotated[str | None, typer.Option(help="Seconds as announced that day: 37-40.")] = None,
     parachute: Annotated[
@@ -34,8 +92,9 @@ def contest(
 ) -> None:
     """Score flights by the rule of a season and, with --motor, say what points a plan can expect."""
     from fieldkit.paths import data_folder
-    from fieldkit.planning.contest import allowed, copy_season, declared_score, outlook, score
+    from fieldkit.planning.contest import allowed, approved_motors, copy_season, declared_score, outlook, score
     from fieldkit.planning.contest_day import read_declared, read_window
+    from fieldkit.planning.contest_flight import why_no_score
     from fieldkit.presentation.planning_text import outlook_in_words
 
     if own:
@@ -50,7 +109,8 @@ def contest(
         if plan.flight.motor:
             ahead = outlook(rule, plan.rocket, plan.flight, plan.motor(), area)
             said = ahead.forecast
-            lines = plan.safety(said) + allowed(rule, said.plan, said.found, length(rocket_length, "mm"))
+            approved = approved_motors(season, data_folder() / "seasons")
+            lines = plan.safety(said) + allowed(rule, said.plan, said.found, length(rocket_length, "mm"), approved)
     names = read_declared(declared or "")
     total = declared_score(rule, scored, names) if names else None
     if json:
@@ -68,6 +128,9 @@ def contest(
     if rule.caveat and ahead is None:
         say_wrapped(rule.caveat)
     for flight, points in scored:
+        if why := why_no_score(flight):
+            say(f"  {flight.flight_id:>8}  no score      {why}; it counts as an attempt")
+            continue
         say(f"  {flight.flight_id:>8}  {points:6.1f} points  {_flown(flight)}")
     if total is not None:
         say(f"  score     {total:.1f} points, the best {rule.best} of {', '.join(names)}")
@@ -81,10 +144,11 @@ app.command()(contest)
 
 def _flown(flight: "Flight") -> str:
     """What a flight is scored by: `706 ft, 48.3 s`."""
-    from fieldkit.units import FOOT
+    from fieldkit.planning.contest_flight import judged_duration, whole_feet
 
-    lasted = "height alone" if flight.duration is None else f"{flight.duration:.1f} s"
-    return f"{(flight.apogee or 0.0) / FOOT:.0f} ft, {lasted}"
+    duration = judged_duration(flight)
+    lasted = "height alone" if duration is None else f"{duration:.2f} s"
+    return f"{whole_feet(flight.apogee or 0.0):.0f} ft, {lasted}"
 
 
 def _share(text: str | None, default: float) -> float:
@@ -101,8 +165,15 @@ def _share(text: str | None, default: float) -> float:
 
 def _document(rule: "Season", scored: "Sequence[tuple[Flight, float]]") -> dict[str, Any]:
     """The rule, and every flight with its points."""
+    from fieldkit.planning.contest_flight import judged_duration, why_no_score
+
     flights = [
-        {"flight_id": flight.flight_id, "points": points, "timed": flight.duration is not None}
+        {
+            "flight_id": flight.flight_id,
+            "points": None if why_no_score(flight) else points,
+            "no_score": why_no_score(flight),
+            "timed": judged_duration(flight) is not None,
+        }
         for flight, points in scored
     ]
     return {"season": rule.year, "checked": rule.checked, "remarks": rule.remarks, "flights": flights}

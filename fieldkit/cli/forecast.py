@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from fieldkit.flight import Flight
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
-    from fieldkit.planning.safety import SafetyCheck
+    from fieldkit.planning.check import SafetyCheck
 
 app = typer.Typer()
 
@@ -123,7 +123,7 @@ def _print_safety_of_all(predictions: "list[Prediction]", lines: "list[list[Safe
     """The air and every safety line of each planned flight, and who decides."""
     from fieldkit.cli.screen import say_wrapped
     from fieldkit.planning.air import air_of
-    from fieldkit.planning.safety import ADVICE_NOTE
+    from fieldkit.planning.check import ADVICE_NOTE
 
     for one, own in zip(predictions, lines, strict=True):
         name = one.plan.flight_id or one.plan.motor

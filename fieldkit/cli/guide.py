@@ -28,8 +28,8 @@ def print_guide(
     json: bool,
 ) -> None:
     """Print the motor guide of a rocket, nearest to the target first."""
+    from fieldkit.planning.check import ADVICE_NOTE
     from fieldkit.planning.motor_guide import LEAST_THRUST, by_closeness, guide, lifts, suitable_motors
-    from fieldkit.planning.safety import ADVICE_NOTE
 
     target = length(fit["target"])
     with planning(context, given) as plan:
@@ -43,8 +43,14 @@ def print_guide(
     if json:
         _print_json(plan, wanted, target, choices, weak)
         return
-    _print(plan, wanted, choices, every=every)
-    _print_checks(choices, len(choices) if every else MAX_CHECKED_MOTORS, every=every)
+    fitting = [choice for choice in choices if choice.fits]
+    _print(plan, wanted, fitting or choices, len(choices), every=every)
+    shown = fitting or choices
+    _print_checks(shown, len(shown) if every else MAX_CHECKED_MOTORS, every=every)
+    if fitting:
+        _print_apart([choice for choice in choices if not choice.fits], choices)
+    else:
+        say("  none of these is safe and sensible for this rocket")
     if weak:
         say_wrapped(
             f"left out, for they push with less than {LEAST_THRUST:g} times the weight: {', '.join(weak)}", "  "
@@ -61,7 +67,7 @@ def _wanted(plan: PlanContext, fit: Given, *, adapter: bool, retired: bool, shor
     from fieldkit.planning.motor_guide import Wanted, mount_of
     from fieldkit.services.planning import shortlist
 
-    mount = length(fit["mount"], "mm") or mount_of(plan.rocket, plan.flight.config)
+    mount = length(fit["mount"], "mm") or plan.mount or mount_of(plan.rocket, plan.flight.config)
     if mount is None:
         raise UnknownMotor("found no flights to know the motor mount from, expected --mount such as 29mm")
     return Wanted(
@@ -88,7 +94,7 @@ def _print_json(
     plan: PlanContext, wanted: "Wanted", target: float | None, choices: "list[MotorChoice]", weak: list[str]
 ) -> None:
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import ADVICE_NOTE
+    from fieldkit.planning.check import ADVICE_NOTE
 
     said = choices[0].prediction
     document = {"rocket": plan.flight.rocket, "mount_mm": (wanted.mount or 0.0) * 1e3, "target_m": target}
@@ -97,11 +103,14 @@ def _print_json(
     print_json({**document, "too_weak": weak, "motors": [choice.json() for choice in choices]})
 
 
-def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", *, every: bool) -> None:
+def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of: int, *, every: bool) -> None:
+    from fieldkit.presentation.forecast_text import rests_in_words
+
     said, flight = choices[0].prediction, plan.flight
     name = " ".join(part for part in (flight.rocket, flight.config) if part)
     say(f"{name}, {(said.plan.dry_mass or 0) * 1e3:.0f} g without the motor")
-    say(f"{len(choices)} motors of {(wanted.mount or 0.0) * 1e3:g} mm; rests on {said.rests_on} clean flights")
+    say(f"{len(choices)} of {of} motors of {(wanted.mount or 0.0) * 1e3:g} mm fit: safe and sensible for it")
+    say_wrapped(f"rests on {rests_in_words(said)}")
     print_conditions(said.plan, plan.rocket.starts)
     say()
     _table(choices, ALL_DELAYS if every else SHOWN_DELAYS)
@@ -118,6 +127,16 @@ def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> N
                 say_wrapped(f"  {_name(choice, choices)}: {line.words()}", "    ")
     if len(choices) > shown:
         say_wrapped(f"  and {len(choices) - shown} more whose checks --all tells")
+
+
+def _print_apart(apart: "list[MotorChoice]", choices: "list[MotorChoice]") -> None:
+    """A line for each reason that keeps motors from fitting, and the motors that it keeps."""
+    reasons: dict[str, list[str]] = {}
+    for choice in apart:
+        for line in choice.why_not:
+            reasons.setdefault(line.name, []).append(_name(choice, choices))
+    for reason, names in reasons.items():
+        say_wrapped(f"  do not fit by {reason}: {', '.join(names)}", "    ")
 
 
 def _unknown(choice: "MotorChoice", name: str) -> bool:

@@ -30,6 +30,12 @@ def motors(
     import_: Annotated[
         Path | None, typer.Option("--import", metavar="FILE", help="Add the motors of a .eng or .rse file.")
     ] = None,
+    compare: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Hold the motors against a table of tests (CSV).")
+    ] = None,
+    corrections: Annotated[
+        bool, typer.Option("--corrections", help="Say where your own corrections and lots are kept; begin the file.")
+    ] = False,
     shortlist_for: Annotated[
         str | None,
         typer.Option(
@@ -77,6 +83,12 @@ def motors(
     from fieldkit.errors import UnknownMotor
     from fieldkit.motors import describe
 
+    if compare is not None:
+        _compared(compare, json)
+        return
+    if corrections:
+        _own_corrections(json)
+        return
     if import_ is not None:
         found = _added(import_)
     elif about:
@@ -122,6 +134,60 @@ def _added(file: Path) -> "list[Motor]":
     found = import_file(file, motor_folder())
     complain(f"{len(found)} added from {file}")
     return found
+
+
+def _compared(file: Path, json: bool) -> None:
+    """Print the figures that a table of tests has otherwise, the furthest off first."""
+    from fieldkit.motors.comparison import compare_tests
+    from fieldkit.services.imports import read_file
+
+    found = compare_tests(known_motors(), read_file(file), file.name)
+    if json:
+        figures = [one.json() for one in found.differences]
+        print_json({"rows": found.rows, "motors": found.motors, "unknown": found.unknown, "differences": figures})
+        return
+    rows = [
+        (
+            f"{one.motor.maker} {one.motor.designation}",
+            f"{one.field}",
+            f"{one.listed:.4g}",
+            f"{one.tested:.4g}",
+            f"{one.ratio:+.0%}",
+            one.basis,
+        )
+        for one in found.differences[:MAX_LISTED_MOTORS]
+    ]
+    headers = ("motor", "figure", "catalogue", "tested", "off", "basis")
+    print_table(headers, rows, numbers=headers[2:5])
+    complain(f"{found.rows} tests of {found.motors} motors; {len(found.differences)} figures differ by more than 5 %")
+    if len(found.differences) > MAX_LISTED_MOTORS:
+        complain(f"the {MAX_LISTED_MOTORS} furthest off are listed, --json has all")
+    if found.unknown:
+        complain(f"not in the catalogue: {', '.join(found.unknown[:5])}{' and more' if len(found.unknown) > 5 else ''}")
+
+
+def _own_corrections(json: bool) -> None:
+    """Print the flyer's own corrections and where they are kept; the file is begun where there is none."""
+    from fieldkit import files
+    from fieldkit.motors.own_corrections import FILE_NAME, HEADER, read_own_corrections
+    from fieldkit.paths import motor_folder
+
+    folder = motor_folder()
+    file = folder / FILE_NAME
+    if not file.exists():
+        files.replace(file, HEADER.encode())
+    rows = read_own_corrections(folder)
+    if json:
+        shown = [{"maker": one.maker, "motor": one.designation, "lot": one.lot, "date": one.date} for one in rows]
+        more = [one.correction.json() for one in rows]
+        print_json({"file": str(file), "corrections": [a | b for a, b in zip(shown, more, strict=True)]})
+        return
+    say(f"{file}")
+    for one in rows:
+        lot = f" lot {one.lot}" if one.lot else ""
+        say(f"  {one.maker} {one.designation}{lot}{f' of {one.date}' if one.date else ''}: {one.correction.text()}")
+    if not rows:
+        say(f"  a row for each figure: {HEADER.strip()}")
 
 
 def _about(json: bool) -> None:

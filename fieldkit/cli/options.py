@@ -8,6 +8,7 @@ import typer
 
 from fieldkit import flight
 from fieldkit.cli.completing import config_names, motor_names, rocket_names
+from fieldkit.flight.recovery import RECOVERY_COLUMNS, RECOVERY_TEXTS
 from fieldkit.quantities import spelled
 
 TEXTS = tuple(name for name in flight.TEXT_COLUMNS if name != "log")
@@ -49,10 +50,17 @@ PLAN_TEXTS = ("motor", "config", "rocket", "site")
 """Texts of a plan that are options of the commands that plan."""
 PLAN = "The plan; numbers may be typed with their unit, as 8mph"
 """Over the options of a plan in a command's help."""
+RECOVERY = "The way down; numbers may be typed with their unit, as 500ft"
+"""Over the options of a recovery in a command's help."""
 FIELD = (
     ("motor_temperature", "Of the motor as it is loaded; in °C."),
     ("waiver", "Ceiling above the pad: 500m. That saved with the site, where not said."),
     ("field_size", "The field's shorter side: 300m. That saved with the site, where not said."),
+    ("lift_off_mass", "As weighed on the pad with the motor in it: 620g; in place of the dry mass."),
+    ("kit", "A kit of yours in kits.toml, for mass, diameter and mount."),
+    ("people", "From the pad to the people at the launch: 30m. That of the site, where not said."),
+    ("bystanders", "To persons and property that have no part in it: 500m. That of the site, where not said."),
+    ("rules", "Whose rules govern the launch: NAR,FAA or UKRA. Those of the site, where not said."),
 )
 """Options of a plan that no column of a flight stands for; safety lines are told by them."""
 
@@ -63,6 +71,8 @@ def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) 
     signature: inspect.Signature = command.__signature__  # type: ignore[attr-defined]
     parameters = [*signature.parameters.values()]
     parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, PLAN) for name, text in FIELD]
+    recovery = {name: column[2] for name, column in RECOVERY_COLUMNS.items()} | RECOVERY_TEXTS
+    parameters += [_option(name, [f"--{name.replace('_', '-')}"], text, RECOVERY) for name, text in recovery.items()]
     command.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]  # read by typer
     command.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
 

@@ -29,7 +29,8 @@ def delay(
         fast = plan.limits["eject_speed"].value if limit is None else parse(limit, "speed", "m/s")
         tool = drill_of(found.motor, data_folder() / "drills.toml") if cuts is None else None
         takes_off = _seconds(cuts) if cuts else tool.takes_off if tool else ()
-        judged = delays(plan.rocket, plan.flight, found, fast, takes_off)
+        left = tool.least_left if tool else 0.0
+        judged = delays(plan.rocket, plan.flight, found, fast, takes_off, least_left=left)
         said, lines = judged.forecast, plan.safety(judged.forecast)
     if json:
         document = {"rocket": said.plan.rocket, "motor": found.motor.designation, "limit_mps": fast}

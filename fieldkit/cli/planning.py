@@ -18,10 +18,11 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Found
+    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.forecasts import Rocket
+    from fieldkit.planning.kits import Kit
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import SafetyCheck
 
 Given = Mapping[str, str | None]
 """Options of a plan as typed, None where not given."""
@@ -37,6 +38,8 @@ class PlanContext:
     rocket: "Rocket"
     site: "Site"
     limits: "dict[str, Limit]"
+    mount: float | None = None
+    """Of the kit, where one was named. [m]"""
 
     def motor(self) -> "Found":
         """The motor of the plan, that of the rocket's last flight where not said. Raises UnknownMotor."""
@@ -45,29 +48,59 @@ class PlanContext:
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
             raise UnknownMotor(f"{self.flight.rocket}: found no flights to know a motor from, expected --motor")
-        return self.motors.resolve(self.flight.motor or (last.motor if last else ""))
+        return self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
         """Every safety line of a forecast."""
         from fieldkit.planning.descent import fall_of
         from fieldkit.planning.safety import safety_lines
 
-        return safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+        return safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
 
 
 @contextmanager
 def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
-    """A plan for a rocket that has flown or has a design, with its ledger open. Raises NoFlights, BadValue."""
-    from fieldkit.services.forecasts import which_rocket
+    """A plan for a rocket that has flown, has a design, or of which the mass or a kit is given; its ledger is open.
+
+    Raises NoFlights, BadValue.
+    """
     from fieldkit.services.planning import rocket_of
 
     motors = known_motors()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
-        name = which_rocket(ledger, given.get("rocket"))
+        name = known_rocket(ledger, given)
         on_progress(f"flying {name} on what its flights taught", 0.3)
         flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
-        yield PlanContext(ledger, motors, flight, rocket, field_of(ledger, flight, given), own_limits())
+        kit = _kit(given)
+        site = field_of(ledger, flight, given)
+        yield PlanContext(ledger, motors, flight, rocket, site, own_limits(), kit.mount if kit else None)
+
+
+NEW_ROCKET = "new rocket"
+"""Of a plan that names no rocket and says what it weighs."""
+
+
+def known_rocket(ledger: "Ledger", given: Given) -> str:
+    """The rocket of a plan; one that nobody has flown where its mass or its kit is given. Raises NoFlights."""
+    from fieldkit.errors import NoFlights
+    from fieldkit.services.forecasts import which_rocket
+
+    try:
+        return which_rocket(ledger, given.get("rocket"))
+    except NoFlights:
+        if not any(given.get(name) for name in ("dry_mass", "lift_off_mass", "kit")):
+            raise
+    return given.get("rocket") or given.get("kit") or NEW_ROCKET
+
+
+def _kit(given: Given) -> "Kit | None":
+    """The kit that is named. Raises BadValue."""
+    from fieldkit.paths import data_folder
+    from fieldkit.planning.kits import FILE_NAME, kit_of
+
+    name = given.get("kit")
+    return kit_of(data_folder() / FILE_NAME, name) if name else None
 
 
 def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "Flight":
@@ -76,19 +109,46 @@ def plan_from_options(ledger: "Ledger", motors: "Catalogue", given: Given) -> "F
     Raises BadValue.
     """
     from fieldkit.flight import MOTOR_TEMPERATURE, Flight
+    from fieldkit.flight.recovery import RECOVERY_NAMES, rail_direction, recovery_header, recovery_of
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.planning.safety import motor_temperature
     from fieldkit.services.planning import completed_plan
     from fieldkit.settings import read_settings
 
-    changes = {name: text for name, text in given.items() if text is not None and name not in dict(FIELD)}
+    changes = {
+        name: text for name, text in given.items() if text is not None and name not in (*dict(FIELD), *RECOVERY_NAMES)
+    }
     last = ledger.latest(changes.get("rocket"))
     plan = Flight(rocket=last.rocket if last else "", config=last.config if last else "")
     plan = plan.with_changes(**read_changes(plan, changes))
     if given.get("motor_temperature"):
         plan = plan.with_changes(extra={MOTOR_TEMPERATURE: given["motor_temperature"]})
         motor_temperature(plan)
-    return completed_plan(ledger, motors, plan, read_settings())
+    if kit := _kit(given):
+        known = {"dry_mass": kit.dry_mass, "diameter": kit.diameter}
+        plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+    if given.get("lift_off_mass"):
+        plan = plan.with_changes(dry_mass=_dry_mass(motors, plan, given["lift_off_mass"] or "", last))
+    typed = {recovery_header(name): text for name in RECOVERY_NAMES if (text := given.get(name))}
+    plan = plan.with_changes(extra={**plan.extra, **typed})
+    plan = completed_plan(ledger, motors, plan, read_settings())
+    recovery_of(plan)
+    rail_direction(plan)
+    return plan
+
+
+def _dry_mass(motors: "Catalogue", plan: "Flight", text: str, last: "Flight | None") -> float:
+    """The dry mass of a rocket weighed with its motor. Raises BadValue, UnknownMotor. [kg]"""
+    from fieldkit.errors import BadValue
+    from fieldkit.units import parse
+
+    motor = motors.resolve(plan.motor or (last.motor if last else "")).motor
+    mass = parse(text, "mass", "g") - motor.loaded_mass
+    if mass <= 0:
+        raise BadValue(
+            f"lift_off_mass: found {text}, expected more than the {motor.loaded_mass * 1e3:.0f} g of its motor"
+        )
+    return mass
 
 
 def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
@@ -101,7 +161,27 @@ def field_of(ledger: "Ledger", plan: "Flight", given: Given) -> "Site":
     ceiling, size = length(given.get("waiver")), length(given.get("field_size"))
     if ceiling:
         known = replace(known, name="", ceiling=ceiling)  # the day's, and not what the site is known by
-    return replace(known, size=size or known.size)
+    people, bystanders = length(given.get("people")), length(given.get("bystanders"))
+    rules = given.get("rules")
+    if rules is not None:
+        check_rules(rules)
+    return replace(
+        known,
+        size=size or known.size,
+        people=people or known.people,
+        bystanders=bystanders or known.bystanders,
+        rules=known.rules if rules is None else rules,
+    )
+
+
+def check_rules(text: str) -> None:
+    """Raise BadValue for rules of an authority that no set is of."""
+    import datetime
+
+    from fieldkit.planning.rules import governing, read_authorities
+    from fieldkit.planning.safety import known_rules
+
+    governing(known_rules(), read_authorities(text), False, datetime.date.today())
 
 
 def length(text: str | None, default: str = "m", *, signed: bool = False) -> float | None:
@@ -141,14 +221,16 @@ def safety_of(
     from fieldkit.services.forecasts import flown
 
     limits = own_limits()
-    falls = {name: fall_of(flown(ledger, motors, name)) for name in {one.plan.rocket for one in said}}
-    return [safety_lines(one, field_of(ledger, one.plan, given), falls[one.plan.rocket], limits) for one in said]
+    histories = {name: flown(ledger, motors, name) for name in {one.plan.rocket for one in said}}
+    falls = [fall_of(histories[one.plan.rocket], one.plan) for one in said]
+    sites = [field_of(ledger, one.plan, given) for one in said]
+    return [safety_lines(one, site, fall, limits) for one, site, fall in zip(said, sites, falls, strict=True)]
 
 
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
     """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions
-    from fieldkit.planning.safety import ADVICE_NOTE
+    from fieldkit.planning.check import ADVICE_NOTE
 
     return {
         "conditions": conditions(said.plan),
@@ -179,7 +261,7 @@ _WIDTH = 79
 
 def print_safety(plan: "Flight", lines: "Sequence[SafetyCheck]", starts: "Sequence[Start]") -> None:
     """Print the conditions of a plan and all safety lines, well or not, and who decides."""
-    from fieldkit.planning.safety import safety_text
+    from fieldkit.planning.check import safety_text
 
     print_conditions(plan, starts)
     say("  safety")

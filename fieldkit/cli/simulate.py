@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from fieldkit.cli.options import CONDITIONS, SETUP, takes_columns
-from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.screen import complain, print_json, say, say_wrapped
 from fieldkit.cli.session import known_motors
 
 app = typer.Typer()
@@ -38,6 +38,9 @@ def simulate(
         float, typer.Option(min=0.01, max=10.0, callback=_number, help="Thrust over declared thrust.")
     ] = 1.0,
     physics: Annotated[Physics, typer.Option(help="The field's, or the reference paper's.")] = Physics.field,
+    booster_mass: Annotated[
+        str | None, typer.Option(help="Of the lower of two stages without its motor: 60g; with D12-0/C6-7.")
+    ] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
@@ -46,6 +49,7 @@ def simulate(
     from fieldkit.flight import Flight
     from fieldkit.importing.manual_entry import read_changes
     from fieldkit.physics.single import field_flight, paper_flight
+    from fieldkit.units import parse
 
     said = {name: text for name, text in given.items() if text is not None}
     for name in BODY:
@@ -58,7 +62,9 @@ def simulate(
     if physics is Physics.paper:
         result = paper_flight(plan, cd, alpha)
     else:
-        found = known_motors().resolve(plan.motor)
+        found = known_motors().resolve_several(
+            plan.motor, None if booster_mass is None else parse(booster_mass, "mass", "g")
+        )
         for note in found.notes:
             complain(f"note: {note}")
         result = field_flight(plan, found, cd, alpha)
@@ -68,6 +74,10 @@ def simulate(
     width = max(map(len, result))
     for name, value in result.items():
         say(f"{name:{width}}  {value:.4g}")
+    if physics is not Physics.paper:
+        say_wrapped(
+            "apogee_m and eject_altitude_m are as a barometric altimeter shows them; true_apogee_m is above the pad."
+        )
 
 
 def _dashed(name: str) -> str:

@@ -4,7 +4,7 @@ from typing import Annotated
 
 import typer
 
-from fieldkit.cli.planning import length
+from fieldkit.cli.planning import check_rules, length
 from fieldkit.cli.screen import print_json, print_table
 from fieldkit.cli.session import open_ledger
 
@@ -18,26 +18,37 @@ def sites(
     elevation: Annotated[str | None, typer.Option(help="Of the pad above sea level: 212m.")] = None,
     size: Annotated[str | None, typer.Option(help="The field's shorter side: 400m.")] = None,
     ceiling: Annotated[str | None, typer.Option(help="Above the pad, by waiver or rule: 3000ft.")] = None,
+    people: Annotated[str | None, typer.Option(help="From the pad to the people at the launch: 30m.")] = None,
+    bystanders: Annotated[
+        str | None, typer.Option(help="From the pad to persons and property that have no part in it: 500m.")
+    ] = None,
+    rules: Annotated[str | None, typer.Option(help="Whose rules govern it: NAR,FAA or UKRA.")] = None,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List launch sites, or save the elevation, size and ceiling of one."""
+    """List launch sites, or save elevation, size, ceiling, distances and rules of one."""
+    from fieldkit.flight.site import SITE_LENGTHS
     from fieldkit.ledger.sites import keep_site
     from fieldkit.ledger.sites import sites as sites_of
 
     given = {"elevation": length(elevation, signed=True), "size": length(size), "ceiling": length(ceiling)}
-    if name is None and any(value is not None for value in given.values()):
+    given |= {"people": length(people), "bystanders": length(bystanders)}
+    if rules is not None:
+        check_rules(rules)
+    changed = rules is not None or any(value is not None for value in given.values())
+    if name is None and changed:
         raise typer.BadParameter("found what to save and no site, expected its name first")
     with open_ledger(context) as ledger:
-        if name is not None and any(value is not None for value in given.values()):
-            keep_site(ledger, name, **given)
+        if name is not None and changed:
+            keep_site(ledger, name, rules=rules, **given)
         known = [site for site in sites_of(ledger) if name in (None, site.name)]
     if json:
-        keys = ("elevation", "size", "ceiling")
-        print_json({"sites": [{"site": one.name} | {f"{key}_m": getattr(one, key) for key in keys} for one in known]})
+        lengths = [{f"{key}_m": getattr(one, key) for key in SITE_LENGTHS} for one in known]
+        names = [{"site": one.name, "rules": one.rules} for one in known]
+        print_json({"sites": [name | own for name, own in zip(names, lengths, strict=True)]})
         return
     rows = [
-        (one.name, *("" if value is None else f"{value:.0f}" for value in (one.elevation, one.size, one.ceiling)))
+        (one.name, *("" if (value := getattr(one, key)) is None else f"{value:.0f}" for key in SITE_LENGTHS), one.rules)
         for one in known
     ]
-    headers = ("site", "elevation m", "size m", "ceiling m")
-    print_table(headers, rows, numbers=headers[1:])
+    headers = ("site", "elevation m", "size m", "ceiling m", "people m", "bystanders m", "rules")
+    print_table(headers, rows, numbers=headers[1:6])

@@ -87,7 +87,7 @@ CONDITIONS = (
     _column("humidity", "fraction", "%", "Humidity", 0, 100, "Relative humidity at the pad."),
     _column("wind", "speed", "m/s", "Wind", 0, 20, "Mean wind at the pad."),
     _column("rail_length", "length", "m", "Rail length", 0.3, 10, "Of the rod or rail the rocket is guided by."),
-    _column("rail_angle", "angle", "deg", "Rail angle", 0, 30, "Tilt of the rod or rail from vertical."),
+    _column("rail_angle", "angle", "deg", "Rail angle", -30, 30, "Of the rod or rail from vertical, into the wind."),
 )
 
 READOUTS = (

@@ -25,7 +25,7 @@ _EDGE: Mapping[str, tuple[float, float]] = {
     "humidity": (0, 100),
     "wind": (0, 60),
     "rail_length": (0.01, 100),
-    "rail_angle": (0, 90),
+    "rail_angle": (-90, 90),
     "apogee": (0.1, 200_000),
     "top_speed": (0.1, 3000),
     "burn_time": (0.01, 120),

@@ -1,6 +1,6 @@
 """The forecast of one planned flight: draws of what the altimeter will show, and what they rest on."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -15,13 +15,14 @@ LEVELS = np.array([0.05, 0.5, 0.95])
 class Prediction:
     """What the altimeter will show of a planned flight, as draws of the apogee and figures drawn with it. SI.
 
-    `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from
-    apogee to the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of
-    the plan, `drift` how far downwind the apogee lies. `cd` and `alpha` are the drag coefficient and thrust factor
-    flown with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that taught
-    the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts` fared,
-    1 where there are too few of them. `left_out` has a line for each flight that was not used, and for
-    each readout that is an outlier and hardly counts.
+    `coast` is from top speed to apogee, `coast_time` from burnout, `rise_time` from lift-off; `eject` is from apogee to
+    the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of the plan,
+    `drift` how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
+    `across_speed` how fast it still moves there. `cd` and `alpha` are the drag coefficient and thrust factor flown
+    with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that taught
+    the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts`
+    fared, 1 where there are too few of them. `left_out` has a line for each flight that was not used, and for each
+    readout that is an outlier and hardly counts.
     """
 
     plan: Flight
@@ -45,6 +46,9 @@ class Prediction:
     stretched_by: float = 1.0
     earlier_forecasts: int = 0
     left_out: tuple[str, ...] = ()
+    across: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
+    drift_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
+    across_speed: Float[Array, "draw"] = field(default_factory=lambda: np.zeros(1))
 
     def apogee_quantiles(self) -> Float[Array, "level"]:
         """At 5, 50 and 95 %. [m]"""

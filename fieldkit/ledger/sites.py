@@ -1,7 +1,9 @@
 """Launch sites: what the flights say of them, and what the flyer saved beside the flights: size and ceiling."""
 
+from typing import Any
+
 from fieldkit.errors import BadValue
-from fieldkit.flight.site import Site
+from fieldkit.flight.site import SITE_LENGTHS, Site
 from fieldkit.ledger.ledger import Ledger
 
 SITES = "sites"
@@ -24,13 +26,14 @@ def site_of(ledger: Ledger, name: str) -> Site:
     return next((site for site in sites(ledger) if site.name == name), Site(name))
 
 
-def keep_site(
-    ledger: Ledger, name: str, elevation: float | None = None, size: float | None = None, ceiling: float | None = None
-) -> Site:
-    """Save what is given of a site, and leave the rest as it is. Raises BadValue for a size that is none."""
-    given = {"elevation": elevation, "size": size, "ceiling": ceiling}
-    changes = {key: value for key, value in given.items() if value is not None}
-    for key in ("size", "ceiling"):
+def keep_site(ledger: Ledger, name: str, *, rules: str | None = None, **lengths: float | None) -> Site:
+    """Save what is given of a site, `SITE_LENGTHS` [m] and whose rules govern it, and leave the rest as it is.
+
+    Raises BadValue for a length that is none.
+    """
+    changes: dict[str, Any] = {key: value for key, value in lengths.items() if value is not None}
+    changes |= {} if rules is None else {"rules": rules}
+    for key in SITE_LENGTHS[1:]:
         if key in changes and changes[key] <= 0:
             raise BadValue(f"{name}: found a {key} of {changes[key]:g} m, expected more than nothing")
     saved = ledger.draft(SITES) or {}
@@ -44,7 +47,7 @@ def put_site(ledger: Ledger, site: Site) -> None:
     ledger.change_draft(SITES, with_site(ledger, site, site.name), "site", site.name)
 
 
-def with_site(ledger: Ledger, site: Site, was: str) -> dict[str, dict[str, float]]:
+def with_site(ledger: Ledger, site: Site, was: str) -> dict[str, dict[str, Any]]:
     """What is saved of all sites once one is as it is now, what is not known of it as not known; `was` is the name it
     had before.
 
@@ -52,6 +55,6 @@ def with_site(ledger: Ledger, site: Site, was: str) -> dict[str, dict[str, float
     """
     saved = ledger.draft(SITES) or {}
     told = {"elevation"} if was in ledger.names("site") and "elevation" not in saved.get(was, {}) else set()
-    known = {key: getattr(site, key) for key in ("elevation", "size", "ceiling") if key not in told}
+    known = {key: getattr(site, key) for key in (*SITE_LENGTHS, "rules") if key not in told}
     saved.pop(was, None)
-    return saved | {site.name: {key: value for key, value in known.items() if value is not None}}
+    return saved | {site.name: {key: value for key, value in known.items() if value not in (None, "")}}

@@ -24,7 +24,7 @@ from fieldkit.physics.state import Setup
 from fieldkit.physics.unique import fly_unique
 from fieldkit.shapes import Array, Float
 
-EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift")
+EXTRAS = ("rail_speed", "eject_speed", "coast_time", "rise_time", "drift", "across", "drift_speed", "across_speed")
 """Figures of a flight that the altimeter does not show and a plan asks for."""
 OPENING = "opening of the parachute"
 """The term for the time from the ejection charge to an open parachute. [s]"""
@@ -298,7 +298,8 @@ def _bent_setup(model: Model, values: Array, scatter: Mapping[str, Array]) -> tu
     )
     if np.any(tilt := bend("tilt")):
         launch_angle = REFERENCE_LAUNCH_ANGLE * np.sqrt(np.abs(tilt))
-        setup = setup.with_changes(rail_angle=np.hypot(setup.rail_angle, launch_angle))
+        steeper = np.hypot(setup.rail_angle, launch_angle)
+        setup = setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -steeper, steeper))
     strengths = _strengths(model, values)
     for effect, strength in strengths:
         setup = effect.bend_setup(setup, strength, model.flights)

@@ -2,8 +2,9 @@
 
 import gzip
 import json
-from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass
+import re
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from pathlib import Path
 from types import MappingProxyType
@@ -15,7 +16,11 @@ from fieldkit.errors import UnknownMotor
 from fieldkit.motors import search
 from fieldkit.motors.corrections import Correction
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor, normalised
+from fieldkit.motors.names import tidy
+from fieldkit.motors.own_corrections import OwnCorrection, corrected
 from fieldkit.motors.search import Found, Listing, Listings
+from fieldkit.motors.several import names_several, resolve_several
+from fieldkit.safe_text import printable
 
 DATA = Path(__file__).with_name("catalogue.json.gz")
 """What `tools/motors.py` makes of the data of ThrustCurve.org."""
@@ -27,6 +32,10 @@ class Catalogue:
 
     listings: Listings
     about: Mapping[str, Any]
+    lots: Mapping[tuple[str, str, str], Motor] = field(default_factory=dict)
+    """Motors of single lots by maker, designation and lot."""
+    _several: dict[tuple[str, float | None], Found] = field(default_factory=dict, repr=False, compare=False)
+    """Clusters and stages that were asked for, so that each is one object."""
 
     def __len__(self) -> int:
         return sum(map(len, self.listings.values()))
@@ -38,11 +47,31 @@ class Catalogue:
 
     def find(self, text: str, maker: str = "") -> Found:
         """The one motor that a text means; see `fieldkit.motors.search.find`."""
-        return search.find(self.listings, text, maker)
+        return search.find(self.listings, split_lot(text)[0], maker)
 
     def resolve(self, text: str, maker: str = "") -> Found:
         """The motor that a text most likely means; see `fieldkit.motors.search.resolve`."""
-        return search.resolve(self.listings, text, maker)
+        plain, lot = split_lot(text)
+        found = search.resolve(self.listings, plain, maker)
+        return self._of_lot(found, lot) if lot else found
+
+    def resolve_several(self, text: str, booster_mass: float | None = None) -> Found:
+        """The motor of a text, or the cluster or the two stages that it names, flown as one motor; see
+        `fieldkit.motors.several`. Raises UnknownMotor."""
+        if not names_several(text):
+            return self.resolve(text)
+        key = tidy(text), booster_mass
+        if key not in self._several:
+            self._several[key] = resolve_several(text, self.resolve, booster_mass)
+        return self._several[key]
+
+    def _of_lot(self, found: Found, lot: str) -> Found:
+        """The motor of a lot where its figures are known, else a note that it is flown as any of its type."""
+        own = self.lots.get((found.motor.maker, found.motor.designation, lot.casefold()))
+        if own is None:
+            note = f"no figures of lot {printable(lot)} are in your corrections: flown as any of its type"
+            return replace(found, notes=(*found.notes, note))
+        return replace(found, motor=own, notes=(*found.notes, *(one.text() for one in own.corrections)))
 
     def complaint(self, text: str) -> str | None:
         """What is wrong with a motor's name in one line, or None where there is such a motor, or several."""
@@ -61,7 +90,38 @@ class Catalogue:
         listings = dict(self.listings)
         for motor in motors:
             listings[motor.name] = (_own(motor), *listings.get(motor.name, ()))
-        return Catalogue(MappingProxyType(listings), self.about)
+        return Catalogue(MappingProxyType(listings), self.about, self.lots)
+
+    def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
+        """The same catalogue with the flyer's own corrections. Raises BadValue for a motor that it does not have."""
+        own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
+        for row in rows:
+            motor = self.find(f"{row.maker} {row.designation}").motor
+            own.setdefault((motor.maker, motor.designation, row.lot.casefold()), []).append(row)
+        listings = {
+            name: tuple([_corrected(one, own.get((one.maker, one.designation, ""), ())) for one in group])
+            for name, group in self.listings.items()
+        }
+        made = Catalogue(MappingProxyType(listings), self.about)
+        lots = {key: corrected(made.find(f"{key[0]} {key[1]}").motor, own[key]) for key in own if key[2]}
+        return replace(made, lots=MappingProxyType(lots))
+
+
+_LOT = re.compile(r"[\s,;(]+lot[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
+
+
+def split_lot(text: str) -> tuple[str, str]:
+    """A motor's name and the lot behind it, empty where none is named: `F24-4W lot 0412`."""
+    found = _LOT.search(text)
+    return (text[: found.start()], found[1]) if found else (text, "")
+
+
+def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:
+    """A listing of a motor with a flyer's corrections; as it is without any."""
+    if not rows:
+        return listing
+    motor = corrected(listing.motor(), rows)
+    return replace(listing, motor=lambda: motor, delays=motor.delays)
 
 
 @cache

@@ -29,7 +29,9 @@ class Motor:
     motor is sold so; empty where they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
     the certification [N], None where none is on record or only the number of the name; `corrections` are the
-    figures that differ from the source, and those on which documents disagree. Two motors are equal when
+    figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
+    of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
+    is gone at each knot [1], None where it goes with the impulse. Two motors are equal when
     they are the same object.
     """
 
@@ -55,6 +57,8 @@ class Motor:
     certified_average: float | None = None
     certified_peak: float | None = None
     corrections: tuple[Correction, ...] = ()
+    parts: tuple["Motor", ...] = ()
+    spent: Float[Array, "knot"] | None = field(default=None, repr=False)
 
     @property
     def burning(self) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from fieldkit import files
 from fieldkit.errors import DamagedLog, FieldkitError
 from fieldkit.motors.catalogue import Catalogue, catalogue
 from fieldkit.motors.motor import Motor
+from fieldkit.motors.own_corrections import read_own_corrections
 
 SUFFIXES = (".eng", ".rse")
 MAX_MOTOR_FILE_SIZE = 16 << 20
@@ -39,7 +40,13 @@ def own_motors(folder: Path) -> tuple[list[Motor], list[FieldkitError]]:
 def known_motors(folder: Path) -> tuple[Catalogue, list[FieldkitError]]:
     """The shipped motors with the flyer's own, and the errors of those of their files that cannot be read."""
     motors, errors = own_motors(folder)
-    return (catalogue().with_motors(motors) if motors else catalogue()), errors
+    known = catalogue()
+    try:
+        rows = read_own_corrections(folder)
+        known = known.with_corrections(rows) if rows else known
+    except FieldkitError as error:
+        errors.append(error)
+    return (known.with_motors(motors) if motors else known), errors
 
 
 def import_file(path: Path, folder: Path) -> list[Motor]:

@@ -118,15 +118,6 @@ def altimeter_gain(
     return STANDARD_TEMPERATURE * (weight / STANDARD_PRESSURE) ** (1 / HYDROSTATIC) / warmth
 
 
-def drift_through(height: Float[Array, "*draw"], wind: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
-    """How far the wind carries what sinks from a height at a metre a second. [m s/m]
-
-    The integral of `wind_at` over height; at a descent speed v it is this over v.
-    """
-    power = 1 + WIND_EXPONENT
-    return np.asarray(wind * WIND_HEIGHT / power * ((1 + np.maximum(height, 0.0) / WIND_HEIGHT) ** power - 1))
-
-
 def wind_at(height: Float[Array, "*#draw"], wind: Float[Array, "*#draw"]) -> Float[Array, "*draw"]:
     """Horizontal wind at a height above the pad from the wind measured there. [m/s]
 

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from fieldkit.physics.forces import TURN_LENGTH, EquationsOfMotion
+from fieldkit.physics.forces import TURN_LENGTH, EquationsOfMotion, length_of
 from fieldkit.physics.state import Setup
 from fieldkit.shapes import Array, Float, Integers
 
@@ -87,7 +87,7 @@ def _highlight(track: AscentState, dt: Array, before: tuple[Array, Array], after
 
 
 def _speed(velocity: Array) -> Array:
-    return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else np.hypot(velocity[0], velocity[1]))
+    return np.asarray(np.abs(velocity[0]) if len(velocity) == 1 else length_of(velocity))
 
 
 def _along(velocity: Array, pull: Array) -> Array:
@@ -106,7 +106,7 @@ def burn(setup: Setup, *, highlights: bool = True) -> AscentState:
     zero = np.zeros(setup.draws)
     start = zero + (lift_off_time(setup) if setup.pad_holds else 0.0)
     latest = start[np.isfinite(start)].max(initial=0.0)
-    at_rest = np.zeros((2 if pull.planar else 1, setup.draws))
+    at_rest = np.zeros((pull.axes, setup.draws))
     track = AscentState(start, zero, at_rest, at_rest, zero, start, zero, zero, zero, start)
     slope, end = zero, np.ones(1)
     begun: Array | None = None
@@ -172,7 +172,7 @@ def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: St
     speed = _speed(track.velocity) + dt * np.maximum(thrust[0], thrust[2]) / mass[2]
     stiffness = setup.drag_area * setup.air.density * speed * dt / mass[2]
     wanted = stiffness / MAX_DRAG_FRACTION
-    if len(track.position) == 2:
+    if len(track.position) > 1:
         wanted = np.maximum(wanted, _bends(setup, track, dt, np.maximum(thrust[0], thrust[2]) / mass[2]))
     if np.max(wanted) <= 1:
         return np.ones(1)

@@ -25,7 +25,7 @@ SPEED_STEP = 12.0
 
 @dataclass(frozen=True, slots=True)
 class Apogee:
-    """The highest point, one entry a draw: when, how high, how far and how fast sideways. SI units.
+    """The highest point, one entry a draw: when, how high, how far and how fast downwind and across. SI units.
 
     `eject_height` is where the ejection charge fired if that was before apogee, else nan.
     """
@@ -33,21 +33,26 @@ class Apogee:
     time: Float[Array, "draw"]
     height: Float[Array, "draw"]
     drift: Float[Array, "draw"]
+    across: Float[Array, "draw"]
     sideways: Float[Array, "draw"]
+    sideways_across: Float[Array, "draw"]
     eject_height: Float[Array, "draw"]
     eject_speed: Float[Array, "draw"]
 
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """Time, height, upward speed and upward acceleration of all draws, drift and sideways speed."""
+    """Time, height, upward speed and upward acceleration of all draws, drift, drift across it, and
+    sideways speeds of both."""
 
     time: Array
     height: Array
     upward: Array
     pull: Array
     drift: Array
+    across: Array
     sideways: Array
+    sideways_across: Array
 
 
 def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *, timed: bool = True) -> Apogee:
@@ -74,7 +79,7 @@ def coast(setup: Setup, track: AscentState, eject_time: Float[Array, "draw"], *,
     if fell.any():
         height = np.where(fell, np.maximum(track.highest, track.position[0]), height)
         time = np.where(fell, track.highest_time, time)
-    return Apogee(time, height, last.drift, last.sideways, charge[0], charge[1])
+    return Apogee(time, height, last.drift, last.across, last.sideways, last.sideways_across, charge[0], charge[1])
 
 
 def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point]:
@@ -89,7 +94,7 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
     time, height, upward = track.time, track.position[0], np.maximum(track.velocity[0], 0.0)
     zero, untold = np.zeros(len(time)), np.full(len(time), np.nan)
     thin = even * setup.air.density_ratio(height)
-    yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero)
+    yield _Point(time, height, upward, -g * (1 + thin * upward**2), zero, zero, zero, zero)
     count = _count(np.log1p(thin * upward**2) / (thin * (2 * LAYER * g)))
     share = upward / count
     for _ in range(int(count.max())):
@@ -102,10 +107,10 @@ def _layers(setup: Setup, track: AscentState, *, timed: bool) -> Iterator[_Point
         if timed:
             root = np.sqrt(thin)
             time = time + np.arctan(root * fall / (1 + thin * upward * slower)) / (g * root)
-            yield _Point(time, height, slower, -g * (1 + thin * slower**2), zero, zero)
+            yield _Point(time, height, slower, -g * (1 + thin * slower**2), zero, zero, zero, zero)
         upward = slower
     if not timed:
-        yield _Point(untold, height, upward, untold, zero, zero)
+        yield _Point(untold, height, upward, untold, zero, zero, zero, zero)
 
 
 def _count(wanted: Array) -> Array:
@@ -137,8 +142,11 @@ def _steps(setup: Setup, track: AscentState) -> Iterator[_Point]:
     zero, ones = np.zeros(len(upward)), np.ones((1, len(upward)))
 
     def point(y: Array, at: Array, slope: Array) -> _Point:
-        drift, across = (y[1], y[2]) if axes == 2 else (zero, zero)
-        return _Point(y[-1], y[0], at, slope, drift, across)
+        if axes == 1:
+            return _Point(y[-1], y[0], at, slope, zero, zero, zero, zero)
+        if axes == 2:
+            return _Point(y[-1], y[0], at, slope, y[1], zero, y[2], zero)
+        return _Point(y[-1], y[0], at, slope, y[1], y[2], y[3], y[4])
 
     velocity, pulled = look(y, upward)
     yield point(y, upward, pulled[0])

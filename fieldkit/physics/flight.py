@@ -82,6 +82,9 @@ def _flown(setup: Setup, track: AscentState, top: Apogee, fires: Array) -> Fligh
         "duration": landed - start,
         "rail_speed": track.rail_speed,
         "drift": top.drift,
+        "across": top.across,
+        "drift_speed": top.sideways,
+        "across_speed": top.sideways_across,
         "rise_time": top.time - start,
         "coast_time": top.time - setup.burns.burnout[setup.motor] * setup.burn_stretch,
     }
@@ -106,6 +109,6 @@ def _fall(setup: Setup, top: Apogee, wait: Float[Array, "draw"]) -> tuple[Array,
     under = top.time + np.where(falls, wait, 0.0) + np.maximum(height, 0.0) / slowly
     steep = np.expm1(np.minimum(top.height * setup.gravity / terminal**2, 300.0))
     hard = top.time + terminal / setup.gravity * np.log1p(steep + np.sqrt(steep * (steep + 2)))
-    speed = np.hypot(terminal * np.tanh(reach), top.sideways)
+    speed = np.hypot(terminal * np.tanh(reach), np.hypot(top.sideways, top.sideways_across))
     known = falls & opens
     return np.where(known, height, np.nan), np.where(known, speed, np.nan), np.where(opens, under, hard)

@@ -13,13 +13,15 @@ wavelength of a stable model (Mandell, Caporaso and Bengen, Topics in Advanced M
 
 def planar(setup: Setup) -> Flags:
     """Which draws need more than the vertical: wind, tilt or a rail that holds on. One flag where all are alike."""
-    return np.asarray((setup.wind != 0) | (setup.rail_angle != 0) | (setup.rail_friction != 0))
+    slanted = (setup.rail_angle != 0) | (setup.rail_across != 0)
+    return np.asarray((setup.wind != 0) | slanted | (setup.rail_friction != 0))
 
 
 class EquationsOfMotion:
     """Acceleration of all draws: thrust, drag and whatever the effects add, less gravity. [m/s^2]
 
-    `thrust` [N] and `mass` [kg] belong to a stage of a step; position and velocity are [axis draw].
+    `thrust` [N] and `mass` [kg] belong to a stage of a step; position and velocity are [axis draw]: upward, in a planar
+    flight downwind, and where a rail leans across the wind to its right.
     """
 
     def __init__(self, setup: Setup, *, burning: bool) -> None:
@@ -27,8 +29,9 @@ class EquationsOfMotion:
         self.burning = burning
         self.half_drag_area = 0.5 * setup.drag_area * setup.air.density
         self.planar = bool(planar(setup).any())
+        self.axes = 1 + int(self.planar) + int(bool((setup.rail_across != 0).any()))
         if self.planar:
-            self.rail = np.stack([np.cos(setup.rail_angle), np.sin(setup.rail_angle)])
+            self.rail = rail_axis(setup)[: self.axes]
             self.turned = setup.rail_length + TURN_LENGTH
 
     def drag_like(self, height: Array, speed: Array, mass: Array) -> Array:
@@ -67,7 +70,7 @@ class EquationsOfMotion:
         free = smooth_step((path - self.setup.rail_length) / TURN_LENGTH)
         through_air = velocity.copy()
         through_air[1] -= free * wind_at(height, self.setup.wind)
-        speed = np.maximum(np.hypot(through_air[0], through_air[1]), 1e-9)
+        speed = np.maximum(length_of(through_air), 1e-9)
         heading = through_air / speed
         axis = self.rail + free * (heading - self.rail)
         pull = axis * (thrust / mass) - heading * self.drag_like(height, speed, mass)
@@ -77,6 +80,13 @@ class EquationsOfMotion:
 
     def _turned(self, height: Array, velocity: Array, thrust: Array | float, mass: Array) -> Array:
         """The same where every draw has long left its rail: thrust and drag along the path through the air."""
+        if self.axes == 3:
+            through_air = velocity.copy()
+            through_air[1] -= wind_at(height, self.setup.wind)
+            speed = np.maximum(length_of(through_air), 1e-9)
+            pull = through_air * ((thrust / mass - self.drag_like(height, speed, mass)) / speed)
+            pull[0] -= self.setup.gravity
+            return np.asarray(pull)
         up, sideways = velocity[0], velocity[1] - wind_at(height, self.setup.wind)
         speed = np.maximum(np.hypot(up, sideways), 1e-9)
         along = (thrust / mass - self.drag_like(height, speed, mass)) / speed
@@ -85,7 +95,21 @@ class EquationsOfMotion:
         return pull
 
     def _path(self, position: Array) -> Array:
-        return np.asarray(position[0] * self.rail[0] + position[1] * self.rail[1])
+        path = position[0] * self.rail[0] + position[1] * self.rail[1]
+        return np.asarray(path + position[2] * self.rail[2] if self.axes == 3 else path)
+
+
+def rail_axis(setup: Setup) -> Array:
+    """The direction of the rail as a unit vector: upward, downwind and across. [axis draw], [1]"""
+    angle = np.hypot(setup.rail_angle, setup.rail_across)
+    sideways = np.sinc(angle / np.pi)  # the sine over the angle
+    return np.stack(np.broadcast_arrays(np.cos(angle), setup.rail_angle * sideways, setup.rail_across * sideways))
+
+
+def length_of(vector: Array) -> Array:
+    """Of a vector of two or three axes."""
+    flat = np.hypot(vector[0], vector[1])
+    return np.asarray(np.hypot(flat, vector[2]) if len(vector) == 3 else flat)
 
 
 def smooth_step(x: Array) -> Array:

@@ -12,6 +12,7 @@ import numpy as np
 
 from fieldkit.errors import ImpossibleFlight
 from fieldkit.flight import Flight
+from fieldkit.flight.recovery import rail_direction
 from fieldkit.motors import Found, Motor
 from fieldkit.physics.atmosphere import altimeter_gain, pad_air
 from fieldkit.physics.state import Setup
@@ -54,6 +55,7 @@ def field_setup(
     """
     motors = {id(item.motor): item.motor for item in found}
     row = {key: number for number, key in enumerate(motors)}
+    along, across = rail_angles(flights)
     conditions = [recorded(flights, name) for name in ("site_elevation", "temperature", "pressure")]
     return Setup(
         burns=_burns(tuple(motors.values()), steps, knots),
@@ -63,12 +65,28 @@ def field_setup(
         drag_area=np.asarray(drag_area, float),
         thrust_factor=np.asarray(thrust_factor, float),
         rail_length=np.nan_to_num(recorded(flights, "rail_length"), nan=RAIL_LENGTH),
-        rail_angle=np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0),
+        rail_angle=along,
+        rail_across=across,
         delay=delays(flights, found),
         descent_speed=np.nan_to_num(recorded(flights, "descent_speed"), nan=DESCENT_SPEED),
         altimeter_gain=altimeter_gain(conditions[0], conditions[1], conditions[2]),
         stride=stride,
     )
+
+
+def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
+    """Angle of every rail from vertical, away from the wind and across it to the right; 0 where not recorded. [rad]
+
+    A recorded angle leans into the wind where nobody said otherwise, a negative one away from it.
+    """
+    angle = np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0)
+    turned = [row for row, flight in enumerate(flights) if angle[row] and flight.extra.get("rail_direction")]
+    if not turned:
+        return 0.0 - angle, np.zeros(1)
+    direction = np.zeros(len(flights))
+    direction[turned] = [rail_direction(flights[row]) for row in turned]
+    across = np.round(np.sin(direction), 12) * angle
+    return 0.0 - angle * np.round(np.cos(direction), 12), across if across.any() else np.zeros(1)
 
 
 def dry_masses(flights: Sequence[Flight]) -> Float[Array, "flight"]:

@@ -29,7 +29,8 @@ def paper_flight(plan: Flight, cd: float, alpha: float) -> dict[str, float]:
 
 
 def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[str, float]:
-    """One flight in the field's physics: all readouts that it comes to, by column, as an altimeter shows them.
+    """One flight in the field's physics: all readouts that it comes to, by column, as an altimeter shows
+    them, and the true height of its apogee above the pad, `true_apogee_m`.
 
     `plan` has dry mass, diameter and whatever conditions are known. The rocket is taken to turn into a
     recorded wind fully. Raises ImpossibleFlight where the motor does not lift the rocket or figures are lacking.
@@ -37,7 +38,9 @@ def field_flight(plan: Flight, found: Found, cd: float, alpha: float) -> dict[st
     _, diameter = _body(plan)
     setup = field_setup([plan], [found], np.array([cd * np.pi / 4 * diameter**2]), np.array([alpha]))
     wind = np.nan_to_num(recorded([plan], "wind"), nan=0.0)
-    return at_the_edge(_flown(setup.with_changes(wind=wind), plan.motor), [column.name for column in READOUTS])
+    flown = _flown(setup.with_changes(wind=wind), plan.motor)
+    shown = at_the_edge(flown, [column.name for column in READOUTS])
+    return {**shown, "true_apogee_m": float(flown.apogee.reshape(-1)[0])}
 
 
 def _body(plan: Flight) -> tuple[float, float]:

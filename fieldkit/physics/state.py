@@ -40,13 +40,13 @@ def _for_all(value: float) -> Any:
 class Setup:
     """Everything a flight starts from, one entry a draw (or one for all), in SI units.
 
-    `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor`
-    multiplies thrust [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns
-    the rocket, measured at the pad [m/s]; `rail_angle` is from vertical, positive away from the wind
-    [rad]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from the
-    charge to an open parachute (half a second is an assumption) [s]; `descent_speed` under it
-    [m/s]. `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight.
-    `stride` is how much longer the steps of a slanted path are than they have to be [1].
+    `motor` picks a row of `burns`. `drag_area` is Cd times the reference area [m^2], `thrust_factor` multiplies thrust
+    [1], `burn_stretch` stretches the burn at the same impulse [1]. `wind` is what turns the rocket, measured at the
+    pad [m/s]; `rail_angle` is from vertical, positive away from the wind, and `rail_across` at right angles to it,
+    positive to its right [rad]. `delay` is from burnout to ejection, nan for none [s]; `opening_time` from the
+    charge to an open parachute (half a second is an assumption) [s]; `descent_speed` under it [m/s].
+    `altimeter_gain` is shown over true height [1]. `forces` are what effects add in flight. `stride` is how much
+    longer the steps of a slanted path are than they have to be [1].
     """
 
     burns: Burns
@@ -58,6 +58,7 @@ class Setup:
     burn_stretch: Float[Array, "*#draw"] = _for_all(1.0)
     rail_length: Float[Array, "*#draw"] = _for_all(1.0)
     rail_angle: Float[Array, "*#draw"] = _for_all(0.0)
+    rail_across: Float[Array, "*#draw"] = _for_all(0.0)
     rail_friction: Float[Array, "*#draw"] = _for_all(0.0)
     wind: Float[Array, "*#draw"] = _for_all(0.0)
     delay: Float[Array, "*#draw"] = _for_all(np.nan)
@@ -117,10 +118,11 @@ PER_DRAW = tuple(
 class FlightResult:
     """What a flight came to, one entry a draw, in SI units; heights above the pad.
 
-    `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a
-    barometric altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it;
-    accelerations are net of gravity. `rise_time` is from lift-off to apogee, `coast_time` from burnout, negative
-    where the motor still burns at apogee. nan where there is nothing to tell (no delay, no ejection).
+    `apogee` and `eject_altitude` are true heights, `apogee_shown` and `eject_altitude_shown` what a barometric
+    altimeter shows. `burn_time` is from lift-off to top speed, as the altimeter has it; accelerations are net of
+    gravity. `drift` is how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
+    `across_speed` how fast it still moves there. `rise_time` is from lift-off to apogee, `coast_time` from burnout,
+    negative where the motor still burns at apogee. nan where there is nothing to tell (no delay, no ejection).
     """
 
     apogee: Float[Array, "*draw"]
@@ -139,6 +141,9 @@ class FlightResult:
     rail_speed: Float[Array, "*draw"]
     lift_off: Float[Array, "*draw"]
     drift: Float[Array, "*draw"]
+    across: Float[Array, "*draw"]
+    drift_speed: Float[Array, "*draw"]
+    across_speed: Float[Array, "*draw"]
     rise_time: Float[Array, "*draw"]
     coast_time: Float[Array, "*draw"]
 

@@ -144,6 +144,8 @@ def burns(motors: Sequence[Curve], *, steps: int = STEPS, knots: int | None = No
         nodes = np.stack([edge[:-1], 0.5 * (edge[:-1] + edge[1:]), edge[1:]], axis=1)
         spent = nodes / time[-1] if linear_burn else _impulse(time, thrust, nodes)
         spent = spent / spent[-1, -1]
+        if (gone := getattr(motor, "spent", None)) is not None:
+            spent = np.interp(nodes, motor.time, gone)
         rise = slice(0, int(np.argmax(thrust)) + 1)
         rows.append((edge, np.interp(nodes, time, thrust), spent, time[rise], thrust[rise]))
     edges, pushes, shares, rise_times, rise_thrusts = (list(values) for values in zip(*rows, strict=True))

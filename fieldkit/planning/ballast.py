@@ -22,6 +22,8 @@ DRAWS = 500
 """Flights flown at each mass. [1]"""
 MIN_MASS_RATIO, MAX_MASS_RATIO = 0.6, 1.8
 """Range of the masses tried if the flyer sets no bounds, relative to the current dry mass. [1]"""
+CLEAR_ERRORS, LEAST_GAIN = 2.0, 1.0
+"""Standard errors that a gain in points must be above, and the points that it must be at least. [1]"""
 BAND_SMOOTHING = 0.5
 """Width over which the edge of the band is rounded, so that the probability is smooth in the mass. [m]"""
 SEARCH_SMOOTHING = 0.15
@@ -81,7 +83,8 @@ class Ballast:
 
     `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
     and `today` what is without change. `reach` is the lowest and the highest median apogee of the masses tried [m];
-    the target is `met` where it lies between.
+    the target is `met` where it lies between. `gain` is by how many points a flight the change is better on average,
+    `gain_error` the standard error of that for as many flights as the forecast rests on; None without a season.
     """
 
     mass: float
@@ -92,6 +95,18 @@ class Ballast:
     today: Result
     reach: tuple[float, float]
     met: bool
+    gain: float | None = None
+    gain_error: float | None = None
+
+    @property
+    def clear(self) -> bool:
+        """Whether the change is worth it: the points that it saves are clear against their uncertainty.
+
+        Without a season there are no points to gain, and the mass is what was asked for.
+        """
+        if self.gain is None or self.gain_error is None:
+            return True
+        return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
 
     @property
     def apogee(self) -> Three:
@@ -110,6 +125,9 @@ class Ballast:
             "today": self.today.json(),
             "reach_m": list(self.reach),
             "met": self.met,
+            "gain_points": self.gain,
+            "gain_error_points": self.gain_error,
+            "change": self.clear,
         }
 
 
@@ -127,7 +145,7 @@ def ballast(
     """
     from scipy.interpolate import PchipInterpolator
 
-    masses = _masses(plan, bounds)
+    masses = _masses(plan, _legal(goal, found, bounds))
     plans = [plan.with_changes(dry_mass=float(mass)) for mass in (*masses, plan.dry_mass)]
     said = forecasts(rocket, [(one, found) for one in plans], draws=draws)
     apogee = np.stack([one.apogee for one in said], axis=-1)
@@ -140,6 +158,7 @@ def ballast(
         # far from the target every chance is nothing: there the mean miss leads the way
         mass = _best(curve, masses, Goal(goal.target, goal.within, "error"))
     forecast, low, high = _named(rocket, plan, found, mass, masses, np.median(apogee[:, :-1], axis=0), draws)
+    gain, error = _gain(goal, (curve(mass)[0], curve(mass)[1]), (apogee[:, -1], duration[:, -1]), said[0].rests_on)
     return Ballast(
         mass=mass,
         add=mass - plans[-1].dry_mass if plans[-1].dry_mass else 0.0,
@@ -149,7 +168,31 @@ def ballast(
         today=_result(goal, apogee[:, -1], duration[:, -1]),
         reach=(low, high),
         met=low <= goal.target <= high,
+        gain=gain,
+        gain_error=error,
     )
+
+
+def _gain(
+    goal: Goal, there: tuple[Figures, Figures], today: tuple[Figures, Figures], flights: int
+) -> tuple[float | None, float | None]:
+    """By how many points a flight a change is better on average, and how uncertain that is after so many flights.
+
+    Both fly on the same draws; their difference scatters from flight to flight, and its mean is known as well as that
+    many flights tell it.
+    """
+    if goal.rule is None:
+        return None, None
+    saved = goal.rule.points(*today) - goal.rule.points(*there)
+    return float(saved.mean()), float(saved.std() / np.sqrt(max(flights, 1)))
+
+
+def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) -> tuple[float | None, float | None]:
+    """Bounds of the dry mass within what a season allows on the pad. [kg]"""
+    if goal.rule is None or goal.rule.mass is None:
+        return bounds
+    most = goal.rule.mass - found.motor.loaded_mass
+    return bounds[0], most if bounds[1] is None else min(most, bounds[1])
 
 
 def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Array, "mass"]:
@@ -177,12 +220,12 @@ def _named(
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
     """From lift-off to landing of each mass, on the same luck. [s]"""
-    fall = fall_of(rocket.history)
+    fall = fall_of(rocket.history, said[0].plan)
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [
         fall.speeds(np.random.default_rng(7), (draws, 1), landing_mass(one.plan, one.found), density) for one in said
     ]
-    return np.nan_to_num(durations(said, np.concatenate(speeds, axis=1)))
+    return np.nan_to_num(durations(said, fall, np.concatenate(speeds, axis=1)))
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:

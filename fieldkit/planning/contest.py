@@ -1,5 +1,6 @@
 """Contest points: seasons are files in `fieldkit/data/seasons`, flights and plans are scored by them."""
 
+import math
 import tomllib
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -12,10 +13,13 @@ from fieldkit.errors import BadValue
 from fieldkit.flight import Flight
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
+from fieldkit.motors.names import squeeze
 from fieldkit.planning.air import air_of
+from fieldkit.planning.check import SafetyCheck, Verdict
+from fieldkit.planning.contest_flight import judged_duration, whole_feet, why_no_score
 from fieldkit.planning.descent import durations, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
-from fieldkit.planning.safety import SafetyCheck, Verdict
+from fieldkit.planning.rules import MARKS
 from fieldkit.shapes import Array, Float
 from fieldkit.units import FOOT
 
@@ -30,7 +34,8 @@ AREAS = (0.4, 2.5)
 class Season:
     """The rule of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` count.
 
-    `mass` and `impulse` are the most on the pad, `length` the least; None where the season sets none.
+    `mass` and `impulse` are the most on the pad, `length` the least; None where the season sets none. `eggs`, `body`,
+    `launch` and `finals` are what else its rule says, `finals_range` the targets that finals may have [m].
     """
 
     year: int
@@ -45,6 +50,13 @@ class Season:
     mass: float | None = None
     impulse: float | None = None
     length: float | None = None
+    eggs: str = ""
+    body: str = ""
+    launch: str = ""
+    finals: str = ""
+    finals_range: tuple[float, float] | None = None
+    mark: str = "U"
+    source: str = ""
 
     def points(self, apogee: Float[Array, "*draw"], duration: Float[Array, "*draw"]) -> Float[Array, "*draw"]:
         """Points of flights, fewer being better; an unknown duration (nan) costs none."""
@@ -64,7 +76,8 @@ class Season:
         """What is to be known before it is believed; empty for a rule that was checked."""
         if self.checked:
             return ""
-        return f"The rule of {self.year} ({self.remarks}) was not checked against the official text."
+        how = MARKS.get(self.mark, "unverified")
+        return f"The rule of {self.year} ({self.remarks}; {how}) was not checked against the official text."
 
 
 def seasons(own: Path | None = None) -> list[int]:
@@ -112,6 +125,8 @@ def season(year: int, own: Path | None = None) -> Season:
             mass=_scaled(most.get("lift_off_mass_g"), 1e-3),
             impulse=_scaled(most.get("impulse_ns"), 1.0),
             length=_scaled(most.get("length_mm_at_least"), 1e-3),
+            finals_range=_finals(rule.get("finals_ft")),
+            **{key: str(rule[key]) for key in ("eggs", "body", "launch", "finals", "mark", "source") if key in rule},
         )
     except (KeyError, ValueError, RecursionError, TypeError, AttributeError, OSError) as error:
         raise BadValue(
@@ -119,28 +134,51 @@ def season(year: int, own: Path | None = None) -> Season:
         ) from error
 
 
+def _finals(feet: Sequence[float] | None) -> tuple[float, float] | None:
+    """The lowest and the highest target of finals. [m]"""
+    if feet is None:
+        return None
+    low, high = (float(one) * FOOT for one in feet)
+    return low, high
+
+
 def _scaled(value: float | None, by: float) -> float | None:
     return None if value is None else float(value) * by
 
 
 def score(rule: Season, flights: Sequence[Flight]) -> list[tuple[Flight, float]]:
-    """Flights with an apogee and their points, in the order given."""
-    known = [(flight, flight.apogee) for flight in flights if flight.apogee is not None]
-    return [
-        (flight, float(rule.points(np.array(height), np.array(np.nan if flight.duration is None else flight.duration))))
-        for flight, height in known
-    ]
+    """Flights with an apogee and their points, in the order given; nan for one that has no score.
+
+    The altitude counts in whole feet, the duration as two timers have it. Raises BadValue for a timer that is none.
+    """
+    return [(flight, _points(rule, flight)) for flight in flights if flight.apogee is not None]
+
+
+def _points(rule: Season, flight: Flight) -> float:
+    if why_no_score(flight) or flight.apogee is None:
+        return math.nan
+    duration = judged_duration(flight)
+    height = np.array(whole_feet(flight.apogee) * FOOT)
+    return float(rule.points(height, np.array(np.nan if duration is None else duration)))
 
 
 def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: Sequence[str]) -> float:
-    """The sum of the best of the flights that were declared, by their ids. Raises BadValue for what cannot be."""
+    """The sum of the best of the flights that were declared, by their ids.
+
+    A flight without a score is one of the attempts and never among the best. Raises BadValue for what cannot be.
+    """
     points = {flight.flight_id: own for flight, own in scored}
     if strange := [name for name in names if name not in points]:
         raise BadValue(f"declared flights: found {strange[0]!r}, expected flights of this rocket that have an apogee")
     if not rule.best <= len(set(names)) <= rule.declared:
         wanted = f"{rule.best} to {rule.declared} flights"
         raise BadValue(f"declared flights: found {len(set(names))}, expected {wanted} such as 4,5,6")
-    return float(rule.sums(np.array([[points[name] for name in dict.fromkeys(names)]]))[0])
+    known = [points[name] for name in dict.fromkeys(names) if not math.isnan(points[name])]
+    if len(known) < rule.best:
+        without = [f"{flight.flight_id} ({why_no_score(flight)})" for flight, own in scored if math.isnan(own)]
+        told = f"{', '.join(without)} have no score"
+        raise BadValue(f"declared flights: found {len(known)} with a score, expected {rule.best}; {told}")
+    return float(rule.sums(np.array([known]))[0])
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,12 +209,12 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
     should be.
     """
     said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
-    fall, shape = fall_of(rocket.history), (draws, rule.declared)
+    fall, shape = fall_of(rocket.history, said[0].plan), (draws, rule.declared)
     mass, density = landing_mass(said[0].plan, found), air_of(said[0].plan).density
 
     def timed(share: float) -> Float[Array, "draw declared"]:
         speeds = fall.speeds(np.random.default_rng(6), shape, mass, density, share)
-        return durations(said, speeds)
+        return durations(said, fall, speeds)
 
     apogee = np.stack([one.apogee for one in said], axis=-1)
     best = _best_area(lambda share: float(rule.points(apogee, timed(share)).mean()))
@@ -195,9 +233,39 @@ def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
     return float(np.exp(best.x)), float(best.fun)
 
 
-def allowed(rule: Season, plan: Flight, found: Found, length: float | None = None) -> list[SafetyCheck]:
-    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket."""
-    source = f"season {rule.year}" + ("" if rule.checked else ", not checked against the official text")
+def approved_motors(year: int, own: Path | None = None) -> frozenset[str] | None:
+    """The motors on a season's approved list, in the flyer's own file `2027_motors.txt`, a line each; None without."""
+    file = own / f"{year}_motors.txt" if own is not None else None
+    if file is None or not file.exists():
+        return None
+    lines = (line.partition("#")[0].strip() for line in files.read_own(file).splitlines())
+    return frozenset(squeeze(line) for line in lines if line)
+
+
+def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> SafetyCheck:
+    """Whether a motor is on the season's approved list, as the flyer keeps it."""
+    motor = found.motor
+    name = f"{motor.maker} {motor.designation}"
+    if approved is None:
+        kept = "impulse kept; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
+        where = f"{rule.year}_motors.txt among your own seasons"
+        return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's list ({where})", "")
+    listed = {squeeze(name), squeeze(motor.designation), squeeze(f"{motor.maker} {motor.name}")} & approved
+    text = f"{name} is {'on' if listed else 'not on'} your copy of the list"
+    return SafetyCheck("contest motor list", "ok" if listed else "unsafe", text, f"{rule.year}_motors.txt")
+
+
+def allowed(
+    rule: Season,
+    plan: Flight,
+    found: Found,
+    length: float | None = None,
+    approved: frozenset[str] | None = None,
+) -> list[SafetyCheck]:
+    """A line for each limit that a season sets: mass on the pad, total impulse, least length [m] of the rocket, and
+    the motor list."""
+    source = f"season {rule.year}: {rule.source}; {MARKS.get(rule.mark, 'unverified')}"
+    source += "" if rule.checked else ", not checked against the official text"
     mass = None if plan.dry_mass is None else plan.dry_mass + found.motor.loaded_mass
     checks = [
         ("contest mass", mass, rule.mass, "at most", 1e3, "g"),
@@ -215,4 +283,4 @@ def allowed(rule: Season, plan: Flight, found: Found, length: float | None = Non
         well = value <= limit if how == "at most" else value >= limit
         verdict: Verdict = "ok" if well else "unsafe"
         lines.append(SafetyCheck(name, verdict, f"{value * scale:.4g} {unit}, {wanted}", source))
-    return lines
+    return [*lines, motor_line(rule, found, approved)]

@@ -1,5 +1,6 @@
 """The delay to buy or drill, from the distribution of coast time and the delay's own scatter."""
 
+import re
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,9 +19,9 @@ from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
-RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE = 0.2, 1.5
-"""How far a delay may be from what is printed: this share of it [1], and no less than this [s]. Source: NFPA 1125, as
-cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
+RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE = 0.2, 1.5, 3.0
+"""How far a delay may be from what is printed: this share of it [1], no less than this and never more than that [s].
+Source: NFPA 1125, as cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
 DRAWS = 1000
 """Flights flown for each delay. [1]"""
@@ -28,13 +29,14 @@ DRAWS = 1000
 
 @dataclass(frozen=True, slots=True)
 class Drill:
-    """The delay tool of a maker: what it can take off the longest delay [s], where that is from, and if it was checked
-    against the maker's instructions."""
+    """The delay tool of a maker for motors of a diameter: what it can take off the longest delay [s], where that is
+    from, if it was checked against the maker's instructions, and the least delay that must be left [s]."""
 
     maker: str
     takes_off: tuple[float, ...]
     source: str
     checked: bool
+    least_left: float = 0.0
 
     def json(self) -> dict[str, Any]:
         """Ready for JSON, with the unit in the key."""
@@ -92,48 +94,76 @@ class Delays:
 def tolerance(delays: Float[Array, "flight"]) -> Float[Array, "flight"]:
     """Standard deviation of a delay from what is printed [s], as a ratio of it; 0 for nan. [1]"""
     delays = np.maximum(delays, 0.1)
-    return np.asarray(np.nan_to_num(np.maximum(RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE / delays) / 2))
+    off = np.clip(RELATIVE_DELAY_TOLERANCE * delays, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE)
+    return np.asarray(np.nan_to_num(off / delays / 2))
 
 
 def drill_of(motor: Motor, own: Path | None = None) -> Drill | None:
-    """The delay tool of a motor's maker, which most makers have none of; only for reloads.
+    """The delay tool of a motor's maker for its diameter, which most makers have none of; only for reloads and for
+    single-use motors that are sold to be drilled.
 
     Raises BadValue for an own file that is damaged.
     """
-    tools = _drills(DRILLS) | (_drills(own) if own is not None and own.exists() else {})
-    return tools.get(motor.maker) if motor.kind == "reload" else None
+    tools = _drills(DRILLS, motor) | (_drills(own, motor) if own is not None and own.exists() else {})
+    return tools.get(motor.maker) if motor.kind == "reload" or _is_dms(motor) else None
 
 
-def _drills(file: Path) -> dict[str, Drill]:
+def _is_dms(motor: Motor) -> bool:
+    """Whether a single-use motor is sold to be drilled, as its designation says."""
+    return "DMS" in motor.designation.upper() or bool(_DRILLABLE.search(motor.designation))
+
+
+_DRILLABLE = re.compile(r"-\d+A$")
+"""The longest delay of a motor that may be drilled, at the end of its designation: `H283ST-15A`."""
+
+
+def _drills(file: Path, motor: Motor) -> dict[str, Drill]:
+    """The tools of a file for a motor's diameter."""
     try:
         tables = tomllib.loads(read_own(file))
-        return {maker: _drill(maker, table, f"your own {file.name}") for maker, table in tables.items()}
+        found = {maker: _drill(maker, table, f"your own {file.name}", motor) for maker, table in tables.items()}
+        return {maker: drill for maker, drill in found.items() if drill is not None}
     except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, KeyError, TypeError, ValueError) as error:
         raise BadValue(f"{file.name}: found {error}, expected [Maker] with takes_off_s = [2, 4]") from error
 
 
-def _drill(maker: str, table: dict[str, Any], source: str) -> Drill:
-    takes_off = tuple(float(off) for off in table["takes_off_s"])
-    return Drill(maker, takes_off, str(table.get("source", source)), bool(table.get("checked", False)))
+def _drill(maker: str, table: dict[str, Any], source: str, motor: Motor) -> Drill | None:
+    sizes = table.get("sizes") or [{"up_to_mm": np.inf, "takes_off_s": table["takes_off_s"]}]
+    fitting = [size for size in sizes if motor.diameter * 1e3 <= float(size["up_to_mm"]) + 0.6]
+    if not fitting:
+        return None
+    takes_off = tuple(float(off) for off in fitting[0]["takes_off_s"])
+    left = float(table.get("least_left_s", 0.0))
+    left = float(table.get("least_left_dms_s", left)) if _is_dms(motor) else left
+    return Drill(maker, takes_off, str(table.get("source", source)), bool(table.get("checked", False)), left)
 
 
-def offered(motor: Motor, takes_off: Sequence[float] = ()) -> dict[float, bool]:
-    """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled. [s]"""
+def offered(motor: Motor, takes_off: Sequence[float] = (), least_left: float = 0.0) -> dict[float, bool]:
+    """The delays that a motor can have [s], and whether each is on sale; `takes_off` the longest are drilled, and no
+    less than `least_left` is left. [s]"""
     sold = [delay for delay in sorted(motor.delays) if delay != PLUGGED_DELAY]
     drilled = [round(max(sold) - off, 3) for off in takes_off] if sold else []
-    return dict.fromkeys(sold, True) | {delay: False for delay in drilled if delay > 0 and delay not in sold}
+    possible = [delay for delay in drilled if delay > 0 and delay >= least_left and delay not in sold]
+    return dict.fromkeys(sold, True) | dict.fromkeys(possible, False)
 
 
 def delays(
-    rocket: Rocket, plan: Flight, found: Found, limit: float, takes_off: Sequence[float] = (), draws: int = DRAWS
+    rocket: Rocket,
+    plan: Flight,
+    found: Found,
+    limit: float,
+    takes_off: Sequence[float] = (),
+    draws: int = DRAWS,
+    least_left: float = 0.0,
 ) -> Delays:
-    """Judge the delays on sale, and those drilled from the longest by what a tool `takes_off`. [s]
+    """Judge the delays on sale, and those drilled from the longest by what a tool `takes_off`, of
+    which at least `least_left` is left. [s]
 
     `limit` is the speed at ejection that is too fast [m/s]. Each delay is flown: fall and drag, wind and an early
     parachute are in its speed. Best is the smallest chance to be too fast, then the smallest mean square of speed.
     Raises ImpossibleFlight where the motor does not lift the rocket.
     """
-    ways = list(offered(found.motor, takes_off).items())
+    ways = list(offered(found.motor, takes_off, least_left).items())
     planned = [
         (plan.with_changes(delay=delay), Found(found.motor, delay)) for delay in [None, *(delay for delay, _ in ways)]
     ]

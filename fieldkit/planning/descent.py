@@ -1,8 +1,9 @@
-"""How fast a rocket comes down, from what it showed: descent speeds, and durations where nothing better was read.
+"""How fast a rocket comes down, from what its flights showed, and what that makes of a plan's way down.
 
-Under a parachute drag carries the weight, rho/2 v^2 Cd A = m g, so that v = c sqrt(m / rho) / sqrt(A / A0): one number
-c for a rocket and its parachute serves every mass, air, and share of the parachute's area (Knacke, Parachute Recovery
-Systems Design Manual, 1991, chapter 5).
+Under a device drag carries the weight, rho/2 v^2 Cd A = m g, so that v = c sqrt(m / rho) / sqrt(A / A0): one number
+c for a rocket and its device serves every mass, air, and share of the device's area (Knacke, Parachute Recovery
+Systems Design Manual, 1991, chapter 5). Duration, landing and the fit on flights rest on the same descent
+(`fieldkit.physics.descent`): the charge fires when its delay says, not at apogee.
 """
 
 from collections.abc import Sequence
@@ -11,10 +12,13 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.flight import Flight
+from fieldkit.flight.recovery import Device, Recovery, recovery_figure, recovery_of
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors import Found
-from fieldkit.physics.atmosphere import Air, altimeter_gain, drift_through, pad_air
-from fieldkit.physics.setups import DESCENT_SPEED, recorded
+from fieldkit.physics.atmosphere import Air, altimeter_gain, pad_air
+from fieldkit.physics.descent import DescentResult, Devices, WindProfile, descend, fall_by, fall_time
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import DESCENT_SPEED, field_setup, recorded
 from fieldkit.shapes import Array, Float
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -24,17 +28,29 @@ DESCENT_PRIOR_FLIGHTS = 4.0
 """Number of flights that the guess of the descent speed counts for. [1]"""
 DEFAULT_DESCENT_SD = 0.30
 """Of the log descent speed where no flight told it: parachutes are cut for 3.5 to 7 m/s. [1]"""
+STREAMER_SPEED = 10.0
+"""Under a streamer where no flight told it, an assumption: 7 to 14 m/s within a `DEFAULT_DESCENT_SD`. [m/s]"""
+DROGUE_SPEED = 20.0
+"""Under a drogue where none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
 AREA_CHANGE_SD = 0.15
 """By how much a change of area may miss what it should do, for each unit of its log: lines and slots alter Cd. [1]"""
+CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
+"""Drag coefficients among which that of a flown apogee is looked for. [1]"""
+USUAL_MASS, USUAL_DENSITY = 0.4, 1.225
+"""At which a usual descent speed is meant [kg], [kg/m^3]."""
 
 
 @dataclass(frozen=True, slots=True)
 class Fall:
-    """The log of c = v sqrt(rho / m): mean over `flights`, and their spread. Without flights, of a usual parachute."""
+    """The log of c = v sqrt(rho / m): mean over `flights`, and their spread. Without flights, of a usual device.
+
+    `drogue` is that of the drogue of a rocket with two devices, None where there is none.
+    """
 
     log_mean: float
     spread: float
     flights: int
+    drogue: "Fall | None" = None
 
     def speeds(
         self, rng: np.random.Generator, shape: tuple[int, int], mass: float, density: float, area: float = 1.0
@@ -56,21 +72,60 @@ class Fall:
         return np.asarray(np.exp(logs) * np.sqrt(mass / density))
 
 
-def fall_of(history: Sequence[tuple[Flight, Found]]) -> Fall:
-    """What the clean flights of a rocket tell of its descent."""
+def usual(device: Device = "parachute") -> Fall:
+    """The descent of a device that no flight told of."""
+    speed = DESCENT_SPEED if device == "parachute" else STREAMER_SPEED
+    return Fall(_pace(speed, USUAL_MASS, USUAL_DENSITY), FLIGHT_TO_FLIGHT_SD, 0)
+
+
+def fall_of(history: Sequence[tuple[Flight, Found]], plan: Flight | None = None) -> Fall:
+    """What the clean flights of a rocket tell of its descent, those on the device of the plan where that is said.
+
+    A typed drogue speed of the plan is taken for what it is until flights show another.
+    """
+    wanted = recovery_of(plan) if plan is not None else None
     told = [(flight, found) for flight, found in history if flight.clean]
-    speeds = np.array([_speed(flight) or np.nan for flight, _ in told])
-    known = np.isfinite(speeds) & (speeds > 0)
+    if wanted is not None:
+        told = [one for one in told if recovery_of(one[0]).device == wanted.device]
+    shown = [_shown(flight, found) for flight, found in told]
+    device: Device = wanted.device if wanted else "parachute"
+    fall = _pooled([one[0] for one in shown], told) or usual(device)
+    if wanted is None or not wanted.dual:
+        return fall
+    flown = _pooled([one[1] for one in shown], told)
+    return Fall(fall.log_mean, fall.spread, fall.flights, flown or _typed_drogue(wanted, plan))
+
+
+def _typed_drogue(wanted: Recovery, plan: Flight | None) -> Fall:
+    """The drogue as typed, at the plan's own mass and air, or a usual one."""
+    mass = plan.dry_mass if plan and plan.dry_mass else USUAL_MASS
+    density = float(_air([plan]).density[0]) if plan else USUAL_DENSITY
+    if wanted.drogue_speed is None:
+        return Fall(_pace(DROGUE_SPEED, mass, density), FLIGHT_TO_FLIGHT_SD, 0)
+    return Fall(_pace(wanted.drogue_speed, mass, density), FLIGHT_TO_FLIGHT_SD, TYPED_FLIGHTS)
+
+
+TYPED_FLIGHTS = 4
+"""Flights that a typed drogue speed counts for. [1]"""
+
+
+def _pace(speed: float, mass: float, density: float) -> float:
+    """The log of c of a speed near the ground [m/s]."""
+    return float(np.log(speed) - 0.5 * np.log(mass / density))
+
+
+def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]) -> Fall | None:
+    """The fall that some speeds tell of [m/s], None where none does."""
+    values = np.array([np.nan if speed is None else speed for speed in speeds], float)
+    known = np.isfinite(values) & (values > 0)
     if not known.any():
-        usual = np.log(DESCENT_SPEED) - 0.5 * np.log(0.4 / 1.225)
-        return Fall(float(usual), FLIGHT_TO_FLIGHT_SD, 0)
+        return None
     masses = np.array([landing_mass(flight, found) for flight, found in told])
-    logs = np.log(speeds[known]) - 0.5 * np.log(masses[known] / _density([flight for flight, _ in told])[known])
+    density = _air([flight for flight, _ in told]).density
+    logs = np.log(values[known]) - 0.5 * np.log(masses[known] / density[known])
     count = len(logs)
-    pooled = (DESCENT_PRIOR_FLIGHTS * FLIGHT_TO_FLIGHT_SD**2 + ((logs - logs.mean()) ** 2).sum()) / (
-        DESCENT_PRIOR_FLIGHTS + count - 1
-    )
-    return Fall(float(logs.mean()), float(np.sqrt(pooled)), count)
+    squares = DESCENT_PRIOR_FLIGHTS * FLIGHT_TO_FLIGHT_SD**2 + ((logs - logs.mean()) ** 2).sum()
+    return Fall(float(logs.mean()), float(np.sqrt(squares / (DESCENT_PRIOR_FLIGHTS + count - 1))), count)
 
 
 def landing_mass(flight: Flight, found: Found) -> float:
@@ -78,35 +133,53 @@ def landing_mass(flight: Flight, found: Found) -> float:
     return (flight.dry_mass or np.nan) + found.motor.casing_mass
 
 
-def durations(said: Sequence[Prediction], speeds: Float[Array, "draw flight"]) -> Float[Array, "draw flight"]:
-    """From lift-off to landing at these descent speeds near the ground; ballistic where no charge opened it. [s]
+def wind_profile(plan: Flight) -> WindProfile:
+    """The wind of a plan over height; still where none is given. Raises BadValue."""
+    aloft, height = recovery_figure(plan, "wind_aloft"), recovery_figure(plan, "wind_aloft_height")
+    turn = recovery_figure(plan, "wind_aloft_turn") or 0.0
+    if aloft is None:
+        return WindProfile(plan.wind or 0.0)
+    return WindProfile(plan.wind or 0.0, aloft, height or WIND_ALOFT_HEIGHT, turn)
 
-    The forecast fell at `DESCENT_SPEED` through the same air, so its time under the parachute goes by the ratio.
+
+WIND_ALOFT_HEIGHT = 300.0
+"""Of a wind aloft of which only the speed is given. [m]"""
+
+
+def descents(
+    said: Prediction, fall: Fall, speed: Float[Array, "draw"], wind: WindProfile | None = None, seed: int = 8
+) -> DescentResult:
+    """The way down of each draw of a forecast at a descent speed near the ground [m/s].
+
+    The charge fires as the delay of the plan says; where none is known, and where an altimeter opens two devices, at
+    apogee. A draw that reaches the ground before
+    it, or before anything is open, comes down ballistic.
     """
-    columns = []
-    for one, speed in zip(said, speeds.T, strict=True):
-        under = one.duration - one.rise_time - np.fmax(np.nan_to_num(one.eject), 0.0)
-        unopened = np.isnan(one.eject) & _has_delay(one)
-        columns.append(np.where(unopened, one.duration, one.duration - under + under * DESCENT_SPEED / speed))
+    plan, recovery = said.plan, recovery_of(said.plan)
+    air = _air([plan])
+    wait = said.eject if _has_delay(said) and not recovery.dual else np.zeros(len(speed))
+    mass, density = landing_mass(plan, said.found), float(air.density[0])
+    area = np.pi / 4 * (plan.diameter or said.found.motor.diameter) ** 2
+    terminal = np.sqrt(2 * mass * STANDARD_GRAVITY / np.maximum(density * said.cd * area, 1e-9))
+    first = speed
+    if recovery.dual and fall.drogue is not None:
+        first = fall.drogue.speeds(np.random.default_rng(seed), (len(speed), 1), mass, density)[:, 0]
+    sideways = (np.nan_to_num(said.drift_speed), np.nan_to_num(said.across_speed))
+    devices = Devices(first, speed, recovery.main_altitude or 0.0, recovery.opening_time)
+    return descend(said.true_apogee, wait, terminal, devices, air, wind or wind_profile(plan), sideways)
+
+
+def durations(
+    said: Sequence[Prediction], fall: Fall, speeds: Float[Array, "draw flight"]
+) -> Float[Array, "draw flight"]:
+    """From lift-off to landing at these descent speeds near the ground; ballistic where no charge opened it. [s]"""
+    columns = [one.rise_time + descents(one, fall, speed).time for one, speed in zip(said, speeds.T, strict=True)]
     return np.stack(columns, axis=-1)
-
-
-def landing(said: Prediction, speed: Float[Array, "draw"]) -> Float[Array, "draw"]:
-    """How far downwind of the pad it lands, negative upwind: the path to apogee, and the wind under the parachute. [m]
-
-    Wind by the power law over open ground; what the airframe drifts on its fall to the charge is left out.
-    """
-    wind = np.array(said.plan.wind or 0.0)
-    return np.nan_to_num(said.drift) + drift_through(said.true_apogee, wind) / speed
 
 
 def _has_delay(said: Prediction) -> bool:
     delay = said.plan.delay if said.plan.delay is not None else said.found.delay
     return delay is not None and bool(np.isfinite(delay))
-
-
-def _density(flights: Sequence[Flight]) -> Float[Array, "flight"]:
-    return _air(flights).density
 
 
 def _air(flights: Sequence[Flight]) -> Air:
@@ -116,21 +189,103 @@ def _air(flights: Sequence[Flight]) -> Air:
     return pad_air(elevation, temperature, pressure, humidity)
 
 
-def _speed(flight: Flight) -> float | None:
-    """Descent speed near the ground: from the whole of apogee and duration where both were read, else as read. [m/s]
+def _shown(flight: Flight, found: Found) -> tuple[float | None, float | None]:
+    """Descent speeds near the ground that a flight shows: of its last device, and of a drogue above it. [m/s]
 
-    A duration is what a stopwatch and a judge have, and it averages over the whole descent. The rise takes burn and
-    coast where they were read; else a body thrown to that height, sqrt(2 h / g), within a second.
+    A duration is what a stopwatch and a judge have, and it averages over the whole descent, so it counts before a
+    descent speed; with two devices the descent speed is the main's and the duration tells the drogue's.
     """
-    if flight.duration is None or flight.apogee is None:
-        return flight.descent_speed
+    if flight.duration is None or flight.apogee is None or flight.dry_mass is None:
+        return flight.descent_speed, None
+    recovery = recovery_of(flight)
+    path = _path(flight, found, recovery)
+    left, air = flight.duration - path.rise - path.free, _air([flight])
+    if left <= 0:
+        return flight.descent_speed, None
+    if not recovery.dual or recovery.main_altitude is None:
+        return _thin_path(path.opened, air) / left, None
+    return _two_devices(flight, recovery, path.opened, left, air)
+
+
+def _two_devices(
+    flight: Flight, recovery: Recovery, opened: float, left: float, air: Air
+) -> tuple[float | None, float | None]:
+    """Speeds under main and drogue of a flight that has both open, from a height [m], for the rest of its time [s]."""
+    main, drogue = flight.descent_speed, recovery.drogue_speed or DROGUE_SPEED
+    shown: tuple[float | None, float | None] = main, None
+    for _ in range(ROUNDS):  # the main is open by so much lower as the drogue falls while it opens
+        open_main = min(max((recovery.main_altitude or 0.0) - drogue * recovery.opening_time, 0.0), opened)
+        high, low = (_thin_path(height, air) for height in (opened, open_main))
+        if not main:
+            under = left - (high - low) / drogue
+            return (low / under if under > 0 else None), None
+        under = left - low / main
+        if under <= 0 or high <= low:
+            return main, None
+        drogue = (high - low) / under
+        shown = main, drogue
+    return shown
+
+
+ROUNDS = 6
+"""Of the search for a drogue's speed, each of which changes it by an opening time's part of the last. [1]"""
+
+
+def _thin_path(height: float, air: Air) -> float:
+    """The integral of the root of the density ratio from the ground to a height. [m]"""
+    steps = np.linspace(0.0, max(height, 0.0), 33)
+    thin = np.sqrt(air.density_ratio(steps))
+    return float(np.sum(np.diff(steps) * _means(thin)))
+
+
+def _means(values: Array) -> Array:
+    """Means of neighbours, for the trapezoid rule."""
+    return np.asarray(0.5 * (values[1:] + values[:-1]))
+
+
+@dataclass(frozen=True, slots=True)
+class _Path:
+    """A flown path: from lift-off to apogee [s], in free fall to an open device [s], and the height where it opens."""
+
+    rise: float
+    free: float
+    opened: float
+
+
+def _path(flight: Flight, found: Found, recovery: Recovery) -> _Path:
+    """What a flight did until something was open, from what was read and else from flying it to its apogee.
+
+    The charge fires where it was read to, else when the delay says, else at the height that was read for it, else at
+    apogee.
+    """
     conditions = [recorded([flight], name) for name in ("site_elevation", "temperature", "pressure")]
-    height = flight.apogee / float(altimeter_gain(*conditions)[0])
-    rise = (
-        flight.burn_time + flight.coast_to_apogee
-        if flight.burn_time is not None and flight.coast_to_apogee is not None
-        else float(np.sqrt(2 * height / STANDARD_GRAVITY))
-    )
-    under = flight.duration - rise - max(flight.apogee_to_eject or 0.0, 0.0)
-    thin = float(np.sqrt(_air([flight]).density_ratio(np.array([0.5 * height]))[0]))
-    return height * thin / under if under > 0 else flight.descent_speed
+    gain = float(altimeter_gain(*conditions)[0])
+    height = (flight.apogee or 0.0) / gain
+    area = np.pi / 4 * (flight.diameter or found.motor.diameter) ** 2
+    plan = flight.with_changes(wind=None)
+    flown = fly(field_setup([plan], [found], (CD_GRID * area)[:, None]))
+    reached, order = flown.apogee[:, 0], np.argsort(flown.apogee[:, 0])
+
+    def at(values: Array) -> float:
+        return float(np.interp(height, reached[order], np.asarray(values)[order]))
+
+    rise = at(flown.rise_time[:, 0])
+    if flight.burn_time is not None and flight.coast_to_apogee is not None:
+        rise = flight.burn_time + flight.coast_to_apogee
+    mass, density = landing_mass(flight, found), float(_air([flight]).density[0])
+    terminal = np.array(np.sqrt(2 * mass * STANDARD_GRAVITY / (density * at(CD_GRID) * area)))
+    charge = at(flown.rise_time[:, 0] - flown.coast_time[:, 0])  # burnout after lift-off
+    delay = flight.delay if flight.delay is not None else found.delay
+    if flight.apogee_to_eject is not None:
+        wait = flight.apogee_to_eject
+    elif recovery.dual:
+        wait = 0.0
+    elif delay is not None and np.isfinite(delay):
+        wait = charge + delay - rise
+    elif flight.eject_altitude is not None and flight.eject_altitude / gain < height:
+        wait = float(fall_time(np.array(height - flight.eject_altitude / gain), terminal))
+    else:
+        wait = 0.0
+    free = max(wait + recovery.opening_time, 0.0)
+    opened = height - float(fall_by(np.array(free), terminal))
+    return _Path(rise, free, max(opened, 0.0))

@@ -10,6 +10,8 @@ from fieldkit import units
 from fieldkit.errors import BadValue
 from fieldkit.files import read_own
 
+OWN_NAMES = ("wind", "angle")
+"""Bounds that only a flyer's own file sets, beside those of the rule sets."""
 DATA = Path(__file__).parents[1] / "data" / "limits.toml"
 QUANTITIES = {
     "m/s": "speed",
@@ -46,8 +48,8 @@ def limits(own: Path | None = None) -> dict[str, Limit]:
     if own is None or not own.exists():
         return known
     changed = _read(own)
-    if strange := sorted(set(changed) - set(known)):
-        raise BadValue(f"{own.name}: found {strange[0]!r}, expected one of {', '.join(known)}")
+    if strange := sorted(set(changed) - {*known, *OWN_NAMES}):
+        raise BadValue(f"{own.name}: found {strange[0]!r}, expected one of {', '.join([*known, *OWN_NAMES])}")
     return known | changed
 
 

@@ -16,12 +16,13 @@ from fieldkit.forecast.prediction import Prediction, median
 from fieldkit.inference.laplace.linearization import coast_times
 from fieldkit.motors import Catalogue, Found
 from fieldkit.motors.motor import PLUGGED_DELAY, Motor
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.delay import tolerance
 from fieldkit.planning.descent import fall_of
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, flown_ahead
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import named, three
-from fieldkit.planning.safety import SafetyCheck, safety_lines, thrust_to_weight
+from fieldkit.planning.safety import safety_lines, thrust_to_weight
 from fieldkit.units import STANDARD_GRAVITY
 
 DIAMETER_TOLERANCE = 0.0006
@@ -30,6 +31,8 @@ DRAWS = 64
 """Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
 SLANTED_PATH_DRAWS = 40
 """The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
+FIT_CHECKS = ("rail exit speed", "thrust to weight", "ejection speed", "ceiling")
+"""What a motor must pass to fit a rocket."""
 LEAST_THRUST = 2.0
 """Thrust over weight below which a motor is not offered at all: it would not clear a rod. [1]"""
 
@@ -106,6 +109,16 @@ class MotorChoice:
         return self.prediction.plan
 
     @property
+    def why_not(self) -> list[SafetyCheck]:
+        """Why a motor does not fit: it is too weak, slow off the rail, without a delay that suits it, or too high."""
+        return [line for line in self.lines if line.name in FIT_CHECKS and line.verdict == "unsafe"]
+
+    @property
+    def fits(self) -> bool:
+        """Whether a motor is safe and sensible for this rocket, as far as it is known."""
+        return not self.why_not
+
+    @property
     def failed(self) -> list[SafetyCheck]:
         """The safety lines that are not well, and known."""
         return [line for line in self.lines if line.failed]
@@ -124,6 +137,8 @@ class MotorChoice:
             "thrust_to_weight": {"first_half_second": self.first_thrust, "average": self.average_thrust},
             "apogee_to_eject_s": [{"delay_s": d, "after_apogee_s": after} for d, after in self.ejections],
             "flown": self.flown,
+            "fits": self.fits,
+            "why_not": [line.name for line in self.why_not],
             "safety": [line.json() for line in self.lines],
         }
 
@@ -167,7 +182,7 @@ def guide(
         fitted = fitted_forecast(rocket, [planned[row] for row in rows], draws)
         return _flown(rocket, replace(fitted, model=replace(fitted.model, coarse=True)))
 
-    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history)
+    known, fall = {id(found.motor) for found in rocket.motors}, fall_of(rocket.history, plan)
     return [
         MotorChoice(
             motor,

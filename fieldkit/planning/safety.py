@@ -5,10 +5,9 @@ decides anything of its own.
 """
 
 import math
-from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import replace
 from functools import lru_cache
-from typing import Literal
 
 import numpy as np
 
@@ -19,47 +18,20 @@ from fieldkit.flight.plausibility import check
 from fieldkit.flight.site import Site
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.motors.motor import Motor
-from fieldkit.planning.air import air_of
-from fieldkit.planning.descent import Fall, landing, landing_mass
+from fieldkit.paths import data_folder
+from fieldkit.planning import rule_lines
+from fieldkit.planning.check import SafetyCheck, Verdict, by_chance, length, speed, worst
+from fieldkit.planning.classification import build_of
+from fieldkit.planning.descent import Fall
+from fieldkit.planning.landing import landing
 from fieldkit.planning.limits import Limits
 from fieldkit.planning.quantiles import three
+from fieldkit.planning.rules import RuleSet, rule_sets
 from fieldkit.shapes import Array, Float
-from fieldkit.units import DEGREE, FOOT, MILE, STANDARD_GRAVITY, ZERO_CELSIUS
+from fieldkit.units import DEGREE, STANDARD_GRAVITY, ZERO_CELSIUS
 
-ADVICE_NOTE = "These lines advise; the range safety officer decides."
 HALF_SECOND = 0.5
 """Over which thrust is first averaged. [s]"""
-MPH = MILE / 3600
-SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
-"""Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""
-
-Verdict = Literal["ok", "caution", "unsafe", "unknown"]
-MARKS: dict[Verdict, str] = {"ok": "✓", "caution": "!", "unsafe": "✗", "unknown": "?"}
-"""A sign for each verdict, beside its word."""
-
-
-@dataclass(frozen=True, slots=True)
-class SafetyCheck:
-    """One check: its name, how it ended, what was found and what would be right, and where the limit is from."""
-
-    name: str
-    verdict: Verdict
-    text: str
-    source: str
-
-    @property
-    def failed(self) -> bool:
-        """Whether it is not well, and known."""
-        return self.verdict in ("caution", "unsafe")
-
-    def words(self) -> str:
-        """The check in a line: `✗ ground wind: unsafe: 10.0 m/s ...`, with its source where it is not well."""
-        source = f" [{self.source}]" if self.failed else ""
-        return f"{MARKS[self.verdict]} {self.name}: {self.verdict}: {self.text}{source}"
-
-    def json(self) -> dict[str, str]:
-        """Ready for JSON."""
-        return {"check": self.name, "verdict": self.verdict, "text": self.text, "source": self.source}
 
 
 @lru_cache(maxsize=2048)
@@ -92,31 +64,62 @@ def motor_temperature(plan: Flight) -> float | None:
         raise BadValue(f"{MOTOR_TEMPERATURE}: {error}") from error
 
 
-def safety_lines(said: Prediction, site: Site, fall: Fall, limits: Limits) -> list[SafetyCheck]:
-    """All checks as lines of text, and who decides."""
+def known_rules() -> list[RuleSet]:
+    """The rule sets that are shipped and the flyer's own. Raises BadValue for a file that is damaged."""
+    return rule_sets(data_folder() / "rules")
+
+
+def safety_lines(
+    said: Prediction, site: Site, fall: Fall, limits: Limits, rules: Sequence[RuleSet] | None = None
+) -> list[SafetyCheck]:
+    """All checks of a forecast: guidance, the rules that govern the launch, and the words of rules to keep in mind.
+
+    `rules` are by default those that are shipped and the flyer's own. Raises BadValue for a damaged file of rules, and
+    for a site under an authority that no set is of.
+    """
     plan, motor = said.plan, said.found.motor
-    return [
+    build = build_of(motor, math.nan if plan.dry_mass is None else plan.dry_mass)
+    day = plan.date_time.date() if plan.date_time else None
+    sets = known_rules() if rules is None else rules
+    held = rule_lines.governed(build, three(said.true_apogee)[2], site, sets, day)
+    lines = [
         _rail(said.rail_speed, plan.wind, limits),
-        _thrust(motor, plan.dry_mass or math.nan, limits),
-        _wind(plan.wind, limits),
-        _angle(plan.rail_angle, limits),
+        _stricter(_thrust(motor, plan.dry_mass or math.nan, limits), rule_lines.weight_line(held)),
+        _stricter(rule_lines.wind_line(held, plan.wind), _own("wind", plan.wind, limits)),
+        _stricter(rule_lines.angle_line(held, plan.rail_angle), _own("angle", plan.rail_angle, limits)),
         _ceiling(said.true_apogee, site),
-        _field(said, site, fall, limits),
+        _field(said, site, fall, rule_lines.field_line(held, site.size)),
+        rule_lines.distance_line(held, site.people),
+        rule_lines.bystander_line(held, site.bystanders),
         _ejection(said, limits),
         _temperature(plan, limits),
-        _class(motor, plan.dry_mass or math.nan, limits),
+        rule_lines.mass_line(held),
+        rule_lines.class_line(held),
+        rule_lines.certification_line(held),
+        rule_lines.complex_line(held),
     ]
+    return [*lines, *rule_lines.reminder_lines(held)]
 
 
-def by_chance(chance: float) -> Verdict:
-    """How a check ends that is missed with this chance."""
-    return "ok" if chance < SAFE_RISK else "caution" if chance < UNSAFE_RISK else "unsafe"
+def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
+    """The worse of two lines on one thing."""
+    return one if other is None else worst([one, other])
 
 
-def safety_text(lines: Sequence[SafetyCheck]) -> Iterator[str]:
-    """All lines as text, and who decides."""
-    yield from (line.words() for line in lines)
-    yield ADVICE_NOTE
+OWN_BOUNDS = {"wind": ("ground wind", 1.0, "m/s"), "angle": ("launch angle", DEGREE, "°")}
+"""Bounds that flyers set for themselves beside the rules: the line, the size of the unit shown in SI, and the unit."""
+
+
+def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
+    """The line of a bound in the flyer's own `limits.toml`, None where there is none or nothing to hold against it."""
+    if name not in limits or value is None:
+        return None
+    check, scale, unit = OWN_BOUNDS[name]
+    limit = limits[name]
+    verdict: Verdict = "ok" if abs(value) <= limit.value else "unsafe"
+    return SafetyCheck(
+        check, verdict, f"{abs(value) / scale:.1f} {unit}, at most {limit.value / scale:.1f} {unit}", limit.source
+    )
 
 
 def _rail(speeds: Float[Array, "draw"], wind: float | None, limits: Limits) -> SafetyCheck:
@@ -141,23 +144,6 @@ def _thrust(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
     return SafetyCheck("thrust to weight", verdict, text, good.source if verdict != "unsafe" else unsafe.source)
 
 
-def _wind(wind: float | None, limits: Limits) -> SafetyCheck:
-    limit = limits["wind"]
-    most = f"no launch above {limit.value:.1f} m/s ({limit.value / MPH:.0f} mph)"
-    if wind is None:
-        return SafetyCheck("ground wind", "unknown", f"not given; {most}", limit.source)
-    text = f"{wind:.1f} m/s ({wind / MPH:.0f} mph); {most}"
-    return SafetyCheck("ground wind", "ok" if wind <= limit.value else "unsafe", text, limit.source)
-
-
-def _angle(angle: float | None, limits: Limits) -> SafetyCheck:
-    limit = limits["angle"]
-    if angle is None:
-        return SafetyCheck("launch angle", "unknown", f"not given; at most {limit.value / DEGREE:.0f}°", limit.source)
-    text = f"{angle / DEGREE:.0f}° from vertical, at most {limit.value / DEGREE:.0f}°"
-    return SafetyCheck("launch angle", "ok" if abs(angle) <= limit.value else "unsafe", text, limit.source)
-
-
 def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     source = f"ceiling of {site.name}" if site.name else "ceiling as given"
     high = three(heights)[2]
@@ -168,34 +154,16 @@ def _ceiling(heights: Float[Array, "draw"], site: Site) -> SafetyCheck:
     return SafetyCheck("ceiling", verdict, f"{text}; ceiling {length(site.ceiling)}", source)
 
 
-def _field(said: Prediction, site: Site, fall: Fall, limits: Limits) -> SafetyCheck:
-    """The pad is taken to stand in the middle of the field, and the charge to fire at apogee."""
-    share = limits["field_share_of_apogee"]
-    far = "wind not given, so no drift"
-    reach = 0.0
-    if said.plan.wind is not None:
-        away = np.abs(landing(said, _speeds(said, fall)))
-        _, usual, reach = three(away)
-        far = f"lands {length(usual)} from the pad, 95 % within {length(reach)}"
-    needed = max(2 * reach, share.value * three(said.true_apogee)[2])
-    text = f"{far}; a field {length(needed)} across is wanted"
-    if site.size is None:
-        return SafetyCheck("field size", "unknown", f"{text}, its size is not given", share.source)
-    verdict: Verdict = "ok" if site.size >= needed else "caution"
-    if verdict == "ok" and said.plan.wind is None:
-        verdict = "unknown"
-    return SafetyCheck("field size", verdict, f"{text}, this one is {length(site.size)}", share.source)
-
-
-def _speeds(said: Prediction, fall: Fall) -> Float[Array, "draw"]:
-    unit = _unit_speeds(fall, len(said.apogee))
-    return np.asarray(unit * math.sqrt(landing_mass(said.plan, said.found) / air_of(said.plan).density))
-
-
-@lru_cache(maxsize=8)
-def _unit_speeds(fall: Fall, draws: int) -> Float[Array, "draw"]:
-    """Descent speeds of a kilogram in air of a kilogram a cubic metre: motors of a guide fall by the same luck."""
-    return fall.speeds(np.random.default_rng(5), (draws, 1), 1.0, 1.0)[:, 0]
+def _field(said: Prediction, site: Site, fall: Fall, code: SafetyCheck) -> SafetyCheck:
+    """What the code wants of the field, and whether what comes down stays on it, the pad being in its middle."""
+    if said.plan.wind is None:
+        verdict: Verdict = "unknown" if code.verdict == "ok" else code.verdict
+        return replace(code, verdict=verdict, text=f"{code.text}; wind not given, so no drift")
+    _, usual, reach = three(landing(said, fall).away)
+    text = f"{code.text}; lands {length(usual)} from the pad, 95 % within {length(reach)}"
+    if site.size is not None and 2 * reach > site.size and code.verdict in ("ok", "unknown"):
+        return SafetyCheck(code.name, "caution", f"{text}: off the field", "half the field's shorter side")
+    return replace(code, text=text)
 
 
 def _ejection(said: Prediction, limits: Limits) -> SafetyCheck:
@@ -227,56 +195,3 @@ def _temperature(plan: Flight, limits: Limits) -> SafetyCheck:
 def _celsius(value: float) -> str:
     celsius = value - ZERO_CELSIUS
     return f"{celsius:.0f} °C ({celsius * 1.8 + 32:.0f} °F)"
-
-
-def length(metres: float) -> str:
-    """In both units, as every line has it: `284 m (932 ft)`."""
-    return f"{metres:.0f} m ({metres / FOOT:.0f} ft)"
-
-
-def speed(value: float, digits: int = 1) -> str:
-    """Of a rocket, in both units: `13.4 m/s (44 ft/s)`."""
-    return f"{value:.{digits}f} m/s ({value / FOOT:.0f} ft/s)"
-
-
-def _class(motor: Motor, dry_mass: float, limits: Limits) -> SafetyCheck:
-    """Regulatory class of the rocket by propellant and mass, and what motor and rocket ask of the flyer."""
-    propellant, mass = motor.propellant_mass, dry_mass + motor.loaded_mass
-    text = f"{propellant * 1e3:.0f} g of propellant, {mass * 1e3:.0f} g on the pad, {motor.total_impulse:.0f} N s"
-    most, heaviest = limits["class1_propellant"], limits["class1_mass"]
-    class1 = propellant <= most.value and mass <= heaviest.value
-    why = why_high_power(motor, limits)
-    if motor.total_impulse > limits["class2_impulse"].value:
-        return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", limits["class2_impulse"].source)
-    if class1 and not why:
-        return SafetyCheck("class", "ok", f"{text}: class 1, a model rocket", most.source)
-    said = "class 1 by mass" if class1 else "class 2, which needs a waiver"
-    if why:
-        said += f"; a high-power motor by {why}, which asks for certification level {_level(motor, limits)}"
-    source = limits["high_power_impulse"].source if class1 else limits["class2_impulse"].source
-    return SafetyCheck("class", "caution", f"{text}: {said}", source)
-
-
-def why_high_power(motor: Motor, limits: Limits) -> str:
-    """What makes a motor a high-power one, an empty text where nothing does.
-
-    Its certified average thrust counts, not that of the curve, and never the number in its name.
-    """
-    impulse, thrust, propellant = (
-        limits[name].value for name in ("high_power_impulse", "high_power_thrust", "class1_propellant")
-    )
-    if motor.total_impulse > impulse:
-        return f"more than {impulse:.0f} N s"
-    if motor.rated_thrust > thrust:
-        if motor.certified_average is None:
-            return f"the average thrust of its curve, {motor.rated_thrust:.1f} N"
-        return f"its certified average thrust of {motor.rated_thrust:.1f} N"
-    if motor.propellant_mass > propellant:
-        return f"more than {propellant * 1e3:.0f} g of propellant"
-    if motor.kind == "hybrid":
-        return "its kind, a hybrid"
-    return "the HP in its designation" if motor.designation.upper().startswith("HP-") else ""
-
-
-def _level(motor: Motor, limits: Limits) -> int:
-    return 1 + sum(motor.total_impulse > limits[name].value for name in ("level1_impulse", "level2_impulse"))

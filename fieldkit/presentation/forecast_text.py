@@ -43,6 +43,15 @@ def _rests_on(prediction: Prediction) -> str:
     return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
 
 
+def rests_in_words(prediction: Prediction) -> str:
+    """What a forecast rests on, and without a flight what one would narrow."""
+    count = prediction.rests_on
+    if count:
+        return f"{count} clean flight{'s' if count > 1 else ''}, model {prediction.model}"
+    narrower = 1 - prediction.narrowed(1)
+    return f"no flight of this rocket, on what others show; one like it would narrow the apogee by {narrower:.0%}"
+
+
 def narrows(prediction: Prediction) -> str:
     """What more flights would do to the interval, and what they would not."""
     one, many = (1 - prediction.narrowed(more) for more in (1, np.inf))

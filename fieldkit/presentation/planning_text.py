@@ -9,10 +9,11 @@ from fieldkit.forecast.prediction import Prediction
 from fieldkit.physics.setups import RAIL_LENGTH
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Ballast, Goal
+from fieldkit.planning.check import length, speed
 from fieldkit.planning.contest import Outlook, Season
 from fieldkit.planning.delay import Delay, Delays, Drill
 from fieldkit.planning.quantiles import three
-from fieldkit.planning.safety import length, speed
+from fieldkit.presentation.forecast_text import rests_in_words
 from fieldkit.quantities import measure
 from fieldkit.units import FOOT
 
@@ -40,7 +41,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
     said = judged.forecast
     p05, p50, p95 = judged.coast
     yield f"{_named(said)}: coasts {p50:.1f} s from burnout to apogee"
-    yield f"  90 % between {p05:.1f} and {p95:.1f} s; rests on {said.rests_on} clean flights, model {said.model}"
+    yield f"  90 % between {p05:.1f} and {p95:.1f} s; rests on {rests_in_words(said)}"
     if judged.delays:
         yield f"  {'delay':<7}  {'after apogee':>12}  {'5 to 95 %':>12}  {'speed':>6}  {'too fast':>8}"
     yield from (f"  {_delay(one)}" for one in judged.delays)
@@ -49,7 +50,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
         yield f"  {tool.caveat}"
     if any(not one.on_sale for one in judged.delays):
         yield "  *: drilled from the longest with its maker's tool."
-    yield f"  Too fast is over {speed(fast, 0)}. That delays stray by up to 20 % or 1.5 s (NFPA 1125) is reckoned with."
+    yield f"  Too fast is over {speed(fast, 0)}. Delays are taken to stray by up to 20 %, 1.5 to 3 s (NFPA 1125)."
 
 
 def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
@@ -57,6 +58,9 @@ def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
     said = best.forecast
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {length(goal.target)}"
+    if not best.clear and best.gain is not None and best.gain_error is not None:
+        yield f"  no change: {best.gain:.1f} points a flight to gain, give or take {best.gain_error:.1f}, is not clear"
+        yield "            one more flight at today's mass narrows it; below is what the change would bring"
     yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'take off'} {abs(best.add) * 1e3:.0f} g"
     yield f"  apogee    {length(p50)} as the altimeter will show it"
     yield f"  90 %      between {length(p05)} and {length(p95)}"
@@ -66,7 +70,7 @@ def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
     if best.there.points is not None and best.today.points is not None:
         yield f"  points    {best.there.points:.0f} a flight, with duration ({best.today.points:.0f} without change)"
     yield f"  a gram more is {best.slope / FOOT / 1e3:+.1f} ft ({best.slope / 1e3:+.2f} m)"
-    yield f"  rests on  {said.rests_on} clean flights, model {said.model}"
+    yield f"  rests on  {rests_in_words(said)}"
     if goal.rule is not None and goal.rule.caveat:
         yield f"  {goal.rule.caveat}"
     if not best.met:
@@ -99,7 +103,7 @@ def outlook_in_words(ahead: Outlook, rule: Season, area: float, cut: float | Non
     yield f"  parachute {area:.0%} of the area flown"
     if ahead.points_there < ahead.points.mean() - 1:
         yield f"            {ahead.area:.0%} would bring {ahead.points_there:.0f} points a flight, the fewest"
-    yield f"  rests on  {said.rests_on} clean flights, model {said.model}"
+    yield f"  rests on  {rests_in_words(said)}"
     if cut is not None:
         chance = ahead.chance(rule, cut)
         yield f"  chance that the best {rule.best} of {rule.declared} sum to {cut:g} or less: {chance:.0%}"

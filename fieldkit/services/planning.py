@@ -1,5 +1,6 @@
 """Plans for a rocket of a ledger, asked for by name: what the ledger says of the rocket and of the plan."""
 
+from collections.abc import Sequence
 from typing import Any
 
 from fieldkit.flight import Flight
@@ -44,7 +45,23 @@ def completed_plan(ledger: Ledger, motors: Catalogue, plan: Flight, settings: Se
         plan = plan.with_changes(site=last.site)
     known: dict[str, Any] = {"rail_length": settings.rail_length, "rail_angle": settings.rail_angle}
     known["site_elevation"] = site_of(ledger, plan.site).elevation
-    return plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+    plan = plan.with_changes(**{name: value for name, value in known.items() if plan.number(name) is None})
+    return _with_recovery(plan, alike)
+
+
+INHERITED_RECOVERY = ("recovery", "drogue_speed", "main_altitude", "opening_time")
+"""What of its recovery a plan takes from the last flight of its configuration that says it."""
+
+
+def _with_recovery(plan: Flight, flights: Sequence[Flight]) -> Flight:
+    """A plan that comes down as its configuration last did, where it says nothing itself."""
+    own = [flight for flight in flights if flight.config == plan.config]
+    extra = dict(plan.extra)
+    for name in INHERITED_RECOVERY:
+        keys = [(flight, key) for flight in reversed(own) for key in flight.extra if key.startswith(name)]
+        if not any(key.startswith(name) for key in extra) and keys:
+            extra[keys[0][1]] = keys[0][0].extra[keys[0][1]]
+    return plan.with_changes(extra=extra) if extra != plan.extra else plan
 
 
 def shortlist(ledger: Ledger, rocket: str) -> frozenset[str]:

@@ -12,7 +12,8 @@ from fieldkit.shapes import Array, Float
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
     """The rail leans by this angle more, at right angles to a lean that was declared. [deg]"""
-    return setup.with_changes(rail_angle=np.hypot(setup.rail_angle, np.radians(strength)))
+    angle = np.hypot(setup.rail_angle, np.radians(strength))
+    return setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -angle, angle))
 
 
 EFFECT = Effect(

@@ -12,8 +12,8 @@ from fieldkit.cli.main import main
 from fieldkit.errors import BadValue
 from fieldkit.motors import PLUGGED_DELAY, Motor, catalogue, describe
 from fieldkit.motors.corrections import CONFIDENCES, Correction, read_corrections
-from fieldkit.planning.limits import limits
-from fieldkit.planning.safety import why_high_power
+from fieldkit.planning.classification import build_of, why_high_power
+from fieldkit.planning.rules import rule_sets
 
 TOOLS = Path(__file__).parents[2] / "tools"
 
@@ -135,7 +135,7 @@ def test_a_name_that_was_changed_still_finds_its_motor(old: str, new: str) -> No
 )
 def test_the_certified_average_thrust_says_what_is_high_power(name: str, why: str) -> None:
     """Source: TMT letters of 20 May 2019 and 29 April 2020, NAR sheet of November 2007."""
-    found = why_high_power(catalogue().resolve(name).motor, limits())
+    found = why_high_power(build_of(catalogue().resolve(name).motor, 0.3), rule_sets())
     assert why in found if why else not found
 
 

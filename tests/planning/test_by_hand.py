@@ -15,7 +15,7 @@ from fieldkit.physics.flight import fly
 from fieldkit.physics.setups import field_setup
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays
-from fieldkit.planning.descent import durations
+from fieldkit.planning.descent import durations, usual
 from fieldkit.planning.forecasts import Rocket, fitted_forecast, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, guide, suitable_motors
@@ -80,7 +80,7 @@ def test_the_charge_fires_a_delay_less_the_coast_after_apogee_and_strays_as_both
 def test_from_the_charge_on_it_sinks_its_height_at_its_speed(said: Prediction) -> None:
     speed = np.full((len(said.apogee), 1), 7.0)
     late = said.eject > 0
-    under = durations([said], speed)[:, 0] - said.rise_time - said.eject
+    under = durations([said], usual(), speed)[:, 0] - said.rise_time - said.eject
     assert np.median(7.0 * under[late] / said.true_apogee[late]) == pytest.approx(1.0, abs=0.06)  # it fell until then
 
 

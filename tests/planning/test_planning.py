@@ -19,13 +19,14 @@ from fieldkit.motors import Catalogue, Found, catalogue
 from fieldkit.paths import REFERENCE_FLIGHTS
 from fieldkit.planning.air import air_of
 from fieldkit.planning.ballast import Goal, ballast
+from fieldkit.planning.check import SafetyCheck
 from fieldkit.planning.contest import season
 from fieldkit.planning.delay import delays, drill_of, offered, tolerance
 from fieldkit.planning.descent import Fall
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.limits import limits
 from fieldkit.planning.motor_guide import Wanted, by_closeness, guide, mount_of, suitable_motors
-from fieldkit.planning.safety import SafetyCheck, first_thrust, safety_lines
+from fieldkit.planning.safety import first_thrust, safety_lines
 from fieldkit.presentation.planning_text import ballast_in_words, delays_in_words
 from fieldkit.selection.candidates import Place
 from fieldkit.services.forecasts import predict_plans
@@ -42,9 +43,15 @@ NAMES = [
     "launch angle",
     "ceiling",
     "field size",
+    "pad distance",
+    "bystanders",
     "ejection speed",
     "motor temperature",
+    "mass and impulse",
     "class",
+    "certification",
+    "complex rocket",
+    "sky",
 ]
 ANYWHERE = Site()
 FALL = Fall(float(np.log(9.0)), 0.1, 8)
@@ -169,7 +176,8 @@ def test_the_ceiling_is_held_against_the_95_per_cent_of_the_true_apogee(said: Pr
 def test_the_field_must_hold_the_drift_under_the_parachute(said: Prediction) -> None:
     small, large = Site("Meadow", size=150.0), Site("Steppe", size=5000.0)
     assert lines_of(said, large, wind=5.0)["field size"].verdict == "ok"
-    assert lines_of(said, small, wind=5.0)["field size"].verdict == "caution"
+    assert lines_of(said, small, wind=5.0)["field size"].verdict == "unsafe"  # the code wants 1,000 ft for an F
+    assert lines_of(said, Site("Park", size=305.0), wind=8.0)["field size"].verdict == "caution"
     assert lines_of(said, large)["field size"].verdict == "unknown"
 
 
@@ -189,8 +197,8 @@ def test_a_motor_left_in_the_sun_and_a_steep_rail_are_told(said: Prediction) -> 
     [
         ("F24W", 0.4, "ok", "class 1, a model rocket"),
         ("F24W", 1.6, "caution", "class 2"),
-        ("H128W", 0.9, "caution", "certification level 1"),
-        ("J350W", 3.0, "caution", "certification level 2"),
+        ("H128W", 0.9, "caution", "class 1, high power by more than 160 N s"),
+        ("J350W", 3.0, "caution", "class 2, which needs a waiver"),
     ],
 )
 def test_the_class_goes_by_propellant_and_mass(
@@ -231,6 +239,25 @@ def test_a_delay_strays_by_a_fifth_or_a_second_and_a_half() -> None:
     assert tolerance(np.array([4.0, 10.0])) * [4.0, 10.0] * 2 == pytest.approx([1.5, 2.0])
 
 
+def test_no_delay_strays_by_more_than_three_seconds() -> None:
+    """Source: NFPA 1125 as in openrocket#3041."""
+    printed = np.array([7.5, 15.0, 17.0, 30.0])
+    assert tolerance(printed) * printed * 2 == pytest.approx([1.5, 3.0, 3.0, 3.0])
+
+
+def test_a_drill_goes_by_the_diameter_and_leaves_what_it_must(motors: Catalogue) -> None:
+    small, wide = motors.resolve("Cesaroni 25E75-17A").motor, motors.resolve("Cesaroni 2014K1200-16A").motor
+    taken = [tool.takes_off if (tool := drill_of(motor)) else () for motor in (small, wide)]
+    assert taken == [(3.0, 5.0, 7.0, 9.0), tuple(float(off) for off in range(1, 11))]
+    assert drill_of(motors.resolve("Cesaroni 6438M1300-P").motor) is None  # 75 mm: plugged
+    reload, dms = motors.resolve("H128W-14A").motor, motors.resolve("H283ST").motor
+    tools = [drill_of(motor) for motor in (reload, dms)]
+    assert [tool.least_left for tool in tools if tool] == [4.0, 6.0]
+    assert 12.0 in offered(reload, (2.0, 4.0, 12.0), 4.0)
+    assert 2.0 not in offered(reload, (2.0, 4.0, 12.0), 4.0)
+    assert max(offered(reload, (2.0, 4.0, 6.0, 8.0), 4.0)) == 14.0  # as the bag says, and not the 10 s of an old list
+
+
 def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, motors: Catalogue) -> None:
     reload, single = motors.resolve("F40W").motor, motors.resolve("F67W").motor
     tool = drill_of(reload)
@@ -239,6 +266,7 @@ def test_only_delays_that_the_makers_tool_makes_are_offered(tmp_path: Path, moto
     assert tool.takes_off == (2.0, 4.0, 6.0, 8.0)
     assert "not checked" in tool.caveat
     assert offered(reload, tool.takes_off)[2.0] is False
+    assert 2.0 not in offered(reload, tool.takes_off, tool.least_left)
     own = tmp_path / "drills.toml"
     own.write_text("[AeroTech]\ntakes_off_s = [1]\nchecked = true\n")
     mine = drill_of(reload, own)

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Iterator
 from dataclasses import dataclass
+from math import isfinite
 from typing import TYPE_CHECKING, Literal
 
 from fieldkit.errors import BadValue
@@ -17,11 +18,11 @@ if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
     from fieldkit.ledger import Ledger
     from fieldkit.motors import Catalogue, Motor
+    from fieldkit.planning.check import SafetyCheck
     from fieldkit.planning.contest import Season
     from fieldkit.planning.contest_day import Day
     from fieldkit.planning.forecasts import Rocket
     from fieldkit.planning.limits import Limit
-    from fieldkit.planning.safety import SafetyCheck
 
 Aim = Literal["chance", "error", "points"]
 AIMS: tuple[Aim, ...] = ("chance", "error", "points")
@@ -53,7 +54,8 @@ class Decision:
         fast = self.limits["eject_speed"].value
         tool = drill_of(self.motor, data_folder() / "drills.toml")
         takes_off = tool.takes_off if tool else ()
-        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off)
+        left = tool.least_left if tool else 0.0
+        judged = delays(self.rocket, self.plan, Found(self.motor, None), fast, takes_off, least_left=left)
         words = tuple(delays_in_words(judged, fast, tool))
         return decision_plots.of_delays(Answer(words, self._beside(judged.forecast)), judged)
 
@@ -126,8 +128,9 @@ class Decision:
         if not scored:
             return
         last = scored[-MAX_SCORED_FLIGHTS:]
+        told = [(one, own) for one, own in last if isfinite(own)]
         alone = [one.flight_id for one, _ in last if one.duration is None]
-        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in last)}"
+        yield f"  flown     points by this rule: {', '.join(f'{one.flight_id}: {own:.0f}' for one, own in told)}"
         if alone:
             yield f"            for the height alone, no duration: {', '.join(alone)}"
         if not day.declared:
@@ -140,11 +143,12 @@ class Decision:
 
     def _beside(self, said: "Prediction", more: "Iterable[SafetyCheck]" = ()) -> tuple[str, ...]:
         """The conditions of a forecast and all its safety lines."""
+        from fieldkit.planning.check import safety_text
         from fieldkit.planning.descent import fall_of
-        from fieldkit.planning.safety import safety_lines, safety_text
+        from fieldkit.planning.safety import safety_lines
         from fieldkit.presentation.planning_text import conditions_in_words
 
-        lines = safety_lines(said, self.site, fall_of(self.rocket.history), self.limits)
+        lines = safety_lines(said, self.site, fall_of(self.rocket.history, said.plan), self.limits)
         return (*conditions_in_words(said.plan, self.rocket.starts), "", *safety_text([*lines, *more]))
 
 

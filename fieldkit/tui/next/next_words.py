@@ -10,8 +10,8 @@ from fieldkit.tui.widgets import cards
 
 if TYPE_CHECKING:
     from fieldkit.forecast.prediction import Prediction
+    from fieldkit.planning.check import SafetyCheck, Verdict
     from fieldkit.planning.motor_guide import MotorChoice
-    from fieldkit.planning.safety import SafetyCheck, Verdict
     from fieldkit.tui.next.next_plan import Plan
 
 Pairs = list[tuple[str, str]]
@@ -65,7 +65,7 @@ def figures(plan: "Plan", one: "MotorChoice", system: str) -> Pairs:
 
 def checks(one: "MotorChoice") -> Pairs:
     """The safety lines, each with its figures and its limit."""
-    from fieldkit.planning.safety import ADVICE_NOTE, MARKS
+    from fieldkit.planning.check import ADVICE_NOTE, MARKS
 
     lines = [(f"{MARKS[line.verdict]} {line.name}", f"{line.verdict}: {line.text}") for line in one.lines]
     return [*lines, ("", ADVICE_NOTE)]
@@ -80,7 +80,7 @@ def saved_in_words(said: "Prediction", system: str) -> str:
 
 def safety_in_brief(lines: "Sequence[SafetyCheck]") -> Iterable[str]:
     """The names of all checks, those that fail first: `✗ rail exit speed`, `? ground wind, ceiling`."""
-    from fieldkit.planning.safety import MARKS
+    from fieldkit.planning.check import MARKS
 
     worst_first: tuple[Verdict, ...] = ("unsafe", "caution", "unknown", "ok")
     groups = ((verdict, [line.name for line in lines if line.verdict == verdict]) for verdict in worst_first)

@@ -1,0 +1,196 @@
+"""Flights of RocketPy down to the ground, as a reference for durations and landings.
+
+`python -m bench.recovery_reference FILE` writes them.
+
+Each rocket flies a thrust curve of the catalogue with one drag coefficient, opens one parachute or a drogue and a main,
+and lands in a wind that grows with height. RocketPy knows six degrees of freedom and none of our own code.
+"""
+
+import json
+import sys
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rocketpy import Environment, Flight, GenericMotor, Rocket
+
+from fieldkit.motors import Motor, catalogue
+
+CASES: dict[str, dict[str, Any]] = {
+    "model, one parachute": {
+        "motor": "F24W",
+        "dry_mass": 0.34,
+        "diameter": 0.066,
+        "length": 0.8,
+        "cd": 0.6,
+        "rail_length": 1.5,
+        "wind": 3.0,
+        "first_speed": 5.5,
+        "main_speed": 0.0,
+        "main_altitude": 0.0,
+        "lag": 0.5,
+        "rail_into": 0.0,
+        "rail_across": 0.0,
+    },
+    "model, rail into the wind": {
+        "motor": "F39T",
+        "dry_mass": 0.34,
+        "diameter": 0.066,
+        "length": 0.8,
+        "cd": 0.6,
+        "rail_length": 1.5,
+        "wind": 4.0,
+        "first_speed": 5.5,
+        "main_speed": 0.0,
+        "main_altitude": 0.0,
+        "lag": 0.5,
+        "rail_into": 5.0,
+        "rail_across": 0.0,
+    },
+    "model, rail across the wind": {
+        "motor": "F39T",
+        "dry_mass": 0.34,
+        "diameter": 0.066,
+        "length": 0.8,
+        "cd": 0.6,
+        "rail_length": 1.5,
+        "wind": 4.0,
+        "first_speed": 5.5,
+        "main_speed": 0.0,
+        "main_altitude": 0.0,
+        "lag": 0.5,
+        "rail_into": 0.0,
+        "rail_across": 7.0,
+    },
+    "dual, rail upright": {
+        "motor": "H128W",
+        "dry_mass": 1.2,
+        "diameter": 0.079,
+        "length": 1.3,
+        "cd": 0.55,
+        "rail_length": 2.4,
+        "wind": 4.0,
+        "first_speed": 20.0,
+        "main_speed": 6.0,
+        "main_altitude": 150.0,
+        "lag": 0.5,
+        "rail_into": 0.0,
+        "rail_across": 0.0,
+    },
+    "dual, rail into the wind": {
+        "motor": "I284W",
+        "dry_mass": 2.0,
+        "diameter": 0.102,
+        "length": 1.6,
+        "cd": 0.55,
+        "rail_length": 2.4,
+        "wind": 5.0,
+        "first_speed": 20.0,
+        "main_speed": 6.0,
+        "main_altitude": 150.0,
+        "lag": 0.5,
+        "rail_into": 5.0,
+        "rail_across": 0.0,
+    },
+    "dual, strong wind aloft": {
+        "motor": "I284W",
+        "dry_mass": 2.0,
+        "diameter": 0.102,
+        "length": 1.6,
+        "cd": 0.55,
+        "rail_length": 2.4,
+        "wind": 3.0,
+        "wind_aloft": 12.0,
+        "wind_aloft_height": 600.0,
+        "first_speed": 20.0,
+        "main_speed": 6.0,
+        "main_altitude": 150.0,
+        "lag": 0.5,
+        "rail_into": 3.0,
+        "rail_across": 0.0,
+    },
+}
+"""Speeds are near the ground [m/s], the wind is at the pad [m/s], angles in degrees, the rest in SI."""
+
+
+def flown(case: dict[str, Any]) -> dict[str, float]:
+    """Apogee [m], duration [s] and landing downwind and across [m] of a case."""
+    motor = catalogue().resolve(case["motor"]).motor
+    flight = Flight(
+        rocket=_rocket(case, motor),
+        environment=_environment(case),
+        rail_length=case["rail_length"],
+        inclination=90 - float(np.hypot(case["rail_into"], case["rail_across"])),
+        heading=float(np.degrees(np.arctan2(-case["rail_into"], -case["rail_across"]))),
+        max_time_step=0.05,
+    )
+    return {
+        "apogee": float(flight.apogee),
+        "rise": float(flight.apogee_time),
+        "duration": float(flight.t_final),
+        "along": float(flight.x_impact),
+        "across": -float(flight.y_impact),
+    }
+
+
+def _environment(case: dict[str, Any]) -> Any:
+    """Standard air over flat ground at sea level, and the wind of a case toward the east."""
+    from fieldkit.physics.descent import WindProfile
+
+    height = np.unique(np.concatenate([np.linspace(0, 50, 26), np.linspace(50, 4000, 200)]))
+    blow, _ = WindProfile(case["wind"], case.get("wind_aloft"), case.get("wind_aloft_height")).components(height)
+    field = Environment(latitude=45.0, longitude=0.0, elevation=0.0)
+    field.set_atmospheric_model(type="custom_atmosphere", wind_u=np.column_stack([height, blow]).tolist(), wind_v=0)
+    return field
+
+
+def _rocket(case: dict[str, Any], motor: Motor) -> Any:
+    """A stable rocket about the motor: an ogive, four fins, and its parachutes."""
+    length, diameter, dry = case["length"], case["diameter"], case["dry_mass"]
+    inertia = dry * (0.27 * length) ** 2
+    rocket = Rocket(
+        radius=diameter / 2,
+        mass=dry,
+        inertia=(inertia, inertia, dry * diameter**2 / 6),
+        power_off_drag=case["cd"],
+        power_on_drag=case["cd"],
+        center_of_mass_without_motor=0.5 * length,
+        coordinate_system_orientation="nose_to_tail",
+    )
+    rocket.add_motor(
+        GenericMotor(
+            thrust_source=np.column_stack([motor.time, motor.thrust]).tolist(),
+            burn_time=float(motor.time[-1]),
+            chamber_radius=motor.diameter / 2.2,
+            chamber_height=motor.length * 0.8,
+            chamber_position=motor.length / 2,
+            propellant_initial_mass=motor.propellant_mass,
+            nozzle_radius=motor.diameter / 6,
+            dry_mass=motor.casing_mass,
+            center_of_dry_mass_position=motor.length / 2,
+        ),
+        position=length,
+    )
+    rocket.add_nose(length=0.2 * length, kind="ogive", position=0)
+    chord = 0.15 * length
+    rocket.add_trapezoidal_fins(n=4, root_chord=chord, tip_chord=0.6 * chord, span=0.8 * chord, position=length - chord)
+    weight = 2 * (dry + motor.casing_mass) * 9.80665 / 1.225
+    rocket.add_parachute("first", cd_s=weight / case["first_speed"] ** 2, trigger="apogee", lag=case["lag"])
+    if case["main_altitude"]:
+        rocket.add_parachute(
+            "main", cd_s=weight / case["main_speed"] ** 2, trigger=case["main_altitude"], lag=case["lag"]
+        )
+    return rocket
+
+
+def main() -> None:
+    """Fly every case and write them to a file."""
+
+    document = {"rocketpy": version("rocketpy"), "command": "python -m bench.recovery_reference FILE"}
+    cases = [{"name": name, **case, "flown": flown(case)} for name, case in CASES.items()]
+    Path(sys.argv[1]).write_text(json.dumps({**document, "cases": cases}, indent=1) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

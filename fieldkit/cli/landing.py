@@ -1,0 +1,113 @@
+"""`fieldkit landing`, `track`: where a plan lands and how to lean the rail; a track by satellite as KML."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from fieldkit.cli.options import takes_plan
+from fieldkit.cli.planning import about_plan, planning, print_plan
+from fieldkit.cli.screen import complain, print_json, say
+from fieldkit.cli.session import open_ledger
+from fieldkit.cli.targets import Force, settled
+
+if TYPE_CHECKING:
+    from fieldkit.planning.landing import Landing
+
+app = typer.Typer()
+
+CARD_LINES = 30
+"""Lines of a range card above its safety lines. [1]"""
+
+
+def landing(
+    context: typer.Context,
+    kml: Annotated[Path | None, typer.Option(metavar="FILE", help="Write the ellipse as KML; with --pad.")] = None,
+    pad: Annotated[str | None, typer.Option(help="Latitude and longitude of the pad: 47.5,8.7.")] = None,
+    card: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the range card: a page with all of it, .png, .pdf, .svg.")
+    ] = None,
+    wind_from: Annotated[float, typer.Option(help="Where the wind is from, degrees from north.")] = 270.0,
+    force: Force = False,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+    **given: str | None,
+) -> None:
+    """Say where a plan lands, how long it flies, and which rail angle brings it back."""
+    from fieldkit import files
+    from fieldkit.planning.descent import fall_of
+    from fieldkit.planning.forecasts import forecasts
+    from fieldkit.planning.landing import MAX_RECOMMENDED_ANGLE, rail_choices
+    from fieldkit.planning.landing import landing as land
+    from fieldkit.presentation.kml import landing_kml, read_place
+    from fieldkit.presentation.landing_text import landing_in_words
+
+    if (kml is None) != (pad is None):
+        raise typer.BadParameter("found one of --kml and --pad, expected both: a map wants to know where the pad is")
+    place = None if pad is None else read_place(pad)
+    if card is not None:
+        from fieldkit.presentation.report.finals_card import check_card
+
+        check_card(card)
+    for file in (kml, card):
+        force = settled(file, force) if file is not None else force
+    with planning(context, given) as plan:
+        found = plan.motor()
+        (said,) = forecasts(plan.rocket, [(plan.flight, found)], draws=400)
+        fall = fall_of(plan.rocket.history, said.plan)
+        down = land(said, fall)
+        rail = rail_choices(plan.rocket, plan.flight, found, MAX_RECOMMENDED_ANGLE)
+        lines = plan.safety(said)
+    if kml is not None and place is not None:
+        name = f"{said.plan.rocket} on {found.motor.designation}"
+        files.write(kml, landing_kml(name, down, place, wind_from), force=force)
+        complain(f"{kml}: the landing ellipse")
+    if card is not None:
+        from fieldkit.presentation.forecast_text import in_words
+        from fieldkit.presentation.report.range_card import range_card
+
+        told = [*landing_in_words(said, down, fall, rail, plan.site)][1:]
+        words = [*in_words(said), *told][:CARD_LINES]
+        files.write(card, range_card(words, lines, down, plan.site, card.suffix.lower()), force=force)
+        complain(f"{card}: the range card")
+    if json:
+        document: dict[str, Any] = {"rocket": said.plan.rocket, "motor": found.motor.designation}
+        document["landing"] = down.json()
+        document |= {"on_field": _on_field(down, plan.site.size), "rail": [one.json() for one in rail]}
+        print_json(document | {"timed_flights": fall.flights} | about_plan(said, lines))
+        return
+    print_plan(landing_in_words(said, down, fall, rail, plan.site), said.plan, lines, plan.rocket.starts)
+
+
+def _on_field(down: "Landing", size: float | None) -> float | None:
+    """The fraction of landings on a field of a size [m] whose middle the pad is in, None where it is not known."""
+    return None if size is None else float((down.away <= size / 2).mean())
+
+
+takes_plan(landing)
+app.command()(landing)
+
+
+@app.command()
+def track(
+    context: typer.Context,
+    flight: Annotated[str, typer.Argument(help="The flight's id.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", help="Ends in .kml.", show_default=False)],
+    force: Force = False,
+) -> None:
+    """Write the track by satellite of a flight's log as KML."""
+    from fieldkit import files
+    from fieldkit.errors import BadValue
+    from fieldkit.presentation.kml import track_kml
+    from fieldkit.services.replay import recording_of
+
+    force = settled(out, force)
+    with open_ledger(context) as ledger:
+        found = recording_of(ledger, flight)
+    clocks: Any = found.reading.clocks if found is not None and found.reading is not None else ()
+    for clock in clocks:
+        if clock.latitude is not None and clock.longitude is not None:
+            content = track_kml(f"flight {flight}", clock.latitude, clock.longitude, clock.gps_altitude_msl)
+            files.write(out, content, force=force)
+            say(f"{out}: the track of flight {flight}")
+            return
+    raise BadValue(f"{flight}: found no positions by satellite, expected a flight with the log of a tracker")

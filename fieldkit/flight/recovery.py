@@ -1,0 +1,103 @@
+"""How a flight is to come down, and where its rail leans: extra columns of a flight table, beside those of `COLUMNS`.
+
+A flight keeps them as text, as every column that only some flights have, with the unit in the column's name.
+"""
+
+import math
+from dataclasses import dataclass
+from typing import Literal
+
+from fieldkit import units
+from fieldkit.errors import BadValue
+from fieldkit.flight.flight import Flight
+
+Device = Literal["parachute", "streamer"]
+DEVICES: tuple[Device, ...] = ("parachute", "streamer")
+RECOVERY_COLUMNS = {
+    "drogue_speed": ("speed", "mps", "Under the drogue, near the ground: 20m/s; from then on two devices are flown."),
+    "main_altitude": ("length", "m", "Above the pad, where the main opens: 500ft."),
+    "opening_time": ("time", "s", "From the charge to an open parachute; half a second by itself."),
+    "wind_aloft": ("speed", "mps", "Wind at a height, beside that at the pad: 10m/s."),
+    "wind_aloft_height": ("length", "m", "Above the pad, of the wind aloft: 300m."),
+    "wind_aloft_turn": ("angle", "deg", "How far the wind aloft blows to the right of that at the pad."),
+}
+"""Numbers of a recovery: quantity, unit at the edge, and what each is."""
+RECOVERY_TEXTS = {
+    "recovery": "parachute or streamer.",
+    "rail_direction": "The rail: into, away from or across the wind, or degrees from into it.",
+}
+"""Texts of a recovery, and what each is."""
+RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)
+DIRECTIONS = {"into": 0.0, "away": 180.0, "across": 90.0}
+"""Directions of a rail by name. [deg]"""
+OPENING_TIME = 0.5
+"""From the charge to an open parachute where nobody said: an assumption. [s]"""
+
+
+def recovery_header(name: str) -> str:
+    """The column of an extra number or text at the edge: `main_altitude_m`."""
+    return f"{name}_{RECOVERY_COLUMNS[name][1]}" if name in RECOVERY_COLUMNS else name
+
+
+def recovery_figure(flight: Flight, name: str) -> float | None:
+    """An extra number of a flight in SI, None where it was not recorded. Raises BadValue that names the column."""
+    quantity, unit, _ = RECOVERY_COLUMNS[name]
+    for header, text in flight.extra.items():
+        if header.startswith(name) and text.strip():
+            given = header[len(name) :].removeprefix("_")
+            if header != name and given not in units.UNITS[quantity]:
+                continue
+            try:
+                value = units.parse(text, quantity, given or unit)
+            except BadValue as error:
+                raise BadValue(f"{header}: {error}") from error
+            return value
+    return None
+
+
+@dataclass(frozen=True, slots=True)
+class Recovery:
+    """What opens when: the device, the speed under a drogue near the ground [m/s], where the main opens above the pad
+    [m], how long a device takes to open [s]. Without a drogue speed the one device opens at the charge."""
+
+    device: Device = "parachute"
+    drogue_speed: float | None = None
+    main_altitude: float | None = None
+    opening_time: float = OPENING_TIME
+
+    @property
+    def dual(self) -> bool:
+        """Whether a drogue opens first and a main lower down."""
+        return self.main_altitude is not None
+
+
+def recovery_of(flight: Flight) -> Recovery:
+    """How a flight is to come down. Raises BadValue for what is no device and no number, and for a drogue alone."""
+    device = flight.extra.get("recovery", "").strip().lower() or "parachute"
+    found = next((one for one in DEVICES if one == device), None)
+    if found is None:
+        raise BadValue(f"recovery: found {device!r}, expected one of {', '.join(DEVICES)}")
+    drogue, main = recovery_figure(flight, "drogue_speed"), recovery_figure(flight, "main_altitude")
+    if drogue is not None and main is None:
+        raise BadValue("drogue_speed: found one without main_altitude, expected where the main opens, such as 500ft")
+    for name, value in (("drogue_speed", drogue), ("main_altitude", main)):
+        if value is not None and value <= 0:
+            raise BadValue(f"{name}: found {value:g}, expected more than nothing")
+    opening = recovery_figure(flight, "opening_time")
+    return Recovery(found, drogue, main, OPENING_TIME if opening is None else max(opening, 0.0))
+
+
+def rail_direction(flight: Flight) -> float:
+    """Where the rail leans: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
+
+    A rail of which nobody says it leans into the wind, as flyers set it.
+    """
+    text = flight.extra.get("rail_direction", "").strip().lower()
+    if not text:
+        return 0.0
+    try:
+        return math.radians(
+            DIRECTIONS[text] if text in DIRECTIONS else units.parse(text, "angle", "deg") / units.DEGREE
+        )
+    except BadValue as error:
+        raise BadValue(f"rail_direction: found {text!r}, expected into, away, across or degrees") from error

@@ -1,0 +1,127 @@
+"""The flyer's own corrections of motors, and figures of single lots: `motor_corrections.csv` in their folder.
+
+Its columns are those of the shipped table (maker, designation, field, was, value, confidence, source), and two more
+that may be empty: `lot`, as printed on the motor, and `date` of its making. A row with a lot holds for that lot alone,
+which a motor is said to be of by its name: `F24-4W lot 0412`.
+"""
+
+import csv
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+
+from fieldkit import files
+from fieldkit.errors import BadValue, FieldkitError
+from fieldkit.motors.corrections import QUANTITIES, Correction
+from fieldkit.motors.motor import PLUGGED_DELAY, Motor
+
+HEADER = "maker,designation,field,was,value,confidence,source,lot,date\n"
+FILE_NAME = "motor_corrections.csv"
+OWN_FIELDS = (*QUANTITIES, "delays")
+"""Fields that a flyer can correct."""
+
+
+@dataclass(frozen=True, slots=True)
+class OwnCorrection:
+    """One row: the motor and, where it holds for one lot alone, that lot and when it was made."""
+
+    maker: str
+    designation: str
+    lot: str
+    date: str
+    correction: Correction
+
+
+def read_own_corrections(folder: Path) -> list[OwnCorrection]:
+    """The rows of the flyer's table, none where there is none. Raises BadValue that names the row and the column."""
+    file = folder / FILE_NAME
+    if not file.exists():
+        return []
+    try:
+        rows = list(csv.DictReader(files.read_own(file).removeprefix("\ufeff").splitlines()))
+    except (OSError, UnicodeDecodeError) as error:
+        raise BadValue(f"{FILE_NAME}: found {error}, expected a table") from error
+    return [_row(row, number) for number, row in enumerate(rows, start=2)]
+
+
+def _row(row: Mapping[str, str | None], number: int) -> OwnCorrection:
+    text = {key: (value or "").strip() for key, value in row.items() if key and isinstance(value, str | None)}
+    field, value = text.get("field", ""), text.get("value", "")
+    where = f"{FILE_NAME}, row {number}"
+    if field not in OWN_FIELDS:
+        raise BadValue(f"{where}, field: found {field[:30]!r}, expected one of {', '.join(OWN_FIELDS)}")
+    if field == "delays":
+        _delays(value, where)
+    else:
+        _figure(value, where)
+    one = Correction(
+        field,
+        text.get("was", ""),
+        value,
+        text.get("confidence") or "sure",
+        text.get("source") or f"your own {FILE_NAME}",
+    )
+    return OwnCorrection(
+        text.get("maker", ""), text.get("designation", ""), text.get("lot", ""), text.get("date", ""), one
+    )
+
+
+def _figure(value: str, where: str) -> float:
+    try:
+        number = float(value)
+    except ValueError:
+        number = float("nan")
+    if not 0 < number < 1e6:
+        raise BadValue(f"{where}, value: found {value[:20]!r}, expected a number above zero")
+    return number
+
+
+def _delays(value: str, where: str) -> tuple[float, ...]:
+    try:
+        return tuple(PLUGGED_DELAY if part.strip() == "P" else float(part) for part in value.split(","))
+    except ValueError:
+        raise BadValue(f"{where}, value: found {value[:20]!r}, expected delays such as 4,6,8 or P") from None
+
+
+def corrected(motor: Motor, rows: Sequence[OwnCorrection]) -> Motor:
+    """The motor with the figures of some rows that are not open, and the corrections beside those that it has."""
+    for one in rows:
+        if one.correction.applied:
+            motor = _with(motor, one)
+    told = tuple(replace(one.correction, source=_source(one)) for one in rows)
+    return replace(motor, corrections=(*motor.corrections, *told))
+
+
+def _source(one: OwnCorrection) -> str:
+    lot = f", lot {one.lot}" if one.lot else ""
+    return f"{one.correction.source}{lot}{f' of {one.date}' if one.date else ''}"
+
+
+def _with(motor: Motor, one: OwnCorrection) -> Motor:
+    field, text = one.correction.field, one.correction.value
+    if field == "delays":
+        return replace(motor, delays=_delays(text, FILE_NAME))
+    value = float(text)
+    if field == "total_impulse_ns":
+        thrust = np.asarray(motor.thrust * (value / motor.total_impulse))
+        return replace(motor, total_impulse=value, thrust=thrust)
+    if field == "burn_s":
+        stretch = value / motor.burn_time
+        return replace(motor, time=np.asarray(motor.time * stretch), thrust=np.asarray(motor.thrust / stretch))
+    if field == "average_n":
+        return replace(motor, certified_average=value)
+    if field == "peak_n":
+        return replace(motor, certified_peak=value)
+    if field == "length_mm":
+        return replace(motor, length=value * 1e-3)
+    if field == "propellant_g":
+        casing = motor.loaded_mass - value * 1e-3
+        if casing <= 0:
+            raise FieldkitError(f"{motor.designation}: found {value:g} g of propellant in a lighter motor")
+        return replace(motor, propellant_mass=value * 1e-3, casing_mass=casing)
+    casing = value * 1e-3 - motor.propellant_mass
+    if casing <= 0:
+        raise FieldkitError(f"{motor.designation}: found {value:g} g loaded, expected more than its propellant")
+    return replace(motor, casing_mass=casing)

@@ -1,0 +1,84 @@
+"""What a rocket is by law and by the clubs: model or high power, class and certification level."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from fieldkit.motors.motor import Motor
+from fieldkit.planning.rules import RuleSet
+
+
+@dataclass(frozen=True, slots=True)
+class Build:
+    """What rules ask of a rocket: motors as installed, mass on the pad [kg] (nan: not known), more than one stage or
+    motor or not, and the total installed impulse [N s]."""
+
+    motors: tuple[Motor, ...]
+    mass: float
+    complex: bool
+
+    @property
+    def impulse(self) -> float:
+        """Total installed impulse. [N s]"""
+        return sum(motor.total_impulse for motor in self.motors)
+
+    @property
+    def propellant(self) -> float:
+        """In all motors. [kg]"""
+        return sum(motor.propellant_mass for motor in self.motors)
+
+    @property
+    def rated_thrust(self) -> float:
+        """Average thrust of all motors by their certification. [N]"""
+        return sum(motor.rated_thrust for motor in self.motors)
+
+
+def build_of(motor: Motor, dry_mass: float) -> Build:
+    """The build of a rocket of a dry mass [kg] on its motor, or on all motors of its cluster or stages."""
+    parts = motor.parts or (motor,)
+    return Build(parts, dry_mass + motor.loaded_mass, len(parts) > 1)
+
+
+def why_high_power(build: Build, sets: Sequence[RuleSet]) -> str:
+    """What makes a rocket a high-power one, an empty text where nothing does.
+
+    A motor's certified average thrust counts, not that of its curve, and never the number in its name.
+    """
+    limit: Mapping[str, Any] = next((one.definition for one in sets if one.definition), {})
+    if not limit:
+        return ""
+    for motor in build.motors:
+        if why := _why_motor(motor, limit):
+            return why
+    if build.impulse > limit["impulse_of_several_ns"]:
+        return f"more than {limit['impulse_of_several_ns']:g} N s in all its motors"
+    if build.propellant * 1e3 > limit["propellant_g"]:
+        return f"more than {limit['propellant_g']:g} g of propellant"
+    if build.mass * 1e3 > limit["mass_g"]:
+        return f"more than {limit['mass_g']:g} g at lift-off"
+    return ""
+
+
+def _why_motor(motor: Motor, limit: Mapping[str, Any]) -> str:
+    """What makes one motor a high-power one."""
+    if motor.total_impulse > limit["impulse_of_one_ns"]:
+        return f"more than {limit['impulse_of_one_ns']:g} N s"
+    if motor.rated_thrust > limit["average_thrust_n"]:
+        if motor.certified_average is None:
+            return f"the average thrust of its curve, {motor.rated_thrust:.1f} N"
+        return f"its certified average thrust of {motor.rated_thrust:.1f} N"
+    if motor.propellant_mass * 1e3 > limit["propellant_g"]:
+        return f"more than {limit['propellant_g']:g} g of propellant"
+    if motor.kind in limit["kinds"]:
+        return f"its kind, a {motor.kind}"
+    if motor.designation.upper().startswith(tuple(limit["designations"])):
+        return "the HP in its designation"
+    return ""
+
+
+def legal_class(build: Build, laws: Mapping[str, Any]) -> int:
+    """Class 1, 2 or 3 of a rocket by the bounds of an air law."""
+    if build.impulse > laws["class2_impulse_ns"]:
+        return 3
+    light = not build.mass * 1e3 > laws["class1_mass_g"]
+    return 1 if light and build.propellant * 1e3 <= laws["class1_propellant_g"] else 2

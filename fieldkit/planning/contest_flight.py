@@ -1,0 +1,59 @@
+"""A contest flight as it is judged: two timers, eggs, disqualification, whole feet.
+
+Timers, eggs and a disqualification are extra columns of a flight table: `timer_1_s`, `timer_2_s`, `eggs`,
+`disqualified`; the tags `cracked_egg`, `damaged` and `disqualified` say the same.
+"""
+
+import math
+from decimal import ROUND_HALF_UP, Decimal, InvalidOperation
+
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.units import FOOT
+
+TIMERS = ("timer_1_s", "timer_2_s")
+WHOLE_EGGS = ("", "intact", "whole", "ok", "uncracked", "good")
+"""What the column `eggs` may say of eggs that are whole."""
+NO_SCORE_TAGS = {"cracked_egg": "a cracked egg", "damaged": "a damaged rocket", "disqualified": "disqualified"}
+"""Tags of a flight that has no score, and why."""
+NOT_TRUE = ("", "no", "false", "0")
+
+
+def judged_duration(flight: Flight) -> float | None:
+    """The duration that a judge writes down: the mean of two timers to 0.01 s, .005 rounding up, one of them alone if
+    the other failed, else the duration of the flight. Raises BadValue. [s]"""
+    times = [time for name in TIMERS if (time := _time(flight, name)) is not None]
+    if not times:
+        return flight.duration
+    mean = sum(times, Decimal(0)) / len(times)
+    return float(mean.quantize(Decimal("0.01"), ROUND_HALF_UP))
+
+
+def _time(flight: Flight, name: str) -> Decimal | None:
+    text = flight.extra.get(name, "").strip().replace(",", ".")
+    if not text:
+        return None
+    try:
+        time = Decimal(text)
+    except InvalidOperation:
+        time = Decimal("NaN")
+    if not time.is_finite() or not 0 < time < 10000:
+        raise BadValue(f"{name}: found {text[:20]!r}, expected seconds such as 38.42")
+    return time
+
+
+def whole_feet(apogee: float) -> float:
+    """The reading of an altimeter that shows whole feet [m], halves upward. [ft]"""
+    return math.floor(apogee / FOOT + 0.5 + 1e-9)
+
+
+def why_no_score(flight: Flight) -> str:
+    """Why a flight has no score, empty where it has one: it counts as one of the attempts all the same."""
+    for tag, why in NO_SCORE_TAGS.items():
+        if tag in flight.tags:
+            return why
+    if flight.extra.get("eggs", "").strip().casefold() not in WHOLE_EGGS:
+        return f"eggs: {flight.extra['eggs'].strip()[:30]}"
+    if flight.extra.get("disqualified", "").strip().casefold() not in NOT_TRUE:
+        return "disqualified"
+    return "no altitude" if flight.apogee is None else ""

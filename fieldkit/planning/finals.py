@@ -1,0 +1,114 @@
+"""Mass and parachute solved together for altitude and time, and a table of them for the targets of finals."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.errors import ImpossibleFlight
+from fieldkit.flight import Flight
+from fieldkit.motors import Found
+from fieldkit.planning.air import air_of
+from fieldkit.planning.contest import Season
+from fieldkit.planning.descent import durations, fall_of, landing_mass
+from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.quantiles import Three, three
+from fieldkit.shapes import Array, Float
+from fieldkit.units import FOOT
+
+MASSES = 13
+"""Masses that are flown; between them figures are interpolated. [1]"""
+FINE_MASSES = 97
+"""Masses that are judged. [1]"""
+AREAS = tuple(np.exp(np.linspace(np.log(0.3), np.log(2.5), 22)))
+"""Areas of the parachute over that flown which are judged. [1]"""
+MIN_MASS_RATIO = 0.6
+"""Least dry mass that is judged, over today's. [1]"""
+DRAWS = 300
+STEP = 5 * FOOT
+"""Between the targets of a table. [m]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """The dry mass [kg] and the area of the parachute over that flown [1] that bring the fewest points for a target
+    [m] and a window [s]: apogee and duration at 5, 50 and 95 %, and points a flight."""
+
+    target: float
+    window: tuple[float, float]
+    mass: float
+    area: float
+    apogee: Three
+    duration: Three
+    points: float
+    at_edge: bool = False
+    """Whether more might be won beyond the masses or areas that were judged."""
+
+
+@dataclass(frozen=True, slots=True)
+class Trials:
+    """Flights of a plan at several masses [kg], on common draws: what the altimeter shows [m] and what a duration at
+    each area takes [s]."""
+
+    masses: Float[Array, "mass"]
+    apogee: Float[Array, "mass draw"]
+    duration: Float[Array, "area mass draw"]
+
+    def best(self, rule: Season) -> Together:
+        """What brings the fewest points by a rule."""
+        points = np.array([rule.points(self.apogee, one).mean(axis=-1) for one in self.duration])
+        area, row = np.unravel_index(int(np.argmin(points)), points.shape)
+        return Together(
+            rule.target,
+            rule.window,
+            float(self.masses[row]),
+            float(AREAS[area]),
+            three(self.apogee[row]),
+            three(self.duration[area, row]),
+            float(points[area, row]),
+            area in (0, len(AREAS) - 1) or row == 0,
+        )
+
+
+def trials(
+    rocket: Rocket, plan: Flight, found: Found, rule: Season, bounds: tuple[float | None, float | None] = (None, None)
+) -> Trials:
+    """Fly a plan at masses within what is legal, or within bounds of the dry mass [kg]. Raises ImpossibleFlight."""
+    from scipy.interpolate import PchipInterpolator
+
+    if plan.dry_mass is None:
+        raise ImpossibleFlight("found no dry mass, expected --dry-mass, the rocket's mass without its motor")
+    most = bounds[1] or (rule.mass - found.motor.loaded_mass if rule.mass else 1.3 * plan.dry_mass)
+    low = bounds[0] or min(MIN_MASS_RATIO * plan.dry_mass, MIN_MASS_RATIO * most)
+    if not 0 < low < most:
+        raise ImpossibleFlight(f"found masses from {low * 1e3:.0f} to {most * 1e3:.0f} g, expected the lighter first")
+    flown = np.linspace(low, most, MASSES)
+    said = forecasts(rocket, [(plan.with_changes(dry_mass=float(mass)), found) for mass in flown], draws=DRAWS)
+    if not np.median(said[0].apogee) > 0:
+        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust for {low * 1e3:.0f} g")
+    fall, density = fall_of(rocket.history, said[0].plan), air_of(said[0].plan).density
+
+    def timed(area: float) -> Float[Array, "mass draw"]:
+        speeds = [
+            fall.speeds(np.random.default_rng(7), (DRAWS, 1), landing_mass(one.plan, one.found), density, area)
+            for one in said
+        ]
+        return np.nan_to_num(durations(said, fall, np.concatenate(speeds, axis=1))).T
+
+    fine = np.linspace(low, most, FINE_MASSES)
+    apogee = PchipInterpolator(flown, np.stack([one.apogee for one in said]), axis=0)(fine)
+    duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
+    return Trials(fine, np.asarray(apogee), np.asarray(duration))
+
+
+def finals_targets(rule: Season) -> list[float]:
+    """Targets that finals may have, every five feet; that of the season where its rule has no range. [m]"""
+    if rule.finals_range is None:
+        return [rule.target]
+    low, high = rule.finals_range
+    return [float(one) for one in np.arange(low, high + 0.5 * STEP, STEP)]
+
+
+def finals_table(flown: Trials, rule: Season, targets: Sequence[float]) -> list[Together]:
+    """What to fly for each of some targets [m], in the window of the rule."""
+    return [flown.best(rule.announced(target, None)) for target in targets]

@@ -1,0 +1,56 @@
+"""Kits of the flyer's: what a rocket weighs and how wide it is before it has flown, in `kits.toml` of their folder."""
+
+import tomllib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from fieldkit.errors import BadValue
+from fieldkit.files import read_own
+
+FILE_NAME = "kits.toml"
+
+
+@dataclass(frozen=True, slots=True)
+class Kit:
+    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None where it is not known."""
+
+    name: str
+    dry_mass: float | None
+    diameter: float | None
+    mount: float | None
+
+
+def read_kits(file: Path) -> Mapping[str, Kit]:
+    """The kits of a file by name, none where there is no file. Raises BadValue that names the kit and the figure."""
+    if not file.exists():
+        return {}
+    try:
+        tables = tomllib.loads(read_own(file))
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, OSError) as error:
+        raise BadValue(f"{file.name}: found {error}, expected TOML") from error
+    kits = {}
+    for name, table in tables.items():
+        if not isinstance(table, dict):
+            raise BadValue(f"{file.name}: found {name!r} alone, expected [{name}] with dry_mass_g and diameter_mm")
+        figures = [_figure(file, name, table, key) for key in ("dry_mass_g", "diameter_mm", "mount_mm")]
+        kits[name.casefold()] = Kit(name, *figures)
+    return kits
+
+
+def kit_of(file: Path, name: str) -> Kit:
+    """The kit of a name. Raises BadValue that lists those there are."""
+    kits = read_kits(file)
+    if name.casefold() not in kits:
+        known = ", ".join(kit.name for kit in kits.values()) or f"none yet, write them in {file}"
+        raise BadValue(f"found no kit {name!r}, expected one of: {known}")
+    return kits[name.casefold()]
+
+
+def _figure(file: Path, kit: str, table: Mapping[str, object], key: str) -> float | None:
+    value = table.get(key)
+    if value is None:
+        return None
+    if not isinstance(value, int | float) or isinstance(value, bool) or not 0 < value < 1e6:
+        raise BadValue(f"{file.name}, {kit}, {key}: found {value!r}, expected a number above zero")
+    return float(value) * 1e-3

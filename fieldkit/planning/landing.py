@@ -1,0 +1,160 @@
+"""Where a plan lands: draws of the path to apogee and of the way down, the ellipse that holds them, and the rail angle
+that brings it back."""
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.flight.recovery import DIRECTIONS
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.motors import Found
+from fieldkit.physics.descent import DescentResult, WindProfile
+from fieldkit.planning.air import air_of
+from fieldkit.planning.descent import Fall, descents, fall_of, landing_mass, wind_profile
+from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.quantiles import Three, named, three
+from fieldkit.shapes import Array, Float
+from fieldkit.units import DEGREE
+
+WIND_SPEED_SD, WIND_DIRECTION_SD = 0.2, math.radians(15)
+"""Of the log of the wind that blows over the one declared, as in the training of the networks; of its direction [rad],
+a judgement."""
+ELLIPSE_LEVEL = 0.9
+"""Fraction of the landings that the ellipse holds. [1]"""
+ANGLES = (0.0, 2.5, 5.0, 7.5, 10.0)
+"""Angles of the rail that are tried. [deg]"""
+MAX_RECOMMENDED_ANGLE = 10 * DEGREE
+"""Of the rail that is recommended, below what any code allows, for it costs altitude. [rad]"""
+TRIED_DRAWS = 300
+"""Flights flown for each. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Landing:
+    """Where a forecast lands: draws downwind of the pad and to the right of that [m], and how it came down."""
+
+    along: Float[Array, "draw"]
+    across: Float[Array, "draw"]
+    duration: Float[Array, "draw"]
+    down: DescentResult
+
+    @property
+    def away(self) -> Float[Array, "draw"]:
+        """Distance from the pad. [m]"""
+        return np.hypot(self.along, self.across)
+
+    def ellipse(self, level: float = ELLIPSE_LEVEL) -> "LandingEllipse":
+        """The ellipse that holds a fraction of the landings, of a normal distribution of their mean and covariance."""
+        points = np.stack([self.along, self.across])
+        variance, axes = np.linalg.eigh(np.cov(points))
+        scale = math.sqrt(-2 * math.log(1 - level))
+        low, high = scale * np.sqrt(np.maximum(variance, 1e-6))
+        turned = math.atan2(axes[1, 1], axes[0, 1])
+        return LandingEllipse(float(points[0].mean()), float(points[1].mean()), float(high), float(low), turned, level)
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON, with the unit in the key."""
+        return {
+            "away_m": named(three(self.away)),
+            "downwind_m": named(three(self.along)),
+            "right_of_wind_m": named(three(self.across)),
+            "duration_s": named(three(self.duration)),
+            "landing_speed_mps": named(three(self.down.landing_speed)),
+            "chance_ballistic": float(self.down.ballistic.mean()),
+            "ellipse": self.ellipse().json(),
+        }
+
+
+@dataclass(frozen=True, slots=True)
+class LandingEllipse:
+    """Centre downwind of the pad and to the right of that [m], half axes [m], and how far the long one is turned from
+    downwind to the right [rad]; it holds a fraction `level` of the landings."""
+
+    along: float
+    across: float
+    long: float
+    short: float
+    turned: float
+    level: float
+
+    def outline(self, points: int = 72) -> Float[Array, "point 2"]:
+        """Points on it, downwind and to the right. [m]"""
+        angle = np.linspace(0, 2 * np.pi, points, endpoint=True)
+        u, v = self.long * np.cos(angle), self.short * np.sin(angle)
+        c, s = math.cos(self.turned), math.sin(self.turned)
+        return np.stack([self.along + c * u - s * v, self.across + s * u + c * v], axis=-1)
+
+    def inside(self, along: Array, across: Array) -> Array:
+        """Whether points are within it."""
+        c, s = math.cos(self.turned), math.sin(self.turned)
+        x, y = along - self.along, across - self.across
+        return np.asarray(((c * x + s * y) / self.long) ** 2 + ((c * y - s * x) / self.short) ** 2 <= 1)
+
+    def json(self) -> dict[str, float]:
+        """Ready for JSON."""
+        return {
+            "level": self.level,
+            "downwind_m": self.along,
+            "right_of_wind_m": self.across,
+            "long_half_axis_m": self.long,
+            "short_half_axis_m": self.short,
+            "turned_deg": self.turned / DEGREE,
+        }
+
+
+def landing(said: Prediction, fall: Fall, seed: int = 5) -> Landing:
+    """Where the draws of a forecast land and how long they fly, the wind of the day drawn about the one declared.
+
+    Without a wind the path of the rail alone carries them.
+    """
+    rng = np.random.default_rng(seed)
+    count = len(said.apogee)
+    speed = fall.speeds(rng, (count, 1), landing_mass(said.plan, said.found), air_of(said.plan).density)[:, 0]
+    down = descents(said, fall, speed)
+    stronger = np.exp(WIND_SPEED_SD * rng.normal(size=count))
+    turned = WIND_DIRECTION_SD * rng.normal(size=count)
+    along = np.nan_to_num(said.drift) + stronger * (down.along * np.cos(turned) - down.across * np.sin(turned))
+    sideways = np.broadcast_to(np.nan_to_num(said.across), (count,))
+    across = sideways + stronger * (down.along * np.sin(turned) + down.across * np.cos(turned))
+    return Landing(along, across, said.rise_time + down.time, down)
+
+
+@dataclass(frozen=True, slots=True)
+class RailChoice:
+    """A direction and an angle [rad] of the rail, and how far from the pad they bring the landing. [m]"""
+
+    direction: str
+    angle: float
+    away: Three
+
+    def json(self) -> dict[str, Any]:
+        """Ready for JSON."""
+        return {"direction": self.direction, "angle_deg": self.angle / DEGREE, "away_m": named(self.away)}
+
+
+def rail_choices(rocket: Rocket, plan: Flight, found: Found, most: float) -> list[RailChoice]:
+    """What angles up to the most [rad] and directions of the rail do to the landing, the nearest to the pad first."""
+    ways = [("into", 0.0)]
+    ways += [(name, angle * DEGREE) for name in DIRECTIONS for angle in ANGLES[1:] if angle * DEGREE <= most + 1e-9]
+    plans = [plan.with_changes(rail_angle=angle, extra={**plan.extra, "rail_direction": name}) for name, angle in ways]
+    said = [forecasts(rocket, [(one, found)], draws=TRIED_DRAWS)[0] for one in plans]
+    fall = fall_of(rocket.history, plan)
+    choices = [
+        RailChoice(name, angle, three(landing(one, fall).away)) for (name, angle), one in zip(ways, said, strict=True)
+    ]
+    return sorted(choices, key=lambda choice: (round(choice.away[1]), choice.angle))
+
+
+def profile_in_words(wind: WindProfile, heights: Sequence[float] = (0.0, 100.0, 300.0)) -> str:
+    """The wind at some heights: `4.0 m/s at the pad, 7.0 at 100 m, 8.2 at 300 m`."""
+    along, across = wind.components(np.array(heights))
+    speeds = np.hypot(along, across)
+    more = ", ".join(f"{speed:.1f} at {height:.0f} m" for speed, height in zip(speeds[1:], heights[1:], strict=True))
+    return f"{speeds[0]:.1f} m/s at the pad, {more}"
+
+
+__all__ = ["Landing", "LandingEllipse", "RailChoice", "landing", "profile_in_words", "rail_choices", "wind_profile"]

@@ -1,0 +1,283 @@
+"""Safety lines from rule sets: wind, angle, mass, impulse, field, distances, certification, and words to keep in mind.
+
+Where several sets have a rule for one thing, the line is that of the strictest. What is unverified is said to be so and
+never ends worse than with caution.
+"""
+
+import datetime
+import math
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+
+from fieldkit.flight.site import Site
+from fieldkit.planning.check import MPH, SafetyCheck, Verdict, length, worst
+from fieldkit.planning.classification import Build, legal_class, why_high_power
+from fieldkit.planning.rules import Rule, RuleRow, RuleSet, governing, read_authorities
+from fieldkit.units import DEGREE, STANDARD_GRAVITY
+
+FIGURE_RULES = (
+    "ground wind",
+    "launch angle",
+    "mass",
+    "propellant",
+    "impulse",
+    "weight over thrust",
+    "field size",
+    "small high power field",
+    "pad distance",
+    "complex rocket",
+    "bystanders",
+    "certification",
+)
+"""Rules that a figure of the plan is held against; any other is words to keep in mind."""
+NO_RULE = "no rule among the sets chosen"
+
+
+@dataclass(frozen=True, slots=True)
+class Governed:
+    """A build under the sets that govern it: why it is high power, if it is, its class by law, and its rules."""
+
+    build: Build
+    sets: tuple[RuleSet, ...]
+    why: str
+    legal: int | None
+    law: RuleSet | None
+    altitude: float
+
+    def rules(self, check: str) -> list[Rule]:
+        """The rules for one thing that apply to this build."""
+        return [
+            rule
+            for one in self.sets
+            for rule in one.rules
+            if rule.check == check and (not rule.classes or self.legal in rule.classes)
+        ]
+
+    def reminders(self) -> list[Rule]:
+        """The rules that no figure of a plan is held against."""
+        every = [rule for one in self.sets for rule in one.rules if rule.check not in FIGURE_RULES]
+        return [rule for rule in every if not rule.classes or self.legal in rule.classes]
+
+
+def governed(
+    build: Build, altitude: float, site: Site, sets: Sequence[RuleSet], day: datetime.date | None = None
+) -> Governed:
+    """The rules of a build that is expected to reach an altitude [m], at a site, on a day (today by default).
+
+    Raises BadValue for an authority that no set is of.
+    """
+    authorities, day = read_authorities(site.rules), day or datetime.date.today()
+    own = [one for one in sets if one.authority.casefold() in {name.casefold() for name in authorities}]
+    why = why_high_power(build, [*own, *sets])
+    chosen = governing(sets, authorities, bool(why), day)
+    law = next((one for one in chosen if one.classes), None)
+    legal = legal_class(build, law.classes) if law else None
+    return Governed(build, tuple(chosen), why, legal, law, altitude)
+
+
+def _line(
+    check: str, rules: Sequence[Rule], judge: Callable[[Rule], SafetyCheck | None], without: str = NO_RULE
+) -> SafetyCheck:
+    """The strictest of what some rules come to."""
+    found = [one for rule in rules if (one := judge(rule)) is not None]
+    return worst(found) if found else SafetyCheck(check, "unknown", without, "")
+
+
+def _check(name: str, verdict: Verdict, text: str, rule: Rule, row: RuleRow | None = None) -> SafetyCheck:
+    told = (row or rule).text
+    verdict = "caution" if verdict == "unsafe" and told.unverified else verdict
+    return SafetyCheck(name, verdict, text, f"{rule.of}; {told.origin()}", told.words, told.mark)
+
+
+def wind_line(held: Governed, wind: float | None) -> SafetyCheck:
+    """Ground wind [m/s] against the most that is allowed."""
+
+    def judge(rule: Rule) -> SafetyCheck:
+        limit = rule.rows[0].value
+        most = f"no launch above {limit:.1f} m/s ({limit / MPH:.0f} mph)"
+        if wind is None:
+            return _check("ground wind", "unknown", f"not given; {most}", rule)
+        text = f"{wind:.1f} m/s ({wind / MPH:.0f} mph); {most}"
+        return _check("ground wind", "ok" if wind <= limit else "unsafe", text, rule)
+
+    return _line("ground wind", held.rules("ground wind"), judge)
+
+
+def angle_line(held: Governed, angle: float | None) -> SafetyCheck:
+    """Angle of the rail from vertical [rad] against the most that is allowed."""
+
+    def judge(rule: Rule) -> SafetyCheck:
+        limit = rule.rows[0].value / DEGREE
+        if angle is None:
+            return _check("launch angle", "unknown", f"not given; at most {limit:.0f}°", rule)
+        text = f"{abs(angle) / DEGREE:.0f}° from vertical, at most {limit:.0f}°"
+        return _check("launch angle", "ok" if abs(angle) / DEGREE <= limit + 1e-6 else "unsafe", text, rule)
+
+    rules = sorted(held.rules("launch angle"), key=lambda rule: rule.rows[0].value)
+    return _line("launch angle", rules, judge)
+
+
+def mass_line(held: Governed) -> SafetyCheck:
+    """Mass at lift-off, propellant and total impulse against what the codes allow for a rocket of its kind."""
+    build = held.build
+    found = {"mass": (build.mass, 1e3, "g"), "propellant": (build.propellant, 1e3, "g of propellant")}
+    found["impulse"] = (build.impulse, 1.0, "N s")
+    lines = []
+    for name, (value, scale, unit) in found.items():
+        for rule in held.rules(name):
+            limit = rule.rows[0].value
+            verdict: Verdict = "unknown" if math.isnan(value) else "ok" if value <= limit + 1e-9 else "unsafe"
+            shown = "not known" if math.isnan(value) else f"{value * scale:.0f}"
+            lines.append(
+                _check("mass and impulse", verdict, f"{shown} {unit}, at most {limit * scale:,.0f} {unit}", rule)
+            )
+    if not lines:
+        return SafetyCheck("mass and impulse", "unknown", NO_RULE, "")
+    last = worst(lines)
+    texts = "; ".join(one.text for one in lines)
+    return SafetyCheck(last.name, last.verdict, texts, last.source, last.rule, last.mark)
+
+
+def weight_line(held: Governed) -> SafetyCheck | None:
+    """Lift-off weight against the certified average thrust, where a code bounds it; None where none does."""
+
+    def judge(rule: Rule) -> SafetyCheck:
+        ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)
+        least = 1 / rule.rows[0].value
+        verdict: Verdict = "unknown" if math.isnan(ratio) else "ok" if ratio >= least - 1e-6 else "unsafe"
+        return _check("thrust to weight", verdict, f"{ratio:.1f} by the certified thrust, at least {least:.0f}", rule)
+
+    rules = held.rules("weight over thrust")
+    return _line("thrust to weight", rules, judge) if rules else None
+
+
+def field_line(held: Governed, size: float | None) -> SafetyCheck:
+    """The field's shorter side [m] against the least that the codes set."""
+
+    def judge(rule: Rule) -> SafetyCheck:
+        needed = rule.least(held.build.impulse, held.altitude)
+        row = rule.row(held.build.impulse, held.altitude)
+        if needed is None:
+            return _check("field size", "unknown", "beyond the table of the code", rule)
+        text = f"the code wants {length(needed)} across"
+        if size is None:
+            return _check("field size", "unknown", f"{text}, its size is not given", rule, row)
+        verdict: Verdict = "ok" if size >= needed - 1e-6 else "unsafe"
+        if verdict == "unsafe" and (small := _small_field(held)) and size >= small.rows[0].value - 1e-6:
+            told = f"{text}, {length(small.rows[0].value)} for small high power; this one is {length(size)}"
+            return _check("field size", "caution", told, small)
+        return _check("field size", verdict, f"{text}, this one is {length(size)}", rule, row)
+
+    wanted = held.rules("field size")
+    wanted.sort(key=lambda rule: -(rule.least(held.build.impulse, held.altitude) or math.inf))
+    return _line("field size", wanted, judge)
+
+
+def _small_field(held: Governed) -> Rule | None:
+    """The rule for the field of a small high-power rocket, where this is one."""
+    for rule in held.rules("small high power field"):
+        build, only = held.build, rule.only
+        if build.impulse < only["impulse"] and build.mass < only["mass"] and held.altitude < only["altitude"]:
+            return rule
+    return None
+
+
+def distance_line(held: Governed, people: float | None) -> SafetyCheck:
+    """The distance of the people at the launch from the pad [m] against the table, its complex column where due."""
+    name, build = "pad distance", held.build
+
+    def judge(rule: Rule) -> SafetyCheck:
+        row = rule.row(build.impulse, held.altitude)
+        needed = rule.least(build.impulse, held.altitude, complex_rocket=build.complex)
+        if row is None or needed is None:
+            return _check(name, "unsafe", f"{build.impulse:.0f} N s is beyond the table", rule)
+        text = f"people at least {length(needed)} away"
+        if build.complex and row.complex is not None:
+            text += ", as the rocket is complex"
+        if row.cleared is not None:
+            text += f", {length(row.cleared)} across cleared around the pad"
+        if people is None:
+            return _check(name, "unknown", f"{text}; theirs is not given", rule, row)
+        verdict: Verdict = "ok" if people >= needed - 1e-6 else "unsafe"
+        return _check(name, verdict, f"{text}; theirs is {length(people)}", rule, row)
+
+    rules = held.rules(name)
+    rules.sort(key=lambda rule: -(rule.least(build.impulse, held.altitude, complex_rocket=build.complex) or math.inf))
+    return _line(name, rules, judge)
+
+
+def bystander_line(held: Governed, away: float | None) -> SafetyCheck:
+    """The distance of persons and property not involved [m] against what the law sets for the class."""
+    name = "bystanders"
+
+    def judge(rule: Rule) -> SafetyCheck:
+        needed = rule.least(held.build.impulse, held.altitude) or 0.0
+        text = f"persons and property not involved at least {length(needed)} away"
+        if away is None:
+            return _check(name, "unknown", f"{text}; theirs is not given", rule)
+        verdict: Verdict = "ok" if away >= needed - 1e-6 else "unsafe"
+        return _check(name, verdict, f"{text}; theirs is {length(away)}", rule)
+
+    rules = held.rules(name)
+    if not rules and held.legal == 1:
+        law = held.law.title if held.law else ""
+        return SafetyCheck(name, "ok", "no distance is set for class 1, only no hazard to them", law)
+    return _line(name, rules, judge)
+
+
+def class_line(held: Governed) -> SafetyCheck:
+    """Model or high power, and the class of the law."""
+    build = held.build
+    mass = "unknown mass" if math.isnan(build.mass) else f"{build.mass * 1e3:.0f} g on the pad"
+    text = f"{build.propellant * 1e3:.0f} g of propellant, {mass}, {build.impulse:.0f} N s"
+    law = held.law
+    source = f"{law.title}; {law.text.origin()}" if law else ""
+    words = str(law.classes.get("says", "")) if law else ""
+    name = f"class {held.legal}" if held.legal else "no class of a law"
+    if held.legal == 3:
+        return SafetyCheck("class", "unsafe", f"{text}: class 3, beyond high power", source, words, "O")
+    if not held.why and held.legal in (None, 1):
+        return SafetyCheck("class", "ok", f"{text}: {name}, a model rocket", source)
+    waiver = ", which needs a waiver" if held.legal == 2 else ""
+    high = f"high power by {held.why}" if held.why else "not high power by the clubs"
+    return SafetyCheck("class", "caution", f"{text}: {name}{waiver}, {high}", source)
+
+
+def certification_line(held: Governed) -> SafetyCheck:
+    """The level of certification that the motors ask for."""
+    name = "certification"
+    if not held.why:
+        return SafetyCheck(name, "ok", "none needed: not high power", "")
+
+    def judge(rule: Rule) -> SafetyCheck:
+        level = rule.least(held.build.impulse, held.altitude)
+        if level is None:
+            return _check(name, "unsafe", f"{held.build.impulse:.0f} N s is beyond every level", rule)
+        return _check(name, "caution", f"asks for certification level {level:.0f}", rule)
+
+    return _line(name, held.rules(name), judge, "high power: no set that was chosen names a level")
+
+
+def complex_line(held: Governed) -> SafetyCheck:
+    """What a cluster or several stages ask for beyond one motor."""
+    name = "complex rocket"
+    if not held.build.complex:
+        return SafetyCheck(name, "ok", "one motor, one stage", "")
+    text = f"{len(held.build.motors)} motors"
+
+    def judge(rule: Rule) -> SafetyCheck:
+        row = rule.row(held.build.impulse, held.altitude)
+        wanted = "" if row is None else f", people at least {length(row.value)} away"
+        return _check(name, "caution", text + wanted, rule, row)
+
+    if rules := held.rules(name):
+        return _line(name, rules, judge)
+    return SafetyCheck(name, "caution", f"{text}: the complex column of the distance table counts", "")
+
+
+def reminder_lines(held: Governed) -> Iterator[SafetyCheck]:
+    """Rules that the program cannot hold a plan against, in their own words."""
+    for rule in held.reminders():
+        doubt = " (unverified)" if rule.text.unverified else ""
+        words = f"yours to see: {rule.text.words}{doubt}"
+        yield SafetyCheck(rule.check, "unknown", words, f"{rule.of}; {rule.text.origin()}")

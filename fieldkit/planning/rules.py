@@ -1,0 +1,214 @@
+"""Rule sets: dated files in `fieldkit/data/rules`, one for each code of a club or a country, and in the flyer's folder.
+
+Each figure carries the words of its rule, where they are from, and how sure the text is: official, a transcription by
+others, or unverified. Which sets apply is chosen by who governs the launch, by motor and mass, and by the day.
+"""
+
+import datetime
+import tomllib
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cache
+from math import inf
+from pathlib import Path
+from typing import Any
+
+from fieldkit.errors import BadValue
+from fieldkit.files import read_own
+from fieldkit.planning.rule_units import RULE_UNITS
+from fieldkit.safe_text import printable
+
+FOLDER = Path(__file__).parents[1] / "data" / "rules"
+MARKS: Mapping[str, str] = {"O": "official text", "T": "transcription by others", "U": "unverified"}
+"""How sure the text of a rule is, by its mark."""
+DEFAULT_AUTHORITIES = ("NAR", "FAA")
+"""Who governs a launch where nobody else was named."""
+KINDS = ("model", "high power", "any")
+"""Rockets that a set is for."""
+
+
+@dataclass(frozen=True, slots=True)
+class RuleText:
+    """What a figure rests on: the rule's own words or what it says, the source, its mark, and since when it is so."""
+
+    words: str
+    source: str
+    mark: str
+    valid_from: datetime.date
+
+    @property
+    def unverified(self) -> bool:
+        """Whether it must not be presented as a rule."""
+        return self.mark == "U"
+
+    def origin(self) -> str:
+        """Source, mark and date in a line."""
+        return f"{self.source}; {MARKS[self.mark]}, valid from {self.valid_from.isoformat()}"
+
+
+@dataclass(frozen=True, slots=True)
+class RuleRow:
+    """A row of a table: up to what it goes, the figure, that of a complex rocket, and the cleared diameter. [SI]"""
+
+    up_to: float
+    value: float
+    complex: float | None
+    cleared: float | None
+    text: RuleText
+
+
+@dataclass(frozen=True, slots=True)
+class Rule:
+    """What one set demands of one thing: rows of figures by installed impulse [N s] or altitude [m], or a single one.
+
+    `most` tells whether figures are the most that is allowed, or the least; `of_altitude` is the least as a fraction of
+    the expected altitude [1]. A rule without rows is words alone. `only` are bounds of what it applies to.
+    """
+
+    check: str
+    most: bool
+    by: str
+    rows: tuple[RuleRow, ...]
+    of_altitude: float
+    classes: tuple[int, ...]
+    only: Mapping[str, float]
+    text: RuleText
+    of: str
+
+    def row(self, impulse: float, altitude: float) -> RuleRow | None:
+        """The row for an installed impulse [N s] and an expected altitude [m]; None beyond the table."""
+        reached = altitude if self.by == "altitude" else impulse
+        return next((row for row in self.rows if not self.by or reached <= row.up_to + 1e-9), None)
+
+    def least(self, impulse: float, altitude: float, *, complex_rocket: bool = False) -> float | None:
+        """The figure that is wanted, None beyond the table. [SI]"""
+        row = self.row(impulse, altitude)
+        if row is None:
+            return None
+        value = row.complex if complex_rocket and row.complex is not None else row.value
+        return max(value, self.of_altitude * altitude)
+
+
+@dataclass(frozen=True, slots=True)
+class RuleSet:
+    """A code: who gives it, what rockets it is for, since when, its rules, and what makes a rocket high power."""
+
+    key: str
+    title: str
+    authority: str
+    country: str
+    kind: str
+    valid_from: datetime.date
+    rules: tuple[Rule, ...]
+    text: RuleText
+    definition: Mapping[str, Any] = field(default_factory=dict)
+    classes: Mapping[str, Any] = field(default_factory=dict)
+
+
+def rule_sets(own: Path | None = None) -> list[RuleSet]:
+    """Every set that is shipped and those in the flyer's own folder, which replace shipped ones of the same file name.
+
+    Raises BadValue that names the file and what is wrong in it.
+    """
+    files = {
+        file.name: file for folder in (FOLDER, own) if folder is not None for file in sorted(folder.glob("*.toml"))
+    }
+    return [_read(file, file.stat().st_mtime_ns) for file in files.values()]
+
+
+def governing(
+    sets: Iterable[RuleSet], authorities: Sequence[str], high_power: bool, day: datetime.date
+) -> list[RuleSet]:
+    """The sets of some authorities that apply to a rocket on a day, in the order of the authorities.
+
+    Of several versions of a code the newest that is valid counts; where the day is before all of them, the oldest.
+    Raises BadValue for an authority that no set is of.
+    """
+    known = list(sets)
+    chosen: list[RuleSet] = []
+    for authority in authorities:
+        ours = [one for one in known if one.authority.casefold() == authority.casefold()]
+        if not ours:
+            names = ", ".join(sorted({one.authority for one in known}))
+            raise BadValue(f"rules: found {authority!r}, expected one of {names}")
+        fitting = [one for one in ours if one.kind in ("any", "high power" if high_power else "model")]
+        for title in dict.fromkeys(one.title for one in fitting):
+            versions = sorted((one for one in fitting if one.title == title), key=lambda one: one.valid_from)
+            chosen.append(next((one for one in reversed(versions) if one.valid_from <= day), versions[0]))
+    return chosen
+
+
+def read_authorities(text: str) -> tuple[str, ...]:
+    """Who governs a launch, typed as `NAR, FAA`; the usual where nothing is."""
+    return tuple(name.strip() for name in text.split(",") if name.strip()) or DEFAULT_AUTHORITIES
+
+
+@cache
+def _read(file: Path, changed: int) -> RuleSet:
+    """A set of rules from its file, read again when the file has `changed`. [ns]"""
+    try:
+        table = tomllib.loads(read_own(file))
+        return _rule_set(file.stem, table)
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError, RecursionError, OSError) as error:
+        raise BadValue(f"{file.name}: found {error}, expected a set of rules in TOML") from error
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise BadValue(f"{file.name}: found {error!r}, expected title, authority, for, valid_from, [[rule]]") from error
+
+
+def _rule_set(key: str, table: Mapping[str, Any]) -> RuleSet:
+    kind = str(table["for"])
+    if kind not in KINDS:
+        raise ValueError(f"for = {kind!r}, one of {', '.join(KINDS)}")
+    text = _text(table, RuleText("", str(table["source"]), str(table["mark"]), table["valid_from"]))
+    return RuleSet(
+        key=key,
+        title=printable(str(table["title"])),
+        authority=printable(str(table["authority"])),
+        country=printable(str(table.get("country", ""))),
+        kind=kind,
+        valid_from=text.valid_from,
+        rules=tuple(_rule(one, text, str(table["title"])) for one in table.get("rule", ())),
+        text=text,
+        definition=dict(table.get("definition", {})),
+        classes=dict(table.get("classes", {})),
+    )
+
+
+def _text(table: Mapping[str, Any], above: RuleText) -> RuleText:
+    """What a table says of its figures, and where it says nothing what the table above it does."""
+    quote, says = (printable(str(table.get(name, ""))) for name in ("quote", "says"))
+    words = f"“{quote}”" if quote else says or above.words
+    day = table.get("valid_from", above.valid_from)
+    if not isinstance(day, datetime.date) or str(table.get("mark", above.mark)) not in MARKS:
+        raise ValueError("valid_from and mark: a day and one of O, T, U")
+    return RuleText(words, printable(str(table.get("source", above.source))), str(table.get("mark", above.mark)), day)
+
+
+def _rule(table: Mapping[str, Any], above: RuleText, title: str) -> Rule:
+    text, unit = _text(table, above), str(table.get("unit", "1"))
+    if unit not in RULE_UNITS:
+        raise ValueError(f"unit = {unit!r}, one of {', '.join(RULE_UNITS)}")
+    scale = RULE_UNITS[unit]
+    single = [{"up_to": inf, **table}] if {"at_most", "at_least"} & set(table) else []
+    rows = []
+    for row in table.get("rows", single):
+        values = [row.get(name) for name in ("complex", "cleared")]
+        value = float(row["at_most"] if "at_most" in row else row["at_least"])
+        more = [None if one is None else float(one) * scale for one in values]
+        rows.append(RuleRow(float(row["up_to"]), value * scale, more[0], more[1], _text(row, text)))
+    only = {
+        "impulse": float(table.get("impulse_ns", inf)),
+        "mass": float(table.get("mass_g", inf)) * 1e-3,
+        "altitude": float(table.get("altitude_ft", inf)) * RULE_UNITS["ft"],
+    }
+    return Rule(
+        check=printable(str(table["check"])),
+        most="at_most" in table,
+        by=str(table.get("by", "")),
+        rows=tuple(sorted(rows, key=lambda row: row.up_to)),
+        of_altitude=float(table.get("of_altitude", 0.0)),
+        classes=tuple(int(one) for one in table.get("classes", ())),
+        only=only,
+        text=text,
+        of=printable(title),
+    )

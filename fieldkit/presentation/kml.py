@@ -1,0 +1,96 @@
+"""KML of a landing that is forecast and of a track that was flown, for a map or a globe.
+
+Source: OGC KML 2.3 (12-007r2): coordinates are longitude, latitude and altitude, in degrees and meters.
+"""
+
+from collections.abc import Sequence
+from xml.sax.saxutils import escape
+
+import numpy as np
+
+from fieldkit.errors import BadValue
+from fieldkit.planning.landing import Landing
+from fieldkit.safe_text import printable
+from fieldkit.shapes import Array, Float
+
+EARTH_RADIUS = 6371008.8
+"""Mean radius of the Earth (IUGG). [m]"""
+MAX_POINTS = 2000
+"""Of a track in a file, evenly taken from those that were logged. [1]"""
+
+
+def read_place(text: str) -> tuple[float, float]:
+    """A pad typed as `47.5,8.7`: latitude and longitude. Raises BadValue. [deg]"""
+    wanted = BadValue(f"found {text[:40]!r}, expected latitude and longitude in degrees, such as 47.5,8.7")
+    try:
+        latitude, longitude = (float(part) for part in text.split(","))
+    except ValueError:
+        raise wanted from None
+    if not (-89 <= latitude <= 89 and -180 <= longitude <= 180):
+        raise wanted
+    return latitude, longitude
+
+
+def placed(pad: tuple[float, float], wind_from: float, points: Float[Array, "point 2"]) -> Float[Array, "point 2"]:
+    """Longitude and latitude of points downwind of a pad and to the right of that [m]; the wind is from `wind_from`,
+    clockwise from north. [deg]"""
+    toward = np.radians(wind_from) + np.pi
+    along, right = points[:, 0], points[:, 1]
+    north = along * np.cos(toward) - right * np.sin(toward)
+    east = along * np.sin(toward) + right * np.cos(toward)
+    latitude = pad[0] + np.degrees(north / EARTH_RADIUS)
+    longitude = pad[1] + np.degrees(east / (EARTH_RADIUS * np.cos(np.radians(pad[0]))))
+    return np.stack([longitude, latitude], axis=-1)
+
+
+def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: float) -> bytes:
+    """The pad, the most likely landing and the ellipse about it, and some of the landings drawn."""
+    ellipse = found.ellipse()
+    outline = placed(pad, wind_from, ellipse.outline())
+    centre = placed(pad, wind_from, np.array([[ellipse.along, ellipse.across]]))
+    drawn = placed(pad, wind_from, np.stack([found.along, found.across], axis=-1)[:100])
+    marks = "".join(f"<Point><coordinates>{_places(point[None])}</coordinates></Point>" for point in drawn)
+    parts = [
+        _placemark("pad", f"<Point><coordinates>{pad[1]:.7f},{pad[0]:.7f}</coordinates></Point>"),
+        _placemark("middle of the landings", f"<Point><coordinates>{_places(centre)}</coordinates></Point>"),
+        _placemark(
+            f"{ellipse.level:.0%} of landings",
+            "<Polygon><outerBoundaryIs><LinearRing><coordinates>"
+            f"{_places(outline)}</coordinates></LinearRing></outerBoundaryIs></Polygon>",
+        ),
+        _placemark("landings drawn", f"<MultiGeometry>{marks}</MultiGeometry>"),
+    ]
+    return _document(name, parts)
+
+
+def track_kml(
+    name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
+) -> bytes:
+    """A track by satellite, its altitude above sea level [m] where it has one. Raises BadValue for no positions."""
+    known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
+    if altitude is not None:
+        known &= np.isfinite(altitude)
+    rows = np.flatnonzero(known)
+    if len(rows) < 2:
+        raise BadValue(f"{printable(name)}: found no positions by satellite, expected a log of a tracker")
+    rows = rows[np.unique(np.linspace(0, len(rows) - 1, min(MAX_POINTS, len(rows))).astype(int))]
+    columns = [longitude[rows], latitude[rows], *([altitude[rows]] if altitude is not None else [])]
+    mode = "<altitudeMode>absolute</altitudeMode>" if altitude is not None else "<tessellate>1</tessellate>"
+    path = f"<LineString>{mode}<coordinates>{_places(np.stack(columns, axis=-1))}</coordinates></LineString>"
+    return _document(name, [_placemark("track", path)])
+
+
+def _places(points: Float[Array, "point axis"]) -> str:
+    return " ".join(
+        ",".join(f"{value:.7f}" if axis < 2 else f"{value:.1f}" for axis, value in enumerate(point)) for point in points
+    )
+
+
+def _placemark(name: str, geometry: str) -> str:
+    return f"<Placemark><name>{escape(printable(name))}</name>{geometry}</Placemark>"
+
+
+def _document(name: str, parts: Sequence[str]) -> bytes:
+    head = '<?xml version="1.0" encoding="UTF-8"?>\n<kml xmlns="http://www.opengis.net/kml/2.2"><Document>'
+    body = "\n".join([f"<name>{escape(printable(name))}</name>", *parts])
+    return f"{head}\n{body}\n</Document></kml>\n".encode()

@@ -1,0 +1,43 @@
+"""The table of finals as one card on paper: a picture or a page, large enough to read in the sun."""
+
+from collections.abc import Sequence
+from io import BytesIO
+from pathlib import Path
+from textwrap import fill
+
+from matplotlib.figure import Figure
+
+from fieldkit.errors import BadValue
+from fieldkit.presentation.finals_text import FINALS_NOTES, HEADERS
+
+LINE = 110
+"""Of the notes. [letters]"""
+SUFFIXES = (".png", ".pdf", ".svg")
+
+
+def check_card(file: Path) -> None:
+    """Raise BadValue for a name that is no picture."""
+    if file.suffix.lower() not in SUFFIXES:
+        raise BadValue(f"{file.name}: found {file.suffix or 'no suffix'!r}, expected one of {', '.join(SUFFIXES)}")
+
+
+def finals_card(heading: Sequence[str], rows: Sequence[Sequence[str]], suffix: str, notes: Sequence[str] = ()) -> bytes:
+    """The card as a picture; `notes` stand below what every card says."""
+    figure = Figure(figsize=(7.5, 2.0 + 0.32 * len(rows)), layout="constrained")
+    axes = figure.add_subplot()
+    axes.set_axis_off()
+    figure.suptitle(heading[0], fontsize=12, fontweight="bold", x=0.02, ha="left")
+    table = axes.table(cellText=[list(row) for row in rows], colLabels=list(HEADERS), loc="center", cellLoc="center")
+    table.auto_set_font_size(False)
+    table.set_fontsize(11)
+    table.scale(1.0, 1.5)
+    for (row, _), cell in table.get_celld().items():
+        cell.set_linewidth(0.6)
+        if row == 0:
+            cell.set_text_props(fontweight="bold")
+            cell.set_facecolor("0.9")
+    below = "\n".join(fill(line, LINE) for line in [*heading[1:], *FINALS_NOTES, *notes])
+    figure.supxlabel(below, fontsize=8, x=0.02, ha="left")
+    content = BytesIO()
+    figure.savefig(content, format=suffix.lstrip("."), dpi=150)
+    return content.getvalue()

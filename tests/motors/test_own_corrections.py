@@ -1,0 +1,117 @@
+"""The flyer's own corrections and lots, and the catalogue held against a table of tests."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.motors import catalogue
+from fieldkit.motors.catalogue import split_lot
+from fieldkit.motors.comparison import compare_tests
+from fieldkit.motors.motor import impulse
+from fieldkit.motors.own import known_motors
+from fieldkit.motors.own_corrections import FILE_NAME, HEADER
+
+pytestmark = pytest.mark.fast
+SHARED = Path(__file__).parents[3] / "shared"
+
+ROWS = (
+    "AeroTech,F24W,total_impulse_ns,47.3,45.0,sure,my stand,,\n"
+    'AeroTech,F24W,delays,,"4,7,9",sure,the bag,,\n'
+    "AeroTech,F24W,total_impulse_ns,,50.0,sure,my stand,0412,2025-03-01\n"
+    "AeroTech,F39T,loaded_g,,70,open,a rumour,,\n"
+)
+
+
+def test_own_corrections_take_the_place_of_the_catalogues_figures(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_text(HEADER + ROWS)
+    motors, errors = known_motors(tmp_path)
+    assert not errors
+    found = motors.resolve("AeroTech F24W").motor
+    assert found.total_impulse == 45.0
+    assert impulse(found.time, found.thrust) == pytest.approx(45.0)
+    assert found.delays == (4.0, 7.0, 9.0)
+    assert "my stand" in found.corrections[-2].source
+    assert motors.resolve("F39T").motor.loaded_mass == catalogue().resolve("F39T").motor.loaded_mass  # it is open
+    assert len(motors) == len(catalogue())
+
+
+def test_a_lot_has_its_own_figures_and_an_unknown_one_says_so(tmp_path: Path) -> None:
+    (tmp_path / FILE_NAME).write_text(HEADER + ROWS)
+    motors, _ = known_motors(tmp_path)
+    lot = motors.resolve("F24-4W lot 0412")
+    assert (lot.motor.total_impulse, lot.delay) == (50.0, 4.0)
+    assert any("lot 0412 of 2025-03-01" in note for note in lot.notes)
+    assert motors.resolve("F24-4W lot 0412").motor is lot.motor
+    other = motors.resolve("F24-4W, lot 99")
+    assert other.motor.total_impulse == 45.0
+    assert any("no figures of lot 99" in note for note in other.notes)
+    assert split_lot("Lots of F24") == ("Lots of F24", "")
+
+
+@pytest.mark.parametrize(
+    ("row", "named"),
+    [
+        ("AeroTech,F24W,mass,,1,sure,x,,", "row 2, field"),
+        ("AeroTech,F24W,loaded_g,,heavy,sure,x,,", "row 2, value"),
+        ("AeroTech,F24W,delays,,soon,sure,x,,", "row 2, value"),
+        ("AeroTech,F24W,loaded_g,,1,sure,x,,", "more than its propellant"),
+    ],
+)
+def test_a_row_that_is_wrong_is_named_and_grounds_nothing(tmp_path: Path, row: str, named: str) -> None:
+    (tmp_path / FILE_NAME).write_text(HEADER + row + "\n")
+    motors, errors = known_motors(tmp_path)
+    assert named in str(errors[0])
+    assert motors.resolve("F24W").motor.total_impulse == catalogue().resolve("F24W").motor.total_impulse
+
+
+TESTS = (
+    "manufacturer,designation,common_name,tested_impulse_ns,tested_average_n,propellant_g,source,note\n"
+    "AeroTech,F24W,F24,60,,,a stand,basis=curve\n"
+    "AeroTech,F24W,F24,52,,,a letter,basis=letter; nine motors\n"
+    "AeroTech,F24W,F24,54,,,a letter,basis=letter\n"
+    'AeroTech/Quest,"B6W-4,6",B6,4.865,,,a letter,basis=letter\n'
+    "Nobody,X1,X1,1,,,,\n"
+)
+
+
+def test_letters_count_before_curves_and_unknown_motors_are_named() -> None:
+    found = compare_tests(catalogue(), TESTS.encode(), "tests.csv")
+    assert (found.rows, found.motors, found.unknown) == (5, 2, ("Nobody X1",))
+    (one,) = found.differences
+    assert (one.field, one.tested, one.basis) == ("total_impulse_ns", 53.0, "letter")
+    assert one.ratio == pytest.approx(53.0 / one.listed - 1)
+
+
+@pytest.mark.parametrize(("text", "named"), [("a,b\n1,2\n", "columns"), (TESTS.replace("60", "many"), "row 2")])
+def test_a_table_that_is_no_table_of_tests_is_named(text: str, named: str) -> None:
+    with pytest.raises(BadValue, match=named):
+        compare_tests(catalogue(), text.encode(), "tests.csv")
+
+
+def test_the_commands_compare_and_tell_where_corrections_are_kept(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    table = tmp_path / "tests.csv"
+    table.write_text(TESTS)
+    assert main(["motors", "--compare", str(table), "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["differences"][0]["motor"] == "F24W"
+    assert main(["motors", "--corrections", "--json"]) == 0
+    file = Path(json.loads(capsys.readouterr().out)["file"])
+    file.write_text(file.read_text(encoding="utf-8") + ROWS, encoding="utf-8")
+    assert main(["motors", "--corrections"]) == 0
+    assert "lot 0412 of 2025-03-01" in capsys.readouterr().out
+
+
+@pytest.mark.skipif(not (SHARED / "data" / "motor_tests.csv").exists(), reason="no table of tests here")
+def test_letters_of_certification_are_what_the_catalogue_has() -> None:
+    """Source: the certification letters of a table of tests; 10 % is twice the scatter that a lot may have."""
+    content = (SHARED / "data" / "motor_tests.csv").read_bytes()
+    found = compare_tests(catalogue(), content, "motor_tests.csv")
+    assert found.rows == 781
+    assert len(found.unknown) < 20
+    letters = [one for one in found.differences if one.basis == "letter" and one.field == "total_impulse_ns"]
+    assert len(letters) <= 4

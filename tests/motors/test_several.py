@@ -1,0 +1,177 @@
+"""Clusters and two stages: thrusts add, what is lit later burns later, a booster drops, and what cannot be is said."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import UnknownMotor
+from fieldkit.flight import Flight
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Found, Motor, catalogue
+from fieldkit.motors.motor import impulse
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.physics.state import FlightResult
+from fieldkit.planning.classification import build_of
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+MOTORS = catalogue()
+
+
+def several(text: str, booster_mass: float | None = None) -> Motor:
+    return MOTORS.resolve_several(text, booster_mass).motor
+
+
+def flown(motor: Motor, dry_mass: float, drag_area: float, rail: float = 1.0, wind: float = 0.0) -> FlightResult:
+    flight = Flight(dry_mass=dry_mass, diameter=0.05, rail_length=rail)
+    setup = field_setup([flight], [Found(motor, None)], np.array([drag_area]))
+    return fly(setup.with_changes(wind=np.array([wind])))
+
+
+def test_the_thrusts_and_masses_of_a_cluster_add() -> None:
+    one, three = MOTORS.resolve("Estes C6").motor, several("3 x Estes C6-5")
+    at = np.linspace(0, 2, 40)
+    assert np.interp(at, three.time, three.thrust) == pytest.approx(3 * np.interp(at, one.time, one.thrust))
+    assert three.total_impulse == pytest.approx(3 * one.total_impulse)
+    assert impulse(three.time, three.thrust) == pytest.approx(three.total_impulse)
+    assert three.loaded_mass == pytest.approx(3 * one.loaded_mass)
+    assert MOTORS.resolve_several("3 x Estes C6-5").delay == 5.0
+    assert several("3 x Estes C6-5") is three
+    build = build_of(three, 0.2)
+    assert (build.complex, len(build.motors)) == (True, 3)
+    assert build.impulse == pytest.approx(three.total_impulse)
+
+
+def test_three_motors_lift_three_rockets_tied_together_as_high_as_one() -> None:
+    one, three = MOTORS.resolve("Estes C6").motor, several("3 x Estes C6-5")
+    alone, tied = flown(one, 0.05, 0.0004), flown(three, 0.15, 0.0012)
+    assert tied.apogee == pytest.approx(alone.apogee, rel=1e-4)
+
+
+def test_an_air_start_burns_later_and_its_propellant_stays_until_then() -> None:
+    main_motor, late = MOTORS.resolve("Estes C6").motor, several("C6-5 + 2 x B6-4@1.5")
+    at = np.array([0.5, 1.0])
+    assert np.interp(at, late.time, late.thrust) == pytest.approx(np.interp(at, main_motor.time, main_motor.thrust))
+    assert late.time[-1] > 2.0
+    assert late.spent is not None
+    before = float(np.interp(1.45, late.time, late.spent)) * late.propellant_mass
+    assert before <= main_motor.propellant_mass + 1e-9
+    with pytest.raises(Exception, match="lit at the start"):
+        several("C6-5@1 + B6-4@2")
+
+
+@pytest.mark.parametrize("booster_mass", [0.03, 0.2])
+def test_two_stages_gain_the_speed_that_thrust_over_mass_gives(booster_mass: float) -> None:
+    """In vacuum, the speed at the end is the integral of thrust over mass less gravity."""
+    dry, motor = 0.08, several("D12-0/C6-7", booster_mass)
+    booster, upper = MOTORS.resolve("D12-0").motor, MOTORS.resolve("C6-7").motor
+    assert motor.loaded_mass == pytest.approx(booster.loaded_mass + upper.loaded_mass + booster_mass)
+
+    def share(one: Motor, t: float) -> float:
+        at = np.linspace(0, t, 400)
+        return float(np.trapezoid(np.interp(at, one.time, one.thrust), at) / one.total_impulse)
+
+    def first(t: float) -> float:
+        mass = dry + motor.loaded_mass - share(booster, t) * booster.propellant_mass
+        return float(np.interp(t, booster.time, booster.thrust)) / mass
+
+    def second(t: float) -> float:
+        mass = dry + upper.loaded_mass - share(upper, t) * upper.propellant_mass
+        return float(np.interp(t, upper.time, upper.thrust)) / mass
+
+    result = flown(motor, dry, 1e-9)
+    lit = float(result.rise_time[0] - result.coast_time[0])  # from lift-off to the end of the burn
+    gained = 0.0
+    for push, end in ((first, booster.thrust_end), (second, upper.thrust_end)):
+        at = np.linspace(0, end, 400)
+        gained += float(np.trapezoid([push(float(t)) for t in at], at))
+    speed = float(result.coast_time[0]) * 9.80665  # at the end of the burn, in vacuum
+    assert speed == pytest.approx(gained - 9.80665 * lit, rel=0.02)
+
+
+def test_a_booster_that_is_kept_costs_height() -> None:
+    two = flown(several("D12-0/C6-7", 0.06), 0.08, 0.0004).apogee
+    one = flown(MOTORS.resolve("C6-7").motor, 0.08, 0.0004).apogee
+    assert two > 1.5 * one
+
+
+@pytest.mark.parametrize(
+    ("text", "named"),
+    [
+        ("D12-0/C6-0/B6-4", "3 stages"),
+        ("D12-0/C6-7", "--booster-mass"),
+        ("30 x C6-5", "30 motors"),
+        ("2 x Zonk", "no such motor"),
+    ],
+)
+def test_what_cannot_be_flown_as_one_says_so(text: str, named: str) -> None:
+    with pytest.raises(UnknownMotor, match=named):
+        MOTORS.resolve_several(text)
+
+
+OPENROCKET = [
+    ("Estes B6-4", 1.0, 0.076, 0.02479, 0.75, 112.01, 4.06, 0.86),
+    ("Estes C6-5", 1.0, 0.081, 0.02479, 0.753, 271.99, 5.57, 1.86),
+    ("Estes C6-7", 1.0, 0.071, 0.025, 0.621, 319.75, 6.0, 1.86),
+    ("Estes C11-5", 3.048, 0.158, 0.07874, 0.21, 98.29, 3.82, 0.81),
+    ("Estes D12-7", 1.0, 0.076, 0.02479, 1.778, 282.23, 4.28, 1.65),
+    ("AeroTech H669N", 3.048, 1.613, 0.05664, 0.811, 592.72, 9.99, 0.33),
+    ("AeroTech H999N", 3.048, 1.692, 0.05664, 0.819, 897.47, 11.91, 0.33),
+    ("4 x Estes B4-4", 1.0, 0.246, 0.055, 0.607, 142.21, 4.32, 1.03),
+    ("4 x Estes C6-5", 1.0, 0.262, 0.055, 0.61, 306.96, 5.57, 1.86),
+    ("4 x Estes C6-7", 1.0, 0.262, 0.055, 0.61, 307.26, 5.6, 1.86),
+]
+"""Motors, rod [m], lift-off mass [kg], diameter [m], Cd of the coast, apogee [m], best delay [s], burnout [s]: stored
+simulations of OpenRocket 24.12 in 2 m/s of wind, of its examples whose motor burns as long as the catalogue's, and
+whose charge does not fire early."""
+
+
+@pytest.mark.parametrize("stored", OPENROCKET, ids=[f"{row[0]}, {row[3] * 1e3:g} mm" for row in OPENROCKET])
+def test_openrockets_stored_simulations_are_met(
+    stored: tuple[str, float, float, float, float, float, float, float],
+) -> None:
+    """Source: openrocket/openrocket@8fa969d, examples; apogee within 2 %, best delay within 0.3 s."""
+    name, rod, mass, diameter, cd, apogee, delay, burnout = stored
+    motor = several(name)
+    assert motor.burnout == pytest.approx(burnout, rel=0.03)
+    result = flown(motor, mass - motor.loaded_mass, cd * np.pi / 4 * diameter**2, rod, wind=2.0)
+    assert float(result.apogee[0]) == pytest.approx(apogee, rel=0.02)
+    assert float(result.coast_time[0]) == pytest.approx(delay, abs=0.3)
+
+
+def test_simulate_flies_a_cluster_and_two_stages(capsys: pytest.CaptureFixture[str]) -> None:
+    body = ["--dry-mass-g", "100", "--diameter-mm", "30", "--cd", "0.6", "--json"]
+    heights = {}
+    for name, more in (("C6-5", []), ("3 x C6-5", []), ("D12-0/C6-7", ["--booster-mass", "50g"])):
+        assert main(["simulate", "--motor", name, *more, *body]) == 0
+        captured = capsys.readouterr()
+        heights[name] = json.loads(captured.out)["true_apogee_m"]
+        assert ("cluster" in captured.err) is (name == "3 x C6-5")
+    assert heights["3 x C6-5"] > 2 * heights["C6-5"]
+    assert heights["D12-0/C6-7"] > 2 * heights["C6-5"]
+    assert main(["simulate", "--motor", "D12-0/C6-7", *body]) == 1
+    assert "--booster-mass" in capsys.readouterr().err
+
+
+def test_a_cluster_is_planned_as_a_complex_rocket_and_a_forecast_says_what_it_is_not(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    body = ["--motor", "3 x C6-5", "--dry-mass", "200g", "--diameter", "50mm", "--rocket", "Trio"]
+    assert main([*ledger, "landing", *body, "--wind", "3m/s", "--json"]) == 0
+    lines = {line["check"]: line for line in json.loads(capsys.readouterr().out)["safety"]}
+    assert lines["complex rocket"]["verdict"] == "caution"
+    assert "3 motors" in lines["complex rocket"]["text"]
+    assert main([*ledger, "predict", *body]) == 1
+    assert "fieldkit simulate flies several" in capsys.readouterr().err
+
+
+def test_a_flight_on_several_motors_is_recorded_as_flown() -> None:
+    with Ledger.open(":memory:") as ledger:
+        ledger.add([Flight(flight_id="1", rocket="Trio", motor="3 x C6-5", apogee=150.0)])
+        assert ledger.flights("Trio")[0].motor == "3 x C6-5"

@@ -1,0 +1,169 @@
+"""The way down: laws that any descent keeps, and flights that RocketPy flew to the ground."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy.integrate import quad, solve_ivp
+
+from fieldkit.flight import Flight
+from fieldkit.flight.recovery import rail_direction, recovery_figure, recovery_of
+from fieldkit.motors import catalogue
+from fieldkit.physics.atmosphere import pad_air
+from fieldkit.physics.descent import Devices, WindProfile, descend, fall_by, fall_time
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.units import DEGREE
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+NONE = np.array(np.nan)
+AIR = pad_air(NONE, NONE, NONE, NONE)
+CASES = json.loads((Path(__file__).parent / "rocketpy_descents.json").read_text())["cases"]
+
+
+def down(
+    height: float,
+    wait: float = 0.0,
+    first: float = 5.0,
+    main: float = 0.0,
+    at: float = 0.0,
+    opening: float = 0.0,
+    **more: Any,
+) -> tuple[float, float, float]:
+    """Time, path along and across of one descent."""
+    devices = Devices(np.array([first]), np.array([main]), at, opening)
+    wind = more.pop("wind", WindProfile())
+    one = descend(np.array([height]), np.array([wait]), np.array([60.0]), devices, AIR, wind, **more)
+    return float(one.time[0]), float(one.along[0]), float(one.across[0])
+
+
+def test_low_down_it_sinks_its_height_at_its_speed_and_drifts_with_an_even_wind() -> None:
+    even = WindProfile(4.0, 4.0, 100.0)
+    time, along, across = down(50.0, wind=even)
+    assert time == pytest.approx(10.0, rel=0.002)
+    assert along == pytest.approx(4.0 * time - 4.0 * 5.0 / 9.80665, rel=1e-3)  # it has to take the wind's speed first
+    assert across == 0.0
+
+
+def test_the_drift_is_the_integral_of_the_wind_over_the_descent() -> None:
+    def carried(height: float) -> float:
+        thin = float(np.sqrt(AIR.density_ratio(np.array(height))))
+        return thin / 5.0 * float(WindProfile(3.0).components(np.array([height]))[0][0])
+
+    expected, _ = quad(carried, 0.0, 800.0)
+    lag = float(WindProfile(3.0).components(np.array([800.0]))[0][0]) * 5.0 / 9.80665
+    assert down(800.0, wind=WindProfile(3.0))[1] == pytest.approx(expected - lag, rel=1e-3)
+
+
+def test_two_devices_fall_fast_and_then_slowly() -> None:
+    time, _, _ = down(500.0, first=20.0, main=5.0, at=100.0)
+    assert time == pytest.approx(400 / 20 + 100 / 5, rel=0.03)
+    late, _, _ = down(500.0, first=20.0, main=5.0, at=100.0, opening=1.0)
+    assert late - time == pytest.approx(-20 / 5 + 20 / 20 + 1.0 - 4.9 / 20, abs=0.15)
+
+
+def test_a_main_above_the_apogee_opens_there() -> None:
+    assert down(90.0, first=20.0, main=5.0, at=400.0)[0] == pytest.approx(90 / 5, rel=0.01)
+
+
+def test_a_free_fall_is_that_of_its_equation() -> None:
+    solved = solve_ivp(lambda t, y: [y[1], 9.80665 * (1 - (y[1] / 40.0) ** 2)], (0, 6), [0.0, 0.0], rtol=1e-9)
+    assert float(fall_by(np.array(6.0), np.array(40.0))) == pytest.approx(solved.y[0, -1], rel=1e-5)
+    assert float(fall_time(fall_by(np.array(6.0), np.array(40.0)), np.array(40.0))) == pytest.approx(6.0, rel=1e-6)
+    assert float(fall_by(np.array(900.0), np.array(2.0))) == pytest.approx(1800.0, rel=1e-2)
+    assert float(fall_time(np.array(1800.0), np.array(2.0))) == pytest.approx(900.0, rel=1e-2)
+
+
+def test_without_a_charge_it_comes_down_as_it_is() -> None:
+    devices = Devices(np.array([5.0]), np.array([0.0]), 0.0, 0.5)
+    one = descend(np.array([100.0]), np.array([np.nan]), np.array([60.0]), devices, AIR, WindProfile(3.0))
+    late = descend(np.array([100.0]), np.array([30.0]), np.array([60.0]), devices, AIR, WindProfile(3.0))
+    assert one.ballistic.all()
+    assert late.ballistic.all()
+    assert float(one.time[0]) == pytest.approx(float(fall_time(np.array(100.0), np.array(60.0))))
+
+
+def test_a_wind_aloft_is_met_where_it_was_measured_and_turns() -> None:
+    wind = WindProfile(3.0, 9.0, 300.0, np.pi / 2)
+    along, across = wind.components(np.array([0.0, 300.0, 900.0]))
+    assert along == pytest.approx([3.0, 0.0, 0.0], abs=1e-9)
+    assert across == pytest.approx([0.0, 9.0, 9.0])
+    calm_below = WindProfile(0.0, 8.0, 200.0).components(np.array([100.0]))[0]
+    assert calm_below == pytest.approx([4.0])
+
+
+def _flown(case: dict[str, Any]) -> dict[str, float]:
+    """A case of the reference in fieldkit's own physics."""
+    found = catalogue().resolve(case["motor"])
+    area = np.pi / 4 * case["diameter"] ** 2
+    direction = np.arctan2(case["rail_across"], case["rail_into"])
+    flight = Flight(
+        dry_mass=case["dry_mass"],
+        diameter=case["diameter"],
+        rail_length=case["rail_length"],
+        rail_angle=float(np.hypot(case["rail_into"], case["rail_across"])) * DEGREE,
+        extra={"rail_direction": f"{np.degrees(direction):.6f}"},
+    )
+    setup = field_setup([flight], [found], np.array([case["cd"] * area])).with_changes(wind=np.array([case["wind"]]))
+    up = fly(setup)
+    terminal = np.sqrt(2 * (case["dry_mass"] + found.motor.casing_mass) * 9.80665 / (1.225 * case["cd"] * area))
+    devices = Devices(
+        np.array([case["first_speed"]]), np.array([case["main_speed"]]), case["main_altitude"], case["lag"]
+    )
+    wind = WindProfile(case["wind"], case.get("wind_aloft"), case.get("wind_aloft_height"))
+    fell = descend(
+        up.apogee, np.zeros(1), np.array([terminal]), devices, setup.air, wind, (up.drift_speed, up.across_speed)
+    )
+    return {
+        "apogee": float(up.apogee[0]),
+        "duration": float(up.rise_time[0] + fell.time[0]),
+        "along": float(up.drift[0] + fell.along[0]),
+        "across": float(up.across[0] + fell.across[0]),
+    }
+
+
+@pytest.mark.parametrize("case", CASES, ids=[case["name"] for case in CASES])
+def test_landing_and_duration_are_those_of_rocketpy(case: dict[str, Any]) -> None:
+    """Source: RocketPy 6-DOF flights, `python -m bench.recovery_reference`."""
+    own, reference = _flown(case), case["flown"]
+    assert own["apogee"] == pytest.approx(reference["apogee"], rel=0.03)
+    assert own["duration"] == pytest.approx(reference["duration"], rel=0.05)
+    apart = np.hypot(own["along"] - reference["along"], own["across"] - reference["across"])
+    assert apart < 0.15 * np.hypot(reference["along"], reference["across"])
+
+
+def test_a_rail_across_a_calm_flies_as_one_along_it() -> None:
+    found = catalogue().resolve("F39T")
+    setup = field_setup([Flight(dry_mass=0.4, diameter=0.066)], [found], np.array([0.002]))
+    along = fly(setup.with_changes(rail_angle=np.array([0.1])))
+    across = fly(setup.with_changes(rail_across=np.array([0.1])))
+    assert across.apogee == pytest.approx(along.apogee, rel=1e-9)
+    assert across.across == pytest.approx(along.drift, rel=1e-9)
+    assert across.drift == pytest.approx([0.0], abs=1e-9)
+
+
+def test_a_recorded_rail_leans_into_the_wind_unless_it_says_otherwise() -> None:
+    found = catalogue().resolve("F39T")
+    ways = {"": -1, "into": -1, "away": 1, "180": 1}
+    for direction, sign in ways.items():
+        flight = Flight(dry_mass=0.4, diameter=0.066, rail_angle=0.1, extra={"rail_direction": direction})
+        setup = field_setup([flight], [found], np.array([0.002]))
+        assert setup.rail_angle == pytest.approx([sign * 0.1])
+        assert not setup.rail_across.any()
+    flight = Flight(dry_mass=0.4, diameter=0.066, rail_angle=0.1, extra={"rail_direction": "across"})
+    setup = field_setup([flight], [found], np.array([0.002]))
+    assert (float(setup.rail_angle[0]), float(setup.rail_across[0])) == pytest.approx((0.0, 0.1))
+    assert rail_direction(flight) == pytest.approx(np.pi / 2)
+
+
+def test_recovery_columns_are_read_with_the_unit_of_their_name() -> None:
+    flight = Flight(extra={"main_altitude_ft": "500", "drogue_speed": "60 ft/s", "recovery": "Streamer"})
+    found = recovery_of(flight)
+    assert found.main_altitude == pytest.approx(152.4)
+    assert found.drogue_speed == pytest.approx(18.288)
+    assert (found.device, found.dual) == ("streamer", True)
+    assert recovery_figure(flight, "wind_aloft") is None

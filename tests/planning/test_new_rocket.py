@@ -1,0 +1,75 @@
+"""A rocket that has never flown: a ruler and a scale suffice, a kit is a name, and what fits is safe and sensible."""
+
+import json
+from pathlib import Path
+
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.planning.kits import kit_of
+from fieldkit.planning.motor_guide import FIT_CHECKS
+
+CHECK_SHAPES = False
+
+COMMANDS = [
+    ["predict", "--motor", "F39T-6"],
+    ["delay", "--motor", "F39T"],
+    ["ballast", "--motor", "F39T-6", "--target", "800ft"],
+    ["contest", "--season", "2027", "--motor", "F39T-6"],
+    ["landing", "--motor", "F39T-6", "--wind", "3m/s"],
+    ["finals", "--season", "2027", "--motor", "F39T-6", "--targets", "795-800"],
+]
+
+
+@pytest.mark.parametrize("command", COMMANDS, ids=lambda command: command[0])
+def test_mass_and_diameter_alone_make_a_plan(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], command: list[str]
+) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    body = ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm"]
+    assert main([*ledger, *command, *body]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    if command[0] != "finals":
+        assert "no flight of this rocket" in out
+    if command[0] not in ("predict", "finals"):
+        assert "one like it would narrow the apogee by" in out
+
+
+def test_without_mass_a_rocket_that_nobody_knows_is_refused(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--ledger", str(tmp_path / "ledger.db"), "delay", "--motor", "F39T", "--rocket", "Fresh"]) == 1
+    assert "Fresh" in capsys.readouterr().err
+
+
+def test_a_kit_brings_mass_diameter_and_mount(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path))
+    (tmp_path / "kits.toml").write_text('["Big Bertha"]\ndry_mass_g = 80\ndiameter_mm = 41.6\nmount_mm = 18\n')
+    command = ["--ledger", str(tmp_path / "ledger.db"), "motors", "--fit", "Bertha", "--kit", "big bertha", "--json"]
+    assert main([*command, "--class", "A-C"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["mount_mm"] == pytest.approx(18.0)
+    assert document["conditions"] == {}
+    with pytest.raises(BadValue, match="Big Bertha"):
+        kit_of(tmp_path / "kits.toml", "Alpha")
+    (tmp_path / "kits.toml").write_text('[Alpha]\ndry_mass_g = "light"\n')
+    with pytest.raises(BadValue, match="Alpha, dry_mass_g"):
+        kit_of(tmp_path / "kits.toml", "Alpha")
+
+
+def test_what_fits_is_safe_and_sensible_and_the_rest_says_why(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    body = ["--dry-mass", "400g", "--diameter", "66mm", "--mount", "29mm", "--class", "F-G", "--waiver", "600m"]
+    assert main([*ledger, "motors", "--fit", "Fresh", *body, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)["motors"]
+    for one in found:
+        unsafe = {line["check"] for line in one["safety"] if line["verdict"] == "unsafe"} & set(FIT_CHECKS)
+        assert one["fits"] is (not unsafe)
+        assert set(one["why_not"]) == unsafe
+    assert any(one["why_not"] == ["ceiling"] for one in found)
+    assert any(one["fits"] for one in found)
+    assert main([*ledger, "motors", "--fit", "Fresh", *body]) == 0
+    assert "do not fit by ceiling" in " ".join(capsys.readouterr().out.split())

@@ -1,0 +1,171 @@
+"""Recovery as flown: the descent is fitted on what flights showed, and used in durations and landings."""
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.flight import Flight
+from fieldkit.flight.recovery import recovery_of
+from fieldkit.forecast.prediction import Prediction
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Found, catalogue
+from fieldkit.paths import REFERENCE_FLIGHTS
+from fieldkit.physics.descent import Devices, WindProfile, descend
+from fieldkit.physics.flight import fly
+from fieldkit.physics.setups import field_setup
+from fieldkit.planning.descent import Fall, descents, durations, fall_of, landing_mass, usual
+from fieldkit.planning.forecasts import Rocket, forecasts
+from fieldkit.planning.landing import landing, rail_choices
+from fieldkit.services.planning import completed_plan
+from fieldkit.settings import Settings
+
+CHECK_SHAPES = False
+FOUND = catalogue().resolve("F39T-6")
+NEW = Rocket((), (), 1.0, None, 0)
+PLAN = Flight(rocket="Comet", motor="F39T-6", dry_mass=0.4, diameter=0.066, wind=4.0)
+
+
+@pytest.fixture(scope="module")
+def said() -> Prediction:
+    return forecasts(NEW, [(PLAN, FOUND)], draws=300)[0]
+
+
+def flown(speed: float, delay: float, main: float | None = None, drogue: float = 20.0) -> Flight:
+    """A flight whose charge fires by its delay, with what a flyer with a stopwatch and an altimeter writes down."""
+    extra = {} if main is None else {"main_altitude_m": f"{main}"}
+    flight = Flight(rocket="Comet", dry_mass=0.4, diameter=0.066, delay=delay, motor="F39T", extra=extra)
+    up = fly(field_setup([flight], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
+    wait = np.zeros(1) if main else up.apogee_to_eject
+    first = drogue if main else speed
+    devices = Devices(np.array([first]), np.array([speed]), main or 0.0, 0.5)
+    terminal = np.sqrt(2 * landing_mass(flight, FOUND) * 9.80665 / (1.225 * 0.6 * np.pi / 4 * 0.066**2))
+    air = field_setup([flight], [FOUND], np.array([0.002])).air
+    down = descend(up.apogee, wait, np.array([terminal]), devices, air, WindProfile())
+    return flight.with_changes(apogee=float(up.apogee[0]), duration=float(up.rise_time[0] + down.time[0]))
+
+
+def speed_of(fall: Fall) -> float:
+    return float(np.exp(fall.log_mean) * np.sqrt(landing_mass(flown(5.0, 6.0), FOUND) / 1.225))
+
+
+@pytest.mark.parametrize("delay", [6.0, 9.0, 12.0])
+def test_a_known_delay_counts_when_the_descent_is_fitted(delay: float) -> None:
+    """Of a charge that fires late, the time until it is no time under the parachute."""
+    fall = fall_of([(flown(6.0, delay), FOUND)])
+    assert speed_of(fall) == pytest.approx(6.0, rel=0.02)
+
+
+def test_an_ejection_height_that_was_read_stands_for_a_delay_that_is_not_known() -> None:
+    known = flown(6.0, 10.0)
+    up = fly(field_setup([known], [FOUND], np.array([0.6 * np.pi / 4 * 0.066**2])))
+    read = replace(known, delay=None, eject_altitude=float(up.eject_altitude[0]))
+    plain = Found(FOUND.motor, None)
+    assert speed_of(fall_of([(read, plain)])) == pytest.approx(6.0, rel=0.03)
+    assert speed_of(fall_of([(replace(read, eject_altitude=None), plain)])) > 6.5  # fall and parachute in one
+
+
+def test_two_devices_are_told_apart_by_the_main_speed_and_the_duration() -> None:
+    flight = flown(5.0, 6.0, main=80.0, drogue=18.0).with_changes(descent_speed=5.0)
+    plan = PLAN.with_changes(extra={"main_altitude_m": "80"})
+    fall = fall_of([(flight, FOUND)], plan)
+    assert fall.drogue is not None
+    assert speed_of(fall.drogue) == pytest.approx(18.0, rel=0.03)
+    assert speed_of(fall) == pytest.approx(5.0, rel=1e-6)
+
+
+def test_a_streamer_falls_faster_and_flights_on_a_parachute_do_not_tell_it() -> None:
+    plan = PLAN.with_changes(extra={"recovery": "streamer"})
+    fall = fall_of([(flown(5.0, 6.0), FOUND)], plan)
+    assert fall == usual("streamer")
+    assert np.exp(fall.log_mean - usual().log_mean) == pytest.approx(2.0)
+    with pytest.raises(BadValue, match="parachute, streamer"):
+        recovery_of(Flight(extra={"recovery": "hope"}))
+    with pytest.raises(BadValue, match="main_altitude"):
+        recovery_of(Flight(extra={"drogue_speed_mps": "20"}))
+
+
+def test_forecast_durations_are_those_of_the_flight_they_were_fitted_on() -> None:
+    flights = tuple((flown(6.0, 6.0).with_changes(flight_id=str(n)), FOUND) for n in range(5))
+    rocket = Rocket(flights, (), 1.0, None, 0)
+    plan = PLAN.with_changes(wind=None, delay=6.0)
+    (one,) = forecasts(rocket, [(plan, FOUND)], draws=300)
+    fall = fall_of(rocket.history, plan)
+    speeds = fall.speeds(np.random.default_rng(1), (300, 1), landing_mass(plan, FOUND), 1.225)
+    middle = float(np.median(durations([one], fall, speeds)))
+    assert middle == pytest.approx(flights[0][0].duration or 0.0, rel=0.03)
+
+
+def test_a_drogue_keeps_a_landing_near(said: Prediction) -> None:
+    high = replace(said, true_apogee=said.true_apogee * 10)
+    dual = replace(high, plan=PLAN.with_changes(extra={"main_altitude_m": "150", "drogue_speed_mps": "20"}))
+    alone, with_drogue = (float(np.median(landing(one, fall_of([], one.plan)).away)) for one in (high, dual))
+    assert with_drogue < 0.45 * alone
+
+
+def test_the_ellipse_holds_nine_landings_in_ten(said: Prediction) -> None:
+    found = landing(said, usual())
+    inside = found.ellipse().inside(found.along, found.across).mean()
+    assert inside == pytest.approx(0.9, abs=0.05)
+    assert np.median(found.along) > 0
+    assert abs(np.median(found.across)) < 0.2 * np.median(found.along)
+    outline = found.ellipse().outline()
+    assert (
+        found.ellipse().inside(outline[:, 0] * 0.999 + 0.001 * found.along.mean(), outline[:, 1] * 0.999).mean() > 0.9
+    )
+
+
+def test_a_rail_into_the_wind_brings_the_landing_back() -> None:
+    choices = rail_choices(NEW, PLAN, FOUND, np.radians(20))
+    upright = next(choice for choice in choices if choice.angle == 0)
+    assert choices[0].direction == "into"
+    assert choices[0].angle > 0
+    assert choices[0].away[1] < upright.away[1]
+    assert all(choice.angle <= np.radians(5) + 1e-9 for choice in rail_choices(NEW, PLAN, FOUND, np.radians(5)))
+
+
+def test_a_charge_that_comes_too_late_is_ballistic(said: Prediction) -> None:
+    late = replace(said, plan=PLAN.with_changes(delay=20.0), eject=np.full_like(said.eject, np.nan))
+    assert descents(late, usual(), np.full(300, 5.0)).ballistic.all()
+    unknown = replace(late, plan=PLAN.with_changes(delay=None), found=Found(FOUND.motor, None))
+    assert not descents(unknown, usual(), np.full(300, 5.0)).ballistic.any()
+
+
+def test_a_plan_comes_down_as_its_configuration_last_did() -> None:
+    with Ledger.open(":memory:") as ledger:
+        flight = PLAN.with_changes(flight_id="1", apogee=200.0, extra={"main_altitude_m": "80", "unrelated": "x"})
+        ledger.add([flight])
+        plan = completed_plan(ledger, catalogue(), Flight(rocket="Comet", motor="F39T-6"), Settings())
+        assert plan.extra == {"main_altitude_m": "80"}
+
+
+def test_the_command_says_where_it_lands_and_writes_it_as_kml(
+    tmp_path: object, capsys: pytest.CaptureFixture[str]
+) -> None:
+    ledger = ["--ledger", f"{tmp_path}/ledger.db"]
+    assert main([*ledger, "import", str(REFERENCE_FLIGHTS)]) == 0
+    capsys.readouterr()
+    plan = ["landing", "--motor", "F24-4W", "--wind", "4m/s", "--wind-aloft", "9m/s", "--field-size", "400m"]
+    kml = ["--kml", f"{tmp_path}/landing.kml", "--pad", "47.5,8.7", "--wind-from", "270"]
+    assert main([*ledger, *plan, *kml, "--json"]) == 0
+    document = json.loads(capsys.readouterr().out)
+    assert document["landing"]["away_m"]["p50"] > 0
+    assert document["on_field"] is not None
+    assert document["rail"][0]["away_m"]["p50"] <= document["rail"][-1]["away_m"]["p50"]
+    assert main([*ledger, *plan]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "9.0 at 300 m" in out
+    assert "recommended rail" in out
+
+
+def test_the_range_card_is_a_page(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    card, body = tmp_path / "card.png", ["--rocket", "Fresh", "--dry-mass", "400g", "--diameter", "66mm"]
+    command = ["--ledger", str(tmp_path / "ledger.db"), "landing", "--motor", "F39T-6", "--wind", "3m/s", *body]
+    assert main([*command, "--card", str(card)]) == 0
+    assert card.read_bytes().startswith(b"\x89PNG")
+    assert main([*command, "--card", str(tmp_path / "card.txt")]) == 1
+    assert ".png" in capsys.readouterr().err

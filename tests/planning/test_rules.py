@@ -1,0 +1,246 @@
+"""Rule sets: the tables of the codes, chosen by motor, mass, authority and day, and the lines that they make."""
+
+import datetime
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.flight.site import Site
+from fieldkit.ledger import Ledger
+from fieldkit.ledger.sites import keep_site, put_site, site_of
+from fieldkit.motors import catalogue
+from fieldkit.planning import rule_lines
+from fieldkit.planning.classification import build_of, legal_class, why_high_power
+from fieldkit.planning.rule_lines import Governed, governed
+from fieldkit.planning.rules import MARKS, Rule, RuleSet, governing, read_authorities, rule_sets
+from fieldkit.units import FOOT
+
+pytestmark = pytest.mark.fast
+
+SETS = {one.key: one for one in rule_sets()}
+TODAY = datetime.date(2026, 11, 22)
+
+
+def rule(key: str, check: str) -> Rule:
+    return next(one for one in SETS[key].rules if one.check == check)
+
+
+def held(name: str, dry_mass: float = 0.3, altitude: float = 200.0, rules: str = "") -> Governed:
+    build = build_of(catalogue().resolve(name).motor, dry_mass)
+    return governed(build, altitude, Site(rules=rules), rule_sets(), TODAY)
+
+
+def test_the_sites_of_the_model_code_are_those_of_its_table() -> None:
+    """Source: NAR Model Rocket Safety Code, August 2012, launch site dimensions."""
+    table = {1.25: 50, 2.5: 100, 5: 200, 10: 400, 20: 500, 40: 1000, 80: 1000, 160: 1000, 320: 1500}
+    sites = rule("nar_model", "field size")
+    for impulse, feet in table.items():
+        assert (sites.least(impulse, 100.0) or 0) / FOOT == pytest.approx(feet)
+    assert sites.least(321.0, 100.0) is None
+    assert [row.text.mark for row in sites.rows] == ["O"] * 8 + ["U"]
+
+
+def test_the_launch_distances_of_the_model_code_are_fifteen_and_thirty_feet() -> None:
+    distance = rule("nar_model", "pad distance")
+    assert [(distance.least(impulse, 0.0) or 0) / FOOT for impulse in (20.0, 20.01, 160.0)] == pytest.approx(
+        [15, 30, 30]
+    )
+
+
+@pytest.mark.parametrize(
+    ("impulse", "cleared", "people", "complex_rocket"),
+    [
+        (320, 50, 100, 200),
+        (640, 50, 100, 200),
+        (1280, 50, 100, 200),
+        (2560, 75, 200, 300),
+        (5120, 100, 300, 500),
+        (10240, 125, 500, 1000),
+        (20480, 125, 1000, 1500),
+        (40960, 125, 1500, 2000),
+    ],
+)
+def test_the_distances_of_high_power_are_those_of_the_table(
+    impulse: float, cleared: float, people: float, complex_rocket: float
+) -> None:
+    """Source: minimum distance table of NAR and NFPA 1127."""
+    distance = rule("nar_high_power", "pad distance")
+    row = distance.row(impulse, 0.0)
+    assert row is not None
+    assert (row.cleared or 0) / FOOT == pytest.approx(cleared)
+    assert (distance.least(impulse, 0.0) or 0) / FOOT == pytest.approx(people)
+    assert (distance.least(impulse, 0.0, complex_rocket=True) or 0) / FOOT == pytest.approx(complex_rocket)
+    assert distance.row(impulse + 0.005, 0.0) is not row
+
+
+def test_figures_of_the_codes_are_as_written() -> None:
+    angle = {key: np.degrees(rule(key, "launch angle").rows[0].value) for key in ("nar_model", "nar_high_power")}
+    assert angle == pytest.approx({"nar_model": 30, "nar_high_power": 20})
+    wind = [rule(key, "ground wind").rows[0].value for key in ("nar_model", "nar_high_power", "tripoli", "ukra")]
+    assert wind == pytest.approx([8.9408] * 4)
+    assert rule("nar_model", "mass").rows[0].value == 1.5
+    assert rule("nar_model", "propellant").rows[0].value == 0.125
+    assert rule("nar_high_power", "impulse").rows[0].value == 40960
+    assert (rule("tripoli", "pad distance").least(160.0, 0.0) or 0) / FOOT == pytest.approx(50)
+    research = [rule("tripoli_research", "pad distance").least(one, 0.0) or 0 for one in (1280, 2560, 40960, 50000)]
+    assert np.array(research) / FOOT == pytest.approx([200, 250, 1500, 2000])
+    canada = rule("car", "field size")
+    assert [canada.least(100.0, feet * FOOT) for feet in (3000, 6000, 10000, 12000)] == [500, 1000, 2000, 3000]
+    assert rule("nar_contest", "field size").least(50.0, 200.0) == 50.0
+
+
+def test_the_law_asks_for_a_quarter_of_the_altitude_and_no_less_than_1500_feet() -> None:
+    away = rule("faa", "bystanders")
+    assert (away.least(0.0, 1000 * FOOT) or 0) / FOOT == pytest.approx(1500)
+    assert (away.least(0.0, 8000 * FOOT) or 0) / FOOT == pytest.approx(2000)
+    laws = SETS["faa"].classes
+    motors = catalogue()
+    names = {"F24W": 1, "H128W": 1, "J350W": 2}
+    assert {name: legal_class(build_of(motors.resolve(name).motor, 0.4), laws) for name in names} == names
+    assert legal_class(build_of(motors.resolve("F24W").motor, 1.6), laws) == 2
+
+
+def test_every_figure_says_its_words_its_source_and_how_sure_it_is() -> None:
+    for one in SETS.values():
+        for own in one.rules:
+            for text in (own.text, *(row.text for row in own.rows)):
+                assert text.words
+                assert text.source
+                assert text.mark in MARKS
+                assert text.valid_from <= TODAY
+
+
+@pytest.mark.parametrize(
+    ("name", "mass", "high"),
+    [("G80T", 0.5, False), ("G72DM", 0.5, True), ("G75M-11", 0.5, True), ("F24W", 1.6, True), ("H128W", 0.9, True)],
+)
+def test_the_code_is_chosen_by_motor_and_mass(name: str, mass: float, high: bool) -> None:
+    """G80T is certified at 77.99 N and no high-power motor, though its curve averages more than 80 N."""
+    found = held(name, mass)
+    assert bool(found.why) is high
+    assert found.sets[0].key == ("nar_high_power" if high else "nar_model")
+
+
+def test_25_degrees_are_too_much_for_high_power_alone() -> None:
+    verdict = {name: rule_lines.angle_line(held(name, 0.9), np.radians(25)).verdict for name in ("F24W", "H128W")}
+    assert verdict == {"F24W": "ok", "H128W": "unsafe"}
+
+
+def test_an_f_in_a_field_of_300_feet_is_not_well() -> None:
+    line = rule_lines.field_line(held("F24W"), 300 * FOOT)
+    assert line.verdict == "unsafe"
+    assert "305 m (1000 ft)" in line.text
+    assert rule_lines.field_line(held("F24W"), 1000 * FOOT).verdict == "ok"
+    assert rule_lines.field_line(held("F24W", rules="NAR contest"), 300 * FOOT).verdict == "ok"  # when it is one
+
+
+def test_high_power_wants_1500_feet_or_half_the_altitude() -> None:
+    tall = held("J350W", 3.0, altitude=4000 * FOOT)
+    assert "610 m (2000 ft)" in rule_lines.field_line(tall, 1900 * FOOT).text
+    assert rule_lines.field_line(tall, 1900 * FOOT).verdict == "unsafe"
+    assert rule_lines.field_line(held("J350W", 3.0), 1500 * FOOT).verdict == "ok"
+
+
+def test_a_small_high_power_field_is_unverified_and_no_better_than_caution() -> None:
+    line = rule_lines.field_line(held("G72DM", 0.5), 1000 * FOOT)
+    assert line.verdict == "caution"
+    assert "(unverified)" in line.words()
+    assert rule_lines.field_line(held("J350W", 3.0), 1000 * FOOT).verdict == "unsafe"
+
+
+def test_people_stand_as_far_as_the_table_says_and_twice_that_for_a_cluster() -> None:
+    one = held("H128W", 0.9)
+    assert rule_lines.distance_line(one, 100 * FOOT).verdict == "ok"
+    assert rule_lines.distance_line(one, 99 * FOOT).verdict == "unsafe"
+    assert rule_lines.distance_line(one, None).verdict == "unknown"
+    many = replace(one, build=replace(one.build, complex=True))
+    assert rule_lines.distance_line(many, 100 * FOOT).verdict == "unsafe"
+    assert "15 m (50 ft) across cleared" in rule_lines.distance_line(one, None).text
+    assert rule_lines.distance_line(held("C6-5"), 15 * FOOT).verdict == "ok"
+    assert rule_lines.distance_line(held("C6-5", rules="Tripoli"), 15 * FOOT).verdict == "unsafe"
+
+
+def test_bystanders_have_a_distance_by_law_from_class_2_on() -> None:
+    assert rule_lines.bystander_line(held("F24W"), None).verdict == "ok"
+    assert rule_lines.bystander_line(held("J350W", 3.0), 400.0).verdict == "unsafe"
+    assert rule_lines.bystander_line(held("J350W", 3.0), 460.0).verdict == "ok"
+
+
+def test_certification_goes_by_the_installed_impulse() -> None:
+    texts = {name: rule_lines.certification_line(held(name, 2.0)).text for name in ("H128W", "J350W", "M1297W")}
+    assert [text[-1] for text in texts.values()] == ["1", "2", "3"]
+    assert rule_lines.certification_line(held("F24W")).verdict == "ok"
+
+
+def test_high_power_weighs_at_most_a_third_of_its_thrust() -> None:
+    heavy, light = rule_lines.weight_line(held("H128W", 5.0)), rule_lines.weight_line(held("H128W", 1.0))
+    assert heavy is not None
+    assert light is not None
+    assert (heavy.verdict, light.verdict) == ("unsafe", "ok")
+    assert rule_lines.weight_line(held("F24W")) is None
+
+
+def test_a_country_is_a_file(tmp_path: Path) -> None:
+    (tmp_path / "moon.toml").write_text(
+        'title = "Moon code"\nauthority = "MOON"\nfor = "any"\nvalid_from = 2026-01-01\nmark = "O"\n'
+        'source = "a stone"\n'
+        '[[rule]]\ncheck = "launch angle"\nat_most = 5\nunit = "deg"\nquote = "straight up"\n'
+        '[[rule]]\ncheck = "dust"\nquote = "mind the dust"\n'
+    )
+    found = governed(build_of(catalogue().resolve("C6").motor, 0.1), 90.0, Site(rules="moon"), rule_sets(tmp_path))
+    line = rule_lines.angle_line(found, np.radians(6))
+    assert line.verdict == "unsafe"
+    assert "“straight up”" in line.words()
+    assert "Moon code; a stone; official text" in line.words()
+    assert [one.name for one in rule_lines.reminder_lines(found)] == ["dust"]
+    assert rule_lines.wind_line(found, 3.0).verdict == "unknown"
+    with pytest.raises(BadValue, match=r"MARS.*MOON"):
+        governing(rule_sets(tmp_path), ["MARS"], False, TODAY)
+
+
+@pytest.mark.parametrize(
+    ("text", "named"), [("title = 1", "found"), ('mark = "X"', "found"), ("[[", "TOML"), ("rule = 3", "found")]
+)
+def test_a_damaged_file_of_rules_is_named(tmp_path: Path, text: str, named: str) -> None:
+    (tmp_path / "odd.toml").write_text(text)
+    with pytest.raises(BadValue, match=rf"odd\.toml: {named}|odd\.toml.*{named}"):
+        rule_sets(tmp_path)
+
+
+def test_the_version_of_a_code_that_is_valid_on_the_day_counts() -> None:
+    old = SETS["nar_model"]
+    new = replace(old, valid_from=datetime.date(2027, 1, 1))
+
+    def on(day: datetime.date) -> RuleSet:
+        return governing([old, new], ["NAR"], False, day)[0]
+
+    assert on(datetime.date(2026, 6, 1)) is old
+    assert on(datetime.date(2027, 6, 1)) is new
+    assert on(datetime.date(2000, 1, 1)) is old
+
+
+def test_what_makes_a_rocket_high_power_is_in_the_file() -> None:
+    build = build_of(catalogue().resolve("F24W").motor, 0.3)
+    assert not why_high_power(build, [SETS["nar_high_power"]])
+    five = replace(build, motors=build.motors * 8)
+    assert "in all its motors" in why_high_power(five, [SETS["nar_high_power"]])
+    assert read_authorities("") == ("NAR", "FAA")
+
+
+def test_a_site_keeps_its_distances_and_whose_rules_govern_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    file = str(tmp_path / "ledger.db")
+    assert main(["--ledger", file, "sites", "Moor", "--people", "100ft", "--rules", "UKRA", "--ceiling", "500m"]) == 0
+    assert main(["--ledger", file, "sites", "Moor", "--rules", "XYZ"]) == 1
+    assert "expected one of" in capsys.readouterr().err
+    with Ledger.open(file) as ledger:
+        site = site_of(ledger, "Moor")
+        assert (site.people, site.rules) == (pytest.approx(30.48), "UKRA")
+        keep_site(ledger, "Moor", size=400.0)
+        put_site(ledger, site_of(ledger, "Moor"))
+        assert site_of(ledger, "Moor").rules == "UKRA"

@@ -1,0 +1,76 @@
+"""KML: places on the ground, whole documents, names made harmless."""
+
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.errors import BadValue
+from fieldkit.physics.descent import DescentResult
+from fieldkit.planning.landing import Landing
+from fieldkit.presentation.kml import EARTH_RADIUS, landing_kml, placed, read_place, track_kml
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+SPACE = "{http://www.opengis.net/kml/2.2}"
+LOG = Path(__file__).parents[2] / "sample_logs" / "altos_csv__with_satellites.csv"
+
+
+def coordinates(content: bytes) -> list[list[tuple[float, ...]]]:
+    root = ElementTree.fromstring(content)
+    return [
+        [tuple(map(float, place.split(","))) for place in (one.text or "").split()]
+        for one in root.iter(f"{SPACE}coordinates")
+    ]
+
+
+def test_downwind_of_a_west_wind_is_east_and_its_right_is_south() -> None:
+    one = placed((45.0, 7.0), 270.0, np.array([[1000.0, 0.0], [0.0, 1000.0]]))
+    degree = np.radians(1) * EARTH_RADIUS
+    assert one[0] == pytest.approx([7 + 1000 / (degree * np.cos(np.pi / 4)), 45.0])
+    assert one[1] == pytest.approx([7.0, 45 - 1000 / degree])
+
+
+def test_a_landing_is_a_pad_a_middle_an_ellipse_and_some_of_the_draws() -> None:
+    rng = np.random.default_rng(0)
+    along, across = 300 + 40 * rng.normal(size=200), 20 * rng.normal(size=200)
+    down = DescentResult(*[np.ones(200)] * 7)
+    content = landing_kml("<Comet> & \x1b[31m", Landing(along, across, np.ones(200), down), (47.5, 8.7), 270.0)
+    found = coordinates(content)
+    assert found[0] == [(8.7, 47.5)]
+    assert len(found[2]) == 72
+    assert found[2][0] == pytest.approx(found[2][-1])
+    assert len(found) == 3 + 100
+    assert b"\x1b" not in content
+
+
+def test_a_track_has_altitude_above_sea_level_and_leaves_out_what_is_lost() -> None:
+    latitude = np.array([47.0, np.nan, 47.001, 0.0, 47.002])
+    longitude = np.array([8.0, 8.0, 8.001, 0.0, 8.002])
+    (track,) = coordinates(track_kml("3", latitude, longitude, np.array([400.0, 1, 500, 0, 410])))
+    assert track == [(8.0, 47.0, 400.0), (8.001, 47.001, 500.0), (8.002, 47.002, 410.0)]
+    with pytest.raises(BadValue, match="no positions"):
+        track_kml("3", np.full(4, np.nan), np.full(4, np.nan), None)
+
+
+@pytest.mark.parametrize("text", ["47.5", "95,8", "here,there", "nan,8"])
+def test_a_place_that_is_none_is_named(text: str) -> None:
+    assert read_place("47.5, -8.7") == (47.5, -8.7)
+    with pytest.raises(BadValue, match=r"such as 47\.5"):
+        read_place(text)
+
+
+def test_the_track_of_a_flight_is_written(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    ledger = ["--ledger", str(tmp_path / "ledger.db")]
+    assert main([*ledger, "import", str(LOG)]) == 0
+    capsys.readouterr()
+    assert main([*ledger, "flights"]) == 0
+    id = next(word for word in capsys.readouterr().out.split() if word.startswith("flight-") or word.isdecimal())
+    out = tmp_path / "track.kml"
+    assert main([*ledger, "track", id, "--out", str(out)]) == 0
+    (track,) = coordinates(out.read_bytes())
+    assert len(track) > 2
+    assert main([*ledger, "track", id, "--out", str(out)]) == 1  # it is there already
