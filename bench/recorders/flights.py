@@ -69,9 +69,10 @@ class Path:
         return found
 
 
-def draw(rng: np.random.Generator, count: int, *, sonic: bool = False) -> list[Path]:
-    """Flights as sport flyers make them, or such as pass Mach 1."""
+def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, lean: float = 0.0) -> list[Path]:
+    """Flights as sport flyers make them, or such as pass Mach 1; from rails that lean so much, or as they do. [rad]"""
     launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
+    launches = [replace(one, tilt=lean or one.tilt) for one in launches]
     return [_path(launch, track) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
 
 

@@ -65,7 +65,7 @@ def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[M
     rng = np.random.default_rng([seed, zlib.crc32(name.encode())])
     misses: list[Miss] = []
     wrong: list[str] = []
-    for flight, path in enumerate(draw(rng, count, sonic=recorder.sonic)):
+    for flight, path in enumerate(draw(rng, count, sonic=recorder.sonic, lean=float(np.radians(recorder.lean)))):
         try:
             misses += compared(name, flight, path, read(written(path, recorder, rng)))
         except FieldkitError as error:

@@ -57,6 +57,8 @@ class Recorder:
     """When nothing is written, from the time of apogee on: begin and length. [s]"""
     sonic: bool = False
     """Whether it is flown beyond Mach 1."""
+    lean: float = 0.0
+    """Of the rail that it is flown from; 0 for a few degrees by chance. [deg]"""
 
 
 _PLAIN = {
@@ -120,6 +122,9 @@ _ACCELEROMETERS = {
     "accel, static 4 %": Recorder(accel=100, static=0.04),
     "accel, begins 0.3 s late": Recorder(accel=100, wait=-0.3),
     "accel, short wait": Recorder(accel=100, wait=0.3),
+    "accel, leaning 20 degrees": Recorder(accel=100, lean=20.0),
+    "accel, leaning 28 degrees": Recorder(accel=100, lean=28.0),
+    "barometer, leaning 20 degrees": Recorder(lean=20.0),
     "accel, charge": Recorder(accel=100, charge=40.0),
 }
 _RADIO = {

@@ -125,7 +125,7 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
     value = float(smooth.max())
     if time[0] > begin + _MAX_LATE_START and smooth[:2].max() == smooth.max():
         return None
-    coarse = (float(net.max()) - value) / 2 if width * median_step(time) > _WINDOW else 0.0
+    coarse = (float(net.max()) - value) / 2 if 3 * median_step(time) > _WINDOW else 0.0
     sd = np.sqrt((_SCALE * value) ** 2 + 0.5**2 + coarse**2)
     return Figure(value, float(sd), source) if value > 2 * sd else None
 

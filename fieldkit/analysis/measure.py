@@ -12,6 +12,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
+from fieldkit.analysis.leaning_flight import LeaningFlight, leaning_flight
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.possible import is_flight, possible
@@ -20,7 +21,7 @@ from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.analysis.unseen_top import silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
@@ -46,6 +47,7 @@ CLIPPED_NOTE = "the accelerometer was at the end of its range in the boost: heig
 DISBELIEVED = (
     "the acceleration {}: it is not taken for an accelerometer's along the axis, heights alone tell of the boost"
 )
+LEANED = "it climbed at some {:.0f} degrees from the vertical: so its accelerometer and its heights agree"
 NO_LANDING = "the log ends before landing: no duration"
 
 
@@ -81,13 +83,16 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     push = pushes(clocks, start - 15, seen.top + 20)
     clipped = push is not None and is_clipped(push, start, seen.fastest)
     doubt: tuple[str, ...] = ()
+    leaning: LeaningFlight | None = None
     if not clipped:
-        push, doubt = _believed(push, track, seen)
+        push, leaning, doubt = _believed(push, track, seen)
+    if leaning is not None:
+        track, seen = _without(~leaning.agrees(track, seen.pad), track, seen)
     lift = liftoff(track, push, seen)
     if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(push, seen.fastest, seen.top)
-    shape = None if clipped else push
+    shape = None if clipped else leaning.upward if leaning is not None else push
     try:
         ascent = ascend(
             track, shape, seen, lift.time if lift else None, blow.time if blow else None, stated.get("apogee")
@@ -103,13 +108,28 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     return replace(told, notes=(*told.notes, *((CLIPPED_NOTE,) if clipped else ()), *doubt), track=above)
 
 
-def _believed(push: Push | None, track: Heights, seen: Outline) -> tuple[Push | None, tuple[str, ...]]:
-    """An accelerometer that tells of the same climb as the heights, or None and why not."""
+def _believed(
+    push: Push | None, track: Heights, seen: Outline
+) -> tuple[Push | None, LeaningFlight | None, tuple[str, ...]]:
+    """An accelerometer that tells of the same climb as the heights, straight or leaning, or None and why not."""
     rise = liftoff(track, None, seen) if push is not None else None
-    found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
+    if push is None or rise is None:
+        return push, None, ()
+    found = agreement(track, push, seen, rise)
     if found is None or found.believed:
-        return push, ()
-    return None, (DISBELIEVED.format(found.why),)
+        return push, None, ()
+    leaning = leaning_flight(track, push, seen, rise)
+    if leaning is not None:
+        return push, leaning, (LEANED.format(np.degrees(leaning.angle)),)
+    return None, None, (DISBELIEVED.format(found.why),)
+
+
+def _without(wrong: Flags, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
+    """Heights without some samples, and the outline of the rest."""
+    if not wrong.any():
+        return track, seen
+    kept = replace(track, time=track.time[~wrong], height=track.height[~wrong], disturbed=True)
+    return kept, replace(seen, calm=seen.calm[~wrong])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
