@@ -26,11 +26,13 @@ PEAK_WINDOW = 0.05
 class Path:
     """What a flight did on even times from lift-off, and what its charge did. SI.
 
-    `height` is what a perfect barometer shows, `speed` the true vertical one, `push` the specific force along the axis.
+    `height` is what a perfect barometer shows and `above` the true one, `speed` the true vertical one, `push` the
+    specific force along the axis.
     """
 
     time: Float[Array, "step"]
     height: Float[Array, "step"]
+    above: Float[Array, "step"]
     speed: Float[Array, "step"]
     push: Float[Array, "step"]
     burnout: float
@@ -45,8 +47,10 @@ class Path:
         """When it was highest. [s]"""
         return float(self.time[np.argmax(self.height)])
 
-    def readouts(self) -> dict[str, float]:
-        """The readouts of a perfect device, in SI; speeds are vertical."""
+    def readouts(self, *, barometric: bool = True) -> dict[str, float]:
+        """The readouts of a perfect device, in SI, with heights by pressure or by satellites; speeds are vertical."""
+        if not barometric:
+            return replace(self, height=self.above).readouts()
         climbs = self.time <= self.apogee_time
         fastest = int(np.argmax(np.where(climbs, self.speed, -np.inf)))
         burn, top = float(self.time[fastest]), int(np.argmax(self.height))
@@ -149,6 +153,7 @@ def _path(launch: Launch, track: Track) -> Path:
     return Path(
         time,
         height,
+        above,
         np.gradient(above, STEP),
         push,
         track.burnout - begin,

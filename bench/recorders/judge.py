@@ -1,12 +1,12 @@
 """How well the logs of recorders are read: every readout against the truth, in standard deviations and in percent."""
 
 import zlib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
-from bench.recorders.flights import Path, draw
+from bench.recorders.flights import draw
 from bench.recorders.models import Recorder
 from bench.recorders.record import written
 from fieldkit.analysis import Recorded, measure
@@ -67,7 +67,8 @@ def judged(name: str, recorder: Recorder, count: int, seed: int) -> tuple[list[M
     wrong: list[str] = []
     for flight, path in enumerate(draw(rng, count, sonic=recorder.sonic, lean=float(np.radians(recorder.lean)))):
         try:
-            misses += compared(name, flight, path, read(written(path, recorder, rng)))
+            right = path.readouts(barometric=recorder.baro > 0)
+            misses += compared(name, flight, right, read(written(path, recorder, rng)))
         except FieldkitError as error:
             wrong.append(f"{name} {flight}: {error}")
     return misses, wrong
@@ -80,9 +81,9 @@ def read(log: bytes) -> Recorded:
     return measure(readings[0].clocks, readings[0].events) if readings else Recorded()
 
 
-def compared(name: str, flight: int, path: Path, recorded: Recorded) -> Iterator[Miss]:
+def compared(name: str, flight: int, right: Mapping[str, float], recorded: Recorded) -> Iterator[Miss]:
     """Each readout that was measured, beside the truth."""
-    for readout, truth in path.readouts().items():
+    for readout, truth in right.items():
         figure = recorded.figures.get(readout)
         if figure is not None and readout in READOUTS:
             yield Miss(name, flight, readout, figure.value - truth, figure.sd, truth)

@@ -40,7 +40,7 @@ def written(path: Path, recorder: Recorder, rng: np.random.Generator) -> bytes:
     if recorder.gps:
         when = _clock(begin, end, recorder.gps, 0.0, rng)
         wander = _lagged(rng.normal(0, 4 * recorder.gps_noise, when.size), when, 4.0)
-        height = np.interp(when, path.time, path.height, left=0, right=0) + path.elevation
+        height = np.interp(when, path.time, path.above, left=0, right=0) + path.elevation
         noise = rng.normal(0, recorder.gps_noise / 3, when.size) + wander
         columns["gps altitude (m)"] = (when, np.round(height + noise, 1))
     return _table(columns, recorder, path)

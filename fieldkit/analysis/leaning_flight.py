@@ -5,8 +5,8 @@ A rocket that leaves its rail at an angle from the vertical turns over as gravit
     dv/dt = f - g cos(angle),    d(angle)/dt = g sin(angle) / v,    dh/dt = v cos(angle),
 
 with f the specific force along the axis. What an accelerometer felt so makes a climb for every angle at the rail, and
-the heights say which of them was flown. The pressure may be disturbed for seconds on the way, by shocks or by air brakes:
-the angle is that with which most samples agree, and those that do not are known by it.
+the heights say which of them was flown. The pressure may be disturbed for seconds on the way, by shocks or by air
+brakes: the angle is that with which most samples agree, and those that do not are known by it.
 """
 
 from dataclasses import dataclass, replace
@@ -131,9 +131,11 @@ def _paths(
 
     `net` is what is felt beyond what it is at rest on the rail, which is what gravity has along it.
     """
-    angle, speed = _ANGLES.copy(), np.zeros(_ANGLES.size)
+    angle: Array = _ANGLES.copy()
+    speed: Array = np.zeros(_ANGLES.size)
     at_rest = GRAVITY * np.cos(_ANGLES)
-    height, rows = np.zeros(_ANGLES.size), []
+    height: Array = np.zeros(_ANGLES.size)
+    rows = []
     by_scale, by_zero = np.zeros((2, _ANGLES.size)), np.zeros((2, _ANGLES.size))
     for beyond, after in zip(net.tolist(), since.tolist(), strict=True):
         cosine, force = np.cos(angle), beyond + at_rest

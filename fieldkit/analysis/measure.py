@@ -25,8 +25,12 @@ from fieldkit.shapes import Array, Flags, Float
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
+_MIN_LAG = 0.08
+"""Heights that are late by less beside an accelerometer are taken for in time. [s]"""
 _LEAST_GPS = 1.0
 """Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
+_REST, _MAX_WANDER = 10.0, 20.0
+"""The end of a log that is looked at for a rest [s], in which heights move by less [m]."""
 _MIN_APOGEE_ERROR = 0.15
 """Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
 _MAX_HEIGHT_GAP = 1.3
@@ -85,7 +89,9 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     doubt: tuple[str, ...] = ()
     leaning: LeaningFlight | None = None
     if not clipped:
-        push, leaning, doubt = _believed(push, track, seen)
+        trust = _trusted(push, track, seen)
+        push, leaning, doubt = trust.push, trust.leaning, trust.notes
+        track, seen = _sooner(trust.lag, track, seen)
     if leaning is not None:
         track, seen = _without(~leaning.agrees(track, seen.pad), track, seen)
     lift = liftoff(track, push, seen)
@@ -108,20 +114,39 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     return replace(told, notes=(*told.notes, *((CLIPPED_NOTE,) if clipped else ()), *doubt), track=above)
 
 
-def _believed(
-    push: Push | None, track: Heights, seen: Outline
-) -> tuple[Push | None, LeaningFlight | None, tuple[str, ...]]:
-    """An accelerometer that tells of the same climb as the heights, straight or leaning, or None and why not."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Trust:
+    """An accelerometer that is believed, None for none; the leaning climb that it makes, if it made one; by how much
+    the heights are late beside it, as behind a filter or small vents [s]; and what is to be said of it."""
+
+    push: Push | None
+    leaning: LeaningFlight | None = None
+    lag: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+def _trusted(push: Push | None, track: Heights, seen: Outline) -> _Trust:
+    """What the heights say of an accelerometer: that it tells of the same climb, straight or leaning, or why not."""
     rise = liftoff(track, None, seen) if push is not None else None
     if push is None or rise is None:
-        return push, None, ()
+        return _Trust(push)
     found = agreement(track, push, seen, rise)
     if found is None or found.believed:
-        return push, None, ()
+        lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step else 0.0
+        return _Trust(push, lag=lag)
     leaning = leaning_flight(track, push, seen, rise)
     if leaning is not None:
-        return push, leaning, (LEANED.format(np.degrees(leaning.angle)),)
-    return None, None, (DISBELIEVED.format(found.why),)
+        return _Trust(push, leaning, notes=(LEANED.format(np.degrees(leaning.angle)),))
+    return _Trust(None, notes=(DISBELIEVED.format(found.why),))
+
+
+def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
+    """Heights and their outline without a lag. [s]"""
+    if not lag:
+        return track, seen
+    lift = None if seen.lift is None else seen.lift - lag
+    earlier = replace(seen, lift=lift, fastest=seen.fastest - lag, top=seen.top - lag)
+    return replace(track, time=track.time - lag), earlier
 
 
 def _without(wrong: Flags, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
@@ -298,11 +323,24 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
     near = np.abs(track.time - ascent.time[place]) < 1.0
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
-    least = _LEAST_GPS if track.source == CHANNEL_TITLES["gps_altitude_msl"] else _MIN_APOGEE_ERROR
+    satellites = track.source == CHANNEL_TITLES["gps_altitude_msl"]
+    least = max(_LEAST_GPS, _wander(track, seen)) if satellites else _MIN_APOGEE_ERROR
     sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
+
+
+def _wander(track: Heights, seen: Outline) -> float:
+    """By how much a receiver's height moves on the ground, before lift-off or after landing: two such are apart by
+    more, the pad's and the top's. [m]"""
+    first, last = track.time[0], track.time[-1]
+    rests = (
+        track.height[(track.time < (seen.lift or first) - 0.5)],
+        track.height[(track.time > max(seen.top + 5, last - _REST))],
+    )
+    still = [float(one.std()) for one in rests if one.size >= 8 and np.ptp(one) < _MAX_WANDER]
+    return float(np.sqrt(2)) * max(still, default=0.0)
 
 
 def _between(first: Event, second: Event, source: str) -> Figure:
