@@ -166,11 +166,12 @@ def _fit(
     spread = np.hypot(noise, _RELATIVE_HEIGHT_SD * np.maximum(climb, 0.0)) + 0.3
     prior = np.array([scale_sd, _ZERO_SD, _RAM_SD])
     rows, wanted = (columns / spread).T, (height - climb) / spread
-    weight, values = np.ones(height.size), np.zeros(3)
+    weight: Array = np.ones(height.size)
+    values: Array = np.zeros(3)
     for _ in range(_ROUNDS):
         counted = told * (rows * weight[:, None]).T
-        values = np.linalg.solve(counted @ rows + np.diag(prior**-2), counted @ wanted)
-        left = wanted - rows @ values
-        weight = (_STUDENT_DOF + 1) / (_STUDENT_DOF + left**2)
+        values = np.asarray(np.linalg.solve(counted @ rows + np.diag(prior**-2), counted @ wanted))
+        left = np.asarray(wanted - rows @ values)
+        weight = np.asarray((_STUDENT_DOF + 1) / (_STUDENT_DOF + left**2))
     cost = told * (_STUDENT_DOF + 1) / 2 * np.log1p(left**2 / _STUDENT_DOF).sum() + ((values / prior) ** 2).sum() / 2
     return float(cost), np.asarray(values)

@@ -9,6 +9,7 @@ from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
 from fieldkit.importing.tables.mapping import choice_for
+from fieldkit.importing.tables.spreadsheet import as_csv, is_spreadsheet
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
 
@@ -99,7 +100,7 @@ def _has_choice(log: bytes, choices: Sequence[ColumnChoice]) -> bool:
 def _hint(log: bytes) -> str:
     """What a flyer can do about a log that nobody recognises, where one can tell."""
     if log.startswith(b"PK\x03\x04"):
-        return "; it is a spreadsheet or an archive: save the sheet as CSV"
+        return "; it is an archive: unpack it first"
     start = log[:HEAD]
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         return "; a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
@@ -128,6 +129,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
+    log = _table_of(log, source)
     names = _candidates(log, format, source, choices)
     tried: list[ParsedLog | DamagedLog] = []
     for name in names:
@@ -145,6 +147,16 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     if isinstance(first, DamagedLog):
         raise shown_damage(first, source) from first
     return first
+
+
+def _table_of(log: bytes, source: str) -> bytes:
+    """A log as it is, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
+    if not is_spreadsheet(log):
+        return log
+    try:
+        return as_csv(log, lambda sheet: bool(claims(sheet)))
+    except DamagedLog as error:
+        raise shown_damage(error, source) from error
 
 
 def _opened(log: bytes, name: str, format: str | None, choices: Sequence[ColumnChoice]) -> ParsedLog:
