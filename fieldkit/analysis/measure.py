@@ -29,6 +29,8 @@ _MIN_LAG = 0.08
 """Heights that are late by less beside an accelerometer are taken for in time. [s]"""
 _LEAST_GPS = 1.0
 """Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
+_MAX_HEARD_GAP = 2.0
+"""Between samples that are further apart nothing is known of a top. [s]"""
 _REST, _MAX_WANDER = 10.0, 20.0
 """The end of a log that is looked at for a rest [s], in which heights move by less [m]."""
 _MIN_APOGEE_ERROR = 0.15
@@ -315,11 +317,13 @@ def _falls(ascent: Ascent) -> bool:
 
 def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
     """The top of the curve, or None where it is still rising when the log ends."""
-    place = int(np.argmax(ascent.height))
+    heard = _heard(ascent.time, track)
+    place = int(np.argmax(np.where(heard, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:
         return None
-    tops = ascent.heights.max(axis=1)
-    moments = ascent.time[np.argmax(ascent.heights, axis=1)]
+    drawn = np.where(heard, ascent.heights, -np.inf)
+    tops = drawn.max(axis=1)
+    moments = ascent.time[np.argmax(drawn, axis=1)]
     near = np.abs(track.time - ascent.time[place]) < 1.0
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
@@ -329,6 +333,14 @@ def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figur
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
+
+
+def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
+    """Which knots of a curve lie among samples and not in a long silence, where a curve may swing as it likes."""
+    after = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
+    gap = track.time[after] - track.time[after - 1]
+    heard = np.asarray(gap <= _MAX_HEARD_GAP)
+    return heard if heard.any() else np.ones(time.size, bool)
 
 
 def _wander(track: Heights, seen: Outline) -> float:
