@@ -88,6 +88,7 @@ def _is_full(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Flags
     for axis in axes:
         magnitude = np.abs(axis)
         there = np.isfinite(magnitude) & np.isfinite(time)
-        if is_clipped(Push(time[there], magnitude[there], False, ""), -np.inf, np.inf):
+        pushed = magnitude[there].max(initial=0.0) > PUSHED
+        if pushed and is_clipped(Push(time[there], magnitude[there], False, ""), -np.inf, np.inf):
             full |= magnitude >= np.nanmax(magnitude)
     return full
