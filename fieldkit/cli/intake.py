@@ -47,7 +47,8 @@ Columns = Annotated[
     typer.Option(
         "--map",
         metavar="CHANNEL=COLUMN",
-        help="What a column of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
+        help="What a column is: 'altitude=Alt [ft]' of samples, 'apogee=Reached [ft]' of flights. Remembered for "
+        "tables with these headers.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]

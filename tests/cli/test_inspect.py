@@ -130,9 +130,7 @@ def test_a_file_that_nobody_knows_is_named_and_costs_the_status(run: Run, tmp_pa
 
 
 @pytest.mark.parametrize("command", ["inspect", "import"])
-def test_one_unusable_file_of_several_is_named_and_the_others_are_taken(
-    run: Run, tmp_path: Path, command: str
-) -> None:
+def test_one_unusable_file_of_several_is_named_and_the_others_are_taken(run: Run, tmp_path: Path, command: str) -> None:
     junk = tmp_path / "junk.bin"
     junk.write_bytes(b"\x00\x01\x02 nothing at all")
     status, out, error = run(command, junk, PNUT, "--json")
