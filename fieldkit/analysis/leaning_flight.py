@@ -27,9 +27,9 @@ _ANGLE_SD = np.radians(12.0)
 """Standard deviation of the angle at the rail, with what the wind does to it behind the rail. [rad]"""
 _STEP, _SHIFT = 0.02, 0.04
 """Of the integration, and between the clocks that are tried. [s]"""
-_GUIDED, _SLOW = 2.0, 5.0
+_RAIL_LENGTH, _MIN_TURNING_SPEED = 2.0, 5.0
 """On its rail [m], and slower than this behind it [m/s], a rocket does not turn."""
-_CLIMB = 0.9
+_COMPARED_PART = 0.9
 """Of the time to the top that is compared: the charge may have gone by then. [1]"""
 _SCALE_SD, _ZERO_SD, _RAM_SD = 0.03, 0.3, 0.05
 """Of the accelerometer's scale [1] and zero [m/s^2], and of the pressure in an airframe to the dynamic one [1]."""
@@ -41,7 +41,7 @@ _RELATIVE_HEIGHT_SD = 0.015
 """Of heights, for winds that bend the path otherwise. [1]"""
 _STUDENT_DOF, _ROUNDS = 3.0, 8
 """Degrees of freedom of the errors of heights, and rounds of weighing them. [1]"""
-_AGREES, _MOST_OFF = 0.55, 3.0
+_MIN_AGREEING, _MAX_SDS = 0.55, 3.0
 """Of the samples so many agree with the climb of an accelerometer that is believed, [1] within so many of their
 standard deviations. [1]"""
 _CORRELATION_TIME = 0.5
@@ -63,14 +63,14 @@ class LeaningFlight:
     def agrees(self, track: Heights, pad: float) -> Flags:
         """Which samples of heights are near the climb; those outside of it are."""
         away = np.abs(track.height - pad - np.interp(track.time, self.time, self.height))
-        near = away < _MOST_OFF * np.hypot(np.interp(track.time, self.time, self.sd), track.noise)
+        near = away < _MAX_SDS * np.hypot(np.interp(track.time, self.time, self.sd), track.noise)
         return np.asarray(near | (track.time < self.time[0]) | (track.time > self.time[-1]))
 
 
 def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> LeaningFlight | None:
     """The leaning climb that an accelerometer makes and most of the heights agree with; None where there is none."""
     net = levelled(push, lift.time)
-    end = lift.time + _CLIMB * (seen.top - lift.time)
+    end = lift.time + _COMPARED_PART * (seen.top - lift.time)
     inside = (track.time > lift.time) & (track.time < end)
     if net is None or push.vertical or push.time[0] > lift.time or push.time[-1] < end or inside.sum() < _MIN_SAMPLES:
         return None
@@ -93,7 +93,7 @@ def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> Le
     weighed = push.weighs and _is_at_rest(push, lift.time)
     rival = _SCALE_SD if weighed else _WRONG_SCALE_SD
     wrong = min(tried(0, one, rival)[0] for one in far if not weighed or one not in near)
-    if cost > wrong + np.log(rival / _SCALE_SD) or abs(values[0]) > _MOST_OFF * _SCALE_SD:
+    if cost > wrong + np.log(rival / _SCALE_SD) or abs(values[0]) > _MAX_SDS * _SCALE_SD:
         return None
     path = climbs[:, place] + values[0] * by_scale[:, place] + values[1] * by_zero[:, place]
     along = (1 + values[0]) * (net + GRAVITY * np.cos(_ANGLES[place])) + values[1]
@@ -108,7 +108,7 @@ def leaning_flight(track: Heights, push: Push, seen: Outline, lift: Event) -> Le
         sd[time >= lift.time],
     )
     agree = found.agrees(replace(track, time=when, height=track.height[inside]), seen.pad)
-    return found if agree.mean() > _AGREES else None
+    return found if agree.mean() > _MIN_AGREEING else None
 
 
 def _is_at_rest(push: Push, lift: float) -> bool:
@@ -141,8 +141,8 @@ def _paths(
         cosine, force = np.cos(angle), beyond + at_rest
         if after > 0:
             speed = np.maximum(speed + (force - GRAVITY * cosine) * _STEP, 0.0)
-            free = (height > _GUIDED) & (speed > _SLOW)
-            angle = np.where(free, angle + GRAVITY * np.sin(angle) / np.maximum(speed, _SLOW) * _STEP, angle)
+            free = (height > _RAIL_LENGTH) & (speed > _MIN_TURNING_SPEED)
+            angle = np.where(free, angle + GRAVITY * np.sin(angle) / np.maximum(speed, _MIN_TURNING_SPEED) * _STEP, angle)
             height = height + speed * cosine * _STEP
             by_scale = by_scale + np.stack([by_scale[1], force * cosine]) * _STEP
             by_zero = by_zero + np.stack([by_zero[1], cosine]) * _STEP

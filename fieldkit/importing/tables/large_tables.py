@@ -18,7 +18,7 @@ LARGE_LOG = 4 << 20
 """From this size on reading by pandas saves more than importing it takes. [bytes]"""
 BLOCK = 2 << 20
 """Of a log that is read at a time. [bytes]"""
-_NONE = sorted({spelling for mark in ABSENT_MARKS for spelling in (mark, mark.upper(), mark.title(), "NaN")})
+_ABSENT_SPELLINGS = sorted({spelling for mark in ABSENT_MARKS for spelling in (mark, mark.upper(), mark.title(), "NaN")})
 
 
 def can_be_plain(
@@ -74,7 +74,7 @@ def plain_numbers(
             header=None,
             usecols=places,
             decimal=decimal,
-            na_values=_NONE,
+            na_values=_ABSENT_SPELLINGS,
             keep_default_na=False,
             skip_blank_lines=False,
             low_memory=False,
