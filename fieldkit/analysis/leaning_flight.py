@@ -142,7 +142,8 @@ def _paths(
         if after > 0:
             speed = np.maximum(speed + (force - GRAVITY * cosine) * _STEP, 0.0)
             free = (height > _RAIL_LENGTH) & (speed > _MIN_TURNING_SPEED)
-            angle = np.where(free, angle + GRAVITY * np.sin(angle) / np.maximum(speed, _MIN_TURNING_SPEED) * _STEP, angle)
+            turn = GRAVITY * np.sin(angle) / np.maximum(speed, _MIN_TURNING_SPEED)
+            angle = np.where(free, angle + turn * _STEP, angle)
             height = height + speed * cosine * _STEP
             by_scale = by_scale + np.stack([by_scale[1], force * cosine]) * _STEP
             by_zero = by_zero + np.stack([by_zero[1], cosine]) * _STEP

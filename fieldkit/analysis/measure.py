@@ -109,7 +109,7 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascent = None
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
-    told = _told(_Log(track, every, seen, ascent, shape, push, stated), lift, clocks)
+    told = _told(_Log(track, every, seen, ascent, None if clipped else push, push, stated), lift, clocks)
     if NO_FLIGHT in told.notes:
         return told
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)

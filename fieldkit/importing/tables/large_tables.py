@@ -18,7 +18,7 @@ LARGE_LOG = 4 << 20
 """From this size on reading by pandas saves more than importing it takes. [bytes]"""
 BLOCK = 2 << 20
 """Of a log that is read at a time. [bytes]"""
-_ABSENT_SPELLINGS = sorted({spelling for mark in ABSENT_MARKS for spelling in (mark, mark.upper(), mark.title(), "NaN")})
+_ABSENT_SPELLINGS = sorted({"NaN", *(one for mark in ABSENT_MARKS for one in (mark, mark.upper(), mark.title()))})
 
 
 def can_be_plain(
