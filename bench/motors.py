@@ -16,10 +16,10 @@ NAMES = (
 @cache
 def motors() -> dict[str, Motor]:
     """Every motor of the bench by its name without the maker: letter, number and propellant, `F24W`, `D12`."""
-    return {text.split()[-1]: _motor(text) for text in NAMES}
+    return {text.split()[-1]: motor(text) for text in NAMES}
 
 
-def _motor(text: str) -> Motor:
+def motor(text: str) -> Motor:
     found = catalogue().find(text).motor
     name = text.split()[-1].rstrip("WTRFJ")
     return Motor(

@@ -8,6 +8,8 @@ fieldkit import fieldkit/data/reference_flights.csv
 fieldkit import --dry-run fieldkit/data/reference_flights.csv
 # a logger's file, and what it does not hold
 fieldkit import sample_logs/perfectflite__drogue_and_main.pf2 --set rocket=Comet --set motor=F24-4W --set dry_mass=300g --set diameter=66mm
+# the columns of other tables, as they were named once
+fieldkit mappings
 # everything in one line, each figure in the unit it was read in
 fieldkit add --rocket Astra --config A --motor F24-4W --dry-mass 322g --diameter 66mm --apogee 935ft --wind 5mph
 

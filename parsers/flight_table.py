@@ -22,14 +22,18 @@ from fieldkit import units
 from fieldkit.errors import BadValue, DamagedLog
 from fieldkit.flight import BY_NAME, READOUTS, TEXT_COLUMNS, Column, read_date, read_tags
 from fieldkit.flight.readout import ReadoutColumn, beside
-from fieldkit.importing import Found, Note, Parser, Reading
-from fieldkit.importing.tables.text import decode, decode_whole, first_row, rows, shown
+from fieldkit.importing import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading
+from fieldkit.importing.tables.mapping import choice_for, is_of_flights
+from fieldkit.importing.tables.text import decode, decode_whole, first_names, first_row, rows, shown
 from fieldkit.safe_text import from_cell, printable
 
 SEPARATORS = (",", ";", "\t")
 OWN_COLUMNS = ("flight_id", "rocket", "config", "motor", "date_time")
 """Columns of which one is enough to make a table ours; a readout with its unit is enough as well."""
 NOT_RECORDED = ("", "-", "–", "—", "n/a", "na", "none")
+LIFTOFF_MASSES = ("liftoff_mass", "lift_off_mass", "launch_mass", "takeoff_mass", "pad_mass", "mass_with_motor")
+MOTOR_MASSES = ("motor_mass", "engine_mass", "motor_weight", "loaded_motor_mass")
+"""Masses with the motor, and of the motor alone: the first less the second is the dry mass."""
 NO_UNITS = ("note", "notes", "source", "dir", "direction", "gust", "gusts", "type", "sd", "error", "raw")
 """Ends of a header that look like a unit and are none: `wind_direction` is a column of its own."""
 
@@ -71,16 +75,70 @@ def _is_number(cell: str) -> bool:
 
 
 def read(log: bytes) -> list[Found]:
+    return read_mapped(log, ())
+
+
+def read_mapped(log: bytes, choices: Sequence[ColumnChoice]) -> list[Found]:
+    """The flights of a table, whose columns are what the first choice for such headers says, or what their names say.
+
+    Raises DamagedLog.
+    """
     text = decode_whole(log)
-    separator = _separator(text)
+    choice = choice_for(first_names(log[:HEAD]), [one for one in choices if is_of_flights(one)])
+    separator = _separator(text) if choice is None else _widest(text)
     header_row, spelled = first_row(text, separator)
-    headings = _headings([from_cell(name) for name in spelled], header_row)
+    names = [from_cell(name) for name in spelled]
+    if choice is not None:
+        names = _renamed(names, choice, header_row)
+    headings = _headings(names, header_row)
     table = [(row, cells) for row, cells in rows(text, separator) if row > header_row]
     if table and not text.endswith(("\n", "\r")):
         table[-1] = _last(*table[-1], len(headings))
     mark = _decimal_mark(_numbers(headings, table), separator)
     found: list[Found] = [_reading(row, cells, headings, mark, separator) for row, cells in table if not _blank(cells)]
-    return found or [Note("found a header and no flights", header_row)]
+    found = found or [Note("found a header and no flights", header_row)]
+    if choice is None:
+        return found
+    line = ", ".join(f"{name} = {shown(column)}" for name, column in choice.channels.items())
+    kept = ColumnChoice(choice.channels, first_names(log[:HEAD]))
+    return [Mapped(f"columns as chosen: {line}", header_row, kept, chosen=not choice.headers), *found]
+
+
+def _widest(text: str) -> str:
+    """The separator that parts the header into most cells."""
+    return max(SEPARATORS, key=lambda separator: len(first_row(text, separator)[1]))
+
+
+def _renamed(names: Sequence[str], choice: ColumnChoice, row: int) -> list[str]:
+    """The names of the columns with fieldkit's own for those that were chosen, each with its unit.
+
+    Raises DamagedLog for a column that is not there.
+    """
+    renamed = list(names)
+    for name, text in choice.channels.items():
+        bare = re.fullmatch(r"(.*?)\s*[\[(]([^\[\]()]*)[\])]", text)
+        ways = [(text, ""), *([(bare[1], bare[2])] if bare else [])]
+        found = ((place, unit) for wanted, unit in ways for place in _places(names, wanted))
+        place, unit = next(found, (-1, ""))
+        if place < 0:
+            columns = ", ".join(shown(one) for one in names[:30])
+            raise DamagedLog(f"found no column {shown(text)}, expected one of {columns}", row=row)
+        unit = unit or _stated_unit(names[place])
+        renamed[place] = f"{name}_{unit}" if unit else name
+    return renamed
+
+
+def _places(names: Sequence[str], wanted: str) -> list[int]:
+    """Where a column of a name is, or of a number as in `#3`."""
+    if re.fullmatch(r"#\d{1,3}", wanted) and 1 <= int(wanted[1:]) <= len(names):
+        return [int(wanted[1:]) - 1]
+    return [place for place, name in enumerate(names) if _plain(name) == _plain(wanted)]
+
+
+def _stated_unit(name: str) -> str:
+    """The unit that the end of a header names, or none."""
+    ending = _plain(name).rpartition("_")[2]
+    return ending if any(ending in known for known in units.UNITS.values()) and "_" in _plain(name) else ""
 
 
 def _separator(text: str) -> str:
@@ -253,7 +311,24 @@ def _reading(
     for place, value in known.items():
         stated[place.part] = {**stated.get(place.part, {}), place.readout: value}  # type: ignore[dict-item]
     columns = {heading.field: heading.spelled for heading in headings if heading.field}
-    return Reading(stated, extra, columns, row)
+    try:
+        liftoff, motor = (_mass(cells, headings, words, mark) for words in (LIFTOFF_MASSES, MOTOR_MASSES))
+    except BadValue as error:
+        return DamagedLog(str(error), row=row)
+    if liftoff is not None and motor is not None and stated.get("dry_mass") is None:
+        stated["dry_mass"], liftoff = liftoff - motor, None
+    return Reading(stated, extra, columns, row, liftoff_mass=liftoff)
+
+
+def _mass(cells: Sequence[str], headings: Sequence[ColumnRole], words: Collection[str], mark: str) -> float | None:
+    """A mass that is no field of a flight, from the column that one of these words and a unit name. Raises BadValue.
+    [kg]"""
+    for heading, cell in zip(headings, cells, strict=False):
+        name, _, unit = _plain(heading.spelled).rpartition("_")
+        known = name in words and unit in units.UNITS["mass"]
+        if known and not heading.field and cell.strip().lower() not in NOT_RECORDED:
+            return _number(cell.strip(), ColumnRole(heading.spelled, "dry_mass", unit), mark)
+    return None
 
 
 def _value_beside(cell: str, heading: ColumnRole, place: ReadoutColumn, mark: str) -> object:
@@ -313,6 +388,8 @@ PARSER = Parser(
     "Flight table (CSV)",
     recognises,
     read,
+    mapped=read_mapped,
+    maps="flights",
     signs=(
         "flight_id|rocket|config",
         "motor",

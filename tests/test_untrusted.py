@@ -213,6 +213,7 @@ COMMANDS: dict[str, list[str]] = {
     "remove": ["1"],
     "undo": [],
     "redo": [],
+    "mappings": [],
     "sites": [ROCKET, "--elevation", "212m"],
     "remeasure": [],
     "report": ["2", "--out", "card.md"],

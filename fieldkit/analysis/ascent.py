@@ -12,12 +12,15 @@ from fieldkit.analysis.ballistic import Coast, fitted_coast
 from fieldkit.analysis.channels import Heights, Push
 from fieldkit.analysis.initial_guess import Guess, fastest, first_guess
 from fieldkit.analysis.phases import LONGEST_CLIMB, Outline
-from fieldkit.analysis.process_noise import SPEED_OF_SOUND, FittedCurve, Marks, Samples, samples_on, settled
+from fieldkit.analysis.process_noise import SPEED_OF_SOUND, STATIC_SD, FittedCurve, Marks, Samples, samples_on, settled
 from fieldkit.analysis.robust_statistics import median_step
 from fieldkit.analysis.smooth import Grid, apply, basis
+from fieldkit.physics.standard_atmosphere import GRAVITY
 from fieldkit.shapes import Array, Flags, Float
 
 DRAWS = 200
+BAROMETRIC = ("barometric altitude", "pressure")
+"""Sources of heights that such an error makes wrong."""
 _KNOTS = 1200
 _TIME_AFTER_APOGEE, _LONG_AFTER = 2.0, 20.0
 """How far past apogee the curve goes, and that of a log with few samples. [s]"""
@@ -76,7 +79,7 @@ def ascend(
     disturbed = fallen.any() or track.disturbed or (seen.transonic and not begun.fused)
     if disturbed and (near & ~slow).any() and slow.sum() >= _MIN_SAMPLES:
         begun = _begun(track, seen, grid, slow, push, marks)
-    return _fitted(begun, marks)
+    return _fitted(begun, marks, pressed=track.source in BAROMETRIC)
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -117,8 +120,11 @@ def _near_sound(track: Heights, grid: Grid, guess: Guess) -> Flags:
     return np.asarray(np.abs(np.interp(track.time, grid.time, guess.speed) / SPEED_OF_SOUND - 1) < _NEAR_SOUND)
 
 
-def _fitted(begun: _FitStart, marks: Marks) -> Ascent:
-    """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted anew."""
+def _fitted(begun: _FitStart, marks: Marks, *, pressed: bool) -> Ascent | None:
+    """The curve by a first guess; heights alone then say when burnout was, and the curve is fitted again.
+
+    Where heights are `pressed`, made of pressures, those in a fast airframe are off, which moves burnout.
+    """
     samples, grid = begun.samples, begun.samples.grid
     if begun.fused:
         marks = replace(marks, burnout=fastest(grid, begun.guess, marks.lift, marks.released))
@@ -126,6 +132,12 @@ def _fitted(begun: _FitStart, marks: Marks) -> Ascent:
     if begun.fused or marks.lift is None:
         return _drawn(grid, begun.guess, found, begun.fused, 0.0)
     burnout, spread = _likeliest(begun, found, marks, marks.lift)
+    if pressed:
+        low, high = (
+            _likeliest(_corrected(begun, marks, error), found, marks, marks.lift)[0]
+            for error in (-STATIC_SD, STATIC_SD)
+        )
+        spread = float(np.hypot(spread, (high - low) / 2))
     marks = replace(marks, burnout=burnout)
     guess, _ = first_guess(grid, begun.coast, None, marks.lift, burnout, marks.released)
     return _drawn(grid, guess, settled(samples, guess, False, marks), False, spread)
@@ -143,6 +155,18 @@ def _likeliest(begun: _FitStart, found: FittedCurve, marks: Marks, lift: float) 
     share /= share.sum()
     mean = float(share @ every)
     return mean, float(np.sqrt(share @ (every - mean) ** 2))
+
+
+def _corrected(begun: _FitStart, marks: Marks, static: float) -> _FitStart:
+    """The same heights without an error of the pressure in the airframe, as a part of the dynamic one.
+
+    Pressure that is too high by a part of the dynamic one makes heights too low by that part of v²/2g.
+    """
+    samples, grid = begun.samples, begun.samples.grid
+    flies = (samples.time < marks.released) & (samples.time > (marks.lift or grid.start))
+    speed = np.where(flies, np.interp(samples.time, grid.time, begun.guess.speed), 0.0)
+    height = samples.height + static * speed**2 / (2 * GRAVITY)
+    return replace(begun, samples=replace(samples, height=height))
 
 
 def _dip(track: Heights, seen: Outline, lift: float | None) -> Flags:

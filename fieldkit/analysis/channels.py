@@ -62,13 +62,15 @@ class Heights:
 class Push:
     """Acceleration along the axis on one clock, as an accelerometer feels it: one g at rest, nose up. [m/s^2]
 
-    `vertical` where it is the vertical one already, gravity added, as from an inertial speed.
+    `vertical` where it is the vertical one already, gravity added, as from an inertial speed; `weighs` where the
+    channel itself has gravity in it, so that its scale shows on the pad.
     """
 
     time: Float[Array, "time"]
     felt: Float[Array, "time"]
     vertical: bool
     source: str
+    weighs: bool = False
 
 
 def heights(clocks: Sequence[Series]) -> Heights | None:
@@ -103,9 +105,9 @@ def pushes(clocks: Sequence[Series], begin: float, end: float) -> Push | None:
             time, values = time[believed], values[believed]
             if time.size < MIN_SAMPLES:
                 continue
-            return Push(
-                time, values + (0 if name == "felt" else GRAVITY), name == "inertial_speed", CHANNEL_TITLES[name]
-            )
+            weighs = name == "felt"
+            felt = values if weighs else values + GRAVITY
+            return Push(time, felt, name == "inertial_speed", CHANNEL_TITLES[name], weighs)
     return None
 
 

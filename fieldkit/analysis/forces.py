@@ -5,6 +5,7 @@ import numpy as np
 from fieldkit.analysis.ascent import Ascent
 from fieldkit.analysis.channels import CHANNEL_TITLES, Heights, Push
 from fieldkit.analysis.initial_guess import levelled
+from fieldkit.analysis.process_noise import STATIC_SD
 from fieldkit.analysis.records import Event, Figure, Forces, MeasuredClimb
 from fieldkit.analysis.robust_statistics import median_step, running_median
 from fieldkit.physics.standard_atmosphere import GRAVITY, standard_density
@@ -16,10 +17,8 @@ _MIN_DENSITY = 1e-4
 """In thinner air, from some 60 km up, there is no drag to tell. [kg/m^3]"""
 _FUSED_SPEED_ERROR, _DERIVED_SPEED_ERROR = 0.02, 0.015
 """Least error of a top speed, to it: with an accelerometer, from heights. [1]"""
-_STATIC_PRESSURE_ERROR, _TRANSONIC_PRESSURE_ERROR = 0.03, 0.06
-"""How far the pressure in an airframe is off, as a part of the dynamic pressure, and so heights as a part of v²/2g: in
-slow flight and from about Mach 0.8 on, where shocks disturb it. In real logs with an accelerometer beside the barometer
-it was -0.06 to 0.04. [1]"""
+_TRANSONIC_PRESSURE_ERROR = 0.06
+"""The same as `STATIC_SD` from about Mach 0.8 on, where shocks disturb it. [1]"""
 _MAX_SPEED_ERROR = 0.25
 """A top speed by heights alone is off by no more, to it, for all that; it was at most by 0.29 there. [1]"""
 _TRANSONIC_SPEED = 270.0
@@ -125,7 +124,11 @@ def _felt_peak(time: Float[Array, "time"], net: Float[Array, "time"], begin: flo
     value = float(smooth.max())
     if time[0] > begin + _MAX_LATE_START and smooth[:2].max() == smooth.max():
         return None
-    coarse = (float(net.max()) - value) / 2 if width * median_step(time) > _WINDOW else 0.0
+    coarse = 0.0
+    if 3 * median_step(time) > _WINDOW:
+        coarse = (float(net.max()) - value) / 2
+    if median_step(time) > 1.5 * _WINDOW:  # between samples that differ there may be more than at either
+        coarse = max(coarse, float(np.abs(np.diff(net)).max()) / 4)
     sd = np.sqrt((_SCALE * value) ** 2 + 0.5**2 + coarse**2)
     return Figure(value, float(sd), source) if value > 2 * sd else None
 
@@ -179,7 +182,7 @@ def boost_event(
         static = (
             pressed
             * min(
-                (_TRANSONIC_PRESSURE_ERROR if disturbed else _STATIC_PRESSURE_ERROR) * brakes / GRAVITY,
+                (_TRANSONIC_PRESSURE_ERROR if disturbed else STATIC_SD) * brakes / GRAVITY,
                 _MAX_SPEED_ERROR,
             )
             * value

@@ -12,6 +12,7 @@ from fieldkit.analysis.descent import descent_speed, ejection, height_at, landin
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.drag_and_impulse import drag_and_impulse
 from fieldkit.analysis.forces import boost_event, climb_of, forces, peak_push
+from fieldkit.analysis.leaning_flight import LeaningFlight, leaning_flight
 from fieldkit.analysis.liftoff import liftoff
 from fieldkit.analysis.phases import Outline, outline
 from fieldkit.analysis.possible import is_flight, possible
@@ -20,12 +21,18 @@ from fieldkit.analysis.robust_statistics import hole_at, mad_sd, median_step
 from fieldkit.analysis.unseen_top import silence, unseen_apogee
 from fieldkit.flight import Series
 from fieldkit.physics.standard_atmosphere import pressure_height
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float
 
 _MIN_TIME_AFTER_TOP, _FALL = 0.8, 1.0
 """So long after its top a curve must go on [s] and so far surely fall [m] before it counts as coming down."""
+_MIN_LAG = 0.08
+"""Heights that are late by less beside an accelerometer are taken for in time. [s]"""
 _LEAST_GPS = 1.0
 """Of the error of an apogee by satellites: what one receiver's height wanders within a minute. [m]"""
+_MAX_HEARD_GAP = 2.0
+"""Between samples that are further apart nothing is known of a top. [s]"""
+_REST, _MAX_WANDER = 10.0, 20.0
+"""The end of a log that is looked at for a rest [s], in which heights move by less [m]."""
 _MIN_APOGEE_ERROR = 0.15
 """Of the error of any apogee: what the air and a sensor's drift do within a flight. [m]"""
 _MAX_HEIGHT_GAP = 1.3
@@ -46,6 +53,7 @@ CLIPPED_NOTE = "the accelerometer was at the end of its range in the boost: heig
 DISBELIEVED = (
     "the acceleration {}: it is not taken for an accelerometer's along the axis, heights alone tell of the boost"
 )
+LEANED = "it climbed at some {:.0f} degrees from the vertical: so its accelerometer and its heights agree"
 NO_LANDING = "the log ends before landing: no duration"
 
 
@@ -81,13 +89,18 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
     push = pushes(clocks, start - 15, seen.top + 20)
     clipped = push is not None and is_clipped(push, start, seen.fastest)
     doubt: tuple[str, ...] = ()
+    leaning: LeaningFlight | None = None
     if not clipped:
-        push, doubt = _believed(push, track, seen)
+        trust = _trusted(push, track, seen)
+        push, leaning, doubt = trust.push, trust.leaning, trust.notes
+        track, seen = _sooner(trust.lag, track, seen)
+    if leaning is not None:
+        track, seen = _without(~leaning.agrees(track, seen.pad), track, seen)
     lift = liftoff(track, push, seen)
     if lift is None and "liftoff" in stated and stated["liftoff"] <= seen.fastest:
         lift = Event(float(stated["liftoff"]), 0.2, "lift-off event of the logger")
     blow = shock(push, seen.fastest, seen.top)
-    shape = None if clipped else push
+    shape = None if clipped else leaning.upward if leaning is not None else push
     try:
         ascent = ascend(
             track, shape, seen, lift.time if lift else None, blow.time if blow else None, stated.get("apogee")
@@ -96,20 +109,54 @@ def measure(clocks: Sequence[Series], stated: Mapping[str, float] | None = None)
         ascent = None
     if ascent is None:
         return Recorded(notes=(NO_FLIGHT,))
-    told = _told(_Log(track, every, seen, ascent, shape, push, stated), lift, clocks)
+    told = _told(_Log(track, every, seen, ascent, None if clipped else push, push, stated), lift, clocks)
     if NO_FLIGHT in told.notes:
         return told
     above = HeightTrack(track.time, seen.calm - seen.pad, track.source)
     return replace(told, notes=(*told.notes, *((CLIPPED_NOTE,) if clipped else ()), *doubt), track=above)
 
 
-def _believed(push: Push | None, track: Heights, seen: Outline) -> tuple[Push | None, tuple[str, ...]]:
-    """An accelerometer that tells of the same climb as the heights, or None and why not."""
+@dataclass(frozen=True, slots=True, eq=False)
+class _Trust:
+    """An accelerometer that is believed, None for none; the leaning climb that it makes, if it made one; by how much
+    the heights are late beside it, as behind a filter or small vents [s]; and what is to be said of it."""
+
+    push: Push | None
+    leaning: LeaningFlight | None = None
+    lag: float = 0.0
+    notes: tuple[str, ...] = ()
+
+
+def _trusted(push: Push | None, track: Heights, seen: Outline) -> _Trust:
+    """What the heights say of an accelerometer: that it tells of the same climb, straight or leaning, or why not."""
     rise = liftoff(track, None, seen) if push is not None else None
-    found = agreement(track, push, seen, rise) if push is not None and rise is not None else None
+    if push is None or rise is None:
+        return _Trust(push)
+    found = agreement(track, push, seen, rise)
     if found is None or found.believed:
-        return push, ()
-    return None, (DISBELIEVED.format(found.why),)
+        lag = -found.late if found is not None and found.late < -_MIN_LAG - found.step else 0.0
+        return _Trust(push, lag=lag)
+    leaning = leaning_flight(track, push, seen, rise)
+    if leaning is not None:
+        return _Trust(push, leaning, notes=(LEANED.format(np.degrees(leaning.angle)),))
+    return _Trust(None, notes=(DISBELIEVED.format(found.why),))
+
+
+def _sooner(lag: float, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
+    """Heights and their outline without a lag. [s]"""
+    if not lag:
+        return track, seen
+    lift = None if seen.lift is None else seen.lift - lag
+    earlier = replace(seen, lift=lift, fastest=seen.fastest - lag, top=seen.top - lag)
+    return replace(track, time=track.time - lag), earlier
+
+
+def _without(wrong: Flags, track: Heights, seen: Outline) -> tuple[Heights, Outline]:
+    """Heights without some samples, and the outline of the rest."""
+    if not wrong.any():
+        return track, seen
+    kept = replace(track, time=track.time[~wrong], height=track.height[~wrong], disturbed=True)
+    return kept, replace(seen, calm=seen.calm[~wrong])
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -270,19 +317,42 @@ def _falls(ascent: Ascent) -> bool:
 
 def _apogee(ascent: Ascent, seen: Outline, track: Heights) -> tuple[Event, Figure] | None:
     """The top of the curve, or None where it is still rising when the log ends."""
-    place = int(np.argmax(ascent.height))
+    heard = _heard(ascent.time, track)
+    place = int(np.argmax(np.where(heard, ascent.height, -np.inf)))
     if place >= ascent.time.size - 2 or place == 0:
         return None
-    tops = ascent.heights.max(axis=1)
-    moments = ascent.time[np.argmax(ascent.heights, axis=1)]
+    drawn = np.where(heard, ascent.heights, -np.inf)
+    tops = drawn.max(axis=1)
+    moments = ascent.time[np.argmax(drawn, axis=1)]
     near = np.abs(track.time - ascent.time[place]) < 1.0
     left = track.height[near] - seen.pad - np.interp(track.time[near], ascent.time, ascent.height)
     rough = mad_sd(left) / 2 if mad_sd(left) > 3 * track.noise else 0.0
-    least = _LEAST_GPS if track.source == CHANNEL_TITLES["gps_altitude_msl"] else _MIN_APOGEE_ERROR
+    satellites = track.source == CHANNEL_TITLES["gps_altitude_msl"]
+    least = max(_LEAST_GPS, _wander(track, seen)) if satellites else _MIN_APOGEE_ERROR
     sd = float(np.sqrt(tops.std() ** 2 + seen.pad_sd**2 + rough**2 + least**2))
     spread = 1.4826 * np.median(np.abs(moments - ascent.time[place]))
     event = Event(float(ascent.time[place]), float(np.hypot(spread, 0.04 if ascent.fused else 0.06)), track.source)
     return event, Figure(float(ascent.height[place]), sd, track.source)
+
+
+def _heard(time: Float[Array, "knot"], track: Heights) -> Flags:
+    """Which knots of a curve lie among samples and not in a long silence, where a curve may swing as it likes."""
+    after = np.clip(np.searchsorted(track.time, time), 1, track.time.size - 1)
+    gap = track.time[after] - track.time[after - 1]
+    heard = np.asarray(gap <= _MAX_HEARD_GAP)
+    return heard if heard.any() else np.ones(time.size, bool)
+
+
+def _wander(track: Heights, seen: Outline) -> float:
+    """By how much a receiver's height moves on the ground, before lift-off or after landing: two such are apart by
+    more, the pad's and the top's. [m]"""
+    first, last = track.time[0], track.time[-1]
+    rests = (
+        track.height[(track.time < (seen.lift or first) - 0.5)],
+        track.height[(track.time > max(seen.top + 5, last - _REST))],
+    )
+    still = [float(one.std()) for one in rests if one.size >= 8 and np.ptp(one) < _MAX_WANDER]
+    return float(np.sqrt(2)) * max(still, default=0.0)
 
 
 def _between(first: Event, second: Event, source: str) -> Figure:

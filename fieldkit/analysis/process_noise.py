@@ -19,11 +19,11 @@ SPEED_OF_SOUND = 335.0
 """Speed of sound. [m/s]"""
 _STUDENT = 4.0
 """Degrees of freedom of the errors of a sample. [1]"""
+STATIC_SD = 0.03
+"""How far the pressure in an airframe is off in slow flight, as a part of the dynamic pressure, and so heights as a
+part of v²/2g. In real logs with an accelerometer beside the barometer it was -0.06 to 0.04. [1]"""
 _RAM = 0.006
-"""Error of the pressure in a fast airframe, as a part of the dynamic pressure. [1]
-
-A judgement: in logs with an accelerometer beside the barometer heights in boost were off by at least so much of v²/2g.
-"""
+"""The part of it that changes within a flight, at least. [1]"""
 _CORRELATION_TIME = 0.3
 """How long such an error stays alike. [s]"""
 _GAS, _GAS_LASTS = 4.0, 0.7

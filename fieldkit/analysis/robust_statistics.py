@@ -8,6 +8,9 @@ import numpy as np
 
 from fieldkit.shapes import Array, Float
 
+_LONG_FILTER = 500_000
+"""Samples times window from which scipy filters. [1]"""
+
 
 def mad_sd(values: Float[Array, "_"]) -> float:
     """Standard deviation of the bulk of values, by the median absolute deviation; 0 for none."""
@@ -15,10 +18,18 @@ def mad_sd(values: Float[Array, "_"]) -> float:
 
 
 def running_median(values: Float[Array, "_"], size: int) -> Float[Array, "_"]:
-    """Median over a window of an odd number of samples, shorter towards the ends."""
-    from scipy.ndimage import median_filter
+    """Median over a window of an odd number of samples; beyond the ends samples come again in reverse.
 
-    return np.asarray(median_filter(values, size=min(size, values.size), mode="reflect"), float)
+    A long channel is left to scipy, whose filter is faster and takes longer to import than a short one to filter.
+    """
+    size = min(size, values.size)
+    if values.size * size > _LONG_FILTER:
+        from scipy.ndimage import median_filter
+
+        return np.asarray(median_filter(values, size=size, mode="reflect"), float)
+    padded = np.pad(np.asarray(values, float), (size // 2, size - 1 - size // 2), mode="symmetric")
+    windows = np.lib.stride_tricks.sliding_window_view(padded, size)
+    return np.asarray(np.partition(windows, size // 2, axis=1)[:, size // 2])
 
 
 def local_slopes(values: Float[Array, "_"], width: int, step: float) -> Float[Array, "_"]:

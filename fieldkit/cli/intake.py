@@ -1,5 +1,6 @@
 """`fieldkit inspect`, `fieldkit import` and `fieldkit export`: files looked at, files in, files out."""
 
+import os
 from collections.abc import Iterator, Sequence
 from enum import StrEnum
 from io import TextIOWrapper
@@ -9,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from fieldkit.cli.completing import rocket_names
-from fieldkit.cli.screen import complain, print_json, say, say_lines, say_wrapped
+from fieldkit.cli.screen import complain, print_json, progress, say, say_lines, say_wrapped
 from fieldkit.cli.session import MotorCheck, open_ledger, read_settings, split_settings
 from fieldkit.cli.targets import Force, settled
 
@@ -35,7 +36,7 @@ class ExportFormat(StrEnum):
     JSON = "json"
 
 
-Files = Annotated[list[Path], typer.Argument(help="Logs and flight tables.", show_default=False)]
+Files = Annotated[list[Path], typer.Argument(help="Logs and flight tables, or folders of them.", show_default=False)]
 Format = Annotated[str | None, typer.Option(help="The parser to read them with, where none is recognised.")]
 Given = Annotated[
     list[str] | None,
@@ -46,7 +47,8 @@ Columns = Annotated[
     typer.Option(
         "--map",
         metavar="CHANNEL=COLUMN",
-        help="What a column of samples is: 'altitude=Alt [ft]'. Remembered for tables with these headers.",
+        help="What a column is: 'altitude=Alt [ft]' of samples, 'apogee=Reached [ft]' of flights. Remembered for "
+        "tables with these headers.",
     ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON.")]
@@ -64,15 +66,17 @@ def inspect(
     from fieldkit.presentation.import_view import document, lines
 
     gathered = _gathered(files, format, given, columns)[0]
+    _complain_of(gathered.rejected, ())
     if json:
         print_json(document(gathered.files))
+        _fail_for(gathered.unusable)
         return
-    _complain_of(gathered.rejected, ())
     for place, one in enumerate(gathered.files):
         if place:
             say()
         for line in lines(one):
             say(line)
+    _fail_for(gathered.unusable)
 
 
 def _gathered(
@@ -85,7 +89,17 @@ def _gathered(
     choices = ([read_choice(columns)] if columns else []) + list(remembered())
     check_motor = MotorCheck()
     defaults = read_settings(split_settings(given or ()), check_motor)
-    return gather(files, check_motor, format=format, defaults=defaults, choices=choices), choices, check_motor.catalogue
+    with progress("reading") as on_progress:
+        gathered = gather(
+            files,
+            check_motor,
+            format=format,
+            defaults=defaults,
+            choices=choices,
+            jobs=os.cpu_count() or 1,
+            on_progress=on_progress,
+        )
+    return gathered, choices, check_motor.catalogue
 
 
 @app.command("import")
@@ -117,6 +131,13 @@ def import_(
         print_json(_document(receipt))
     else:
         _say(receipt, "would be imported" if dry_run else "imported", foretold)
+    _fail_for(receipt.unusable)
+
+
+def _fail_for(unusable: int) -> None:
+    """End with status 1 where a file could not be used at all; it was named, and the others were taken."""
+    if unusable:
+        raise typer.Exit(1)
 
 
 def _complain_of(rejected: "Sequence[Rejected]", notes: Sequence[str]) -> None:

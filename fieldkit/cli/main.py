@@ -24,6 +24,7 @@ GROUPS = {
     "tui": ("tui", "serve"),
     "demo": ("demo",),
     "intake": ("inspect", "import", "export"),
+    "mappings": ("mappings",),
     "capture": ("capture",),
     "add": ("add",),
     "records": ("flights", "show", "edit", "tag", "untag", "remove"),

@@ -1,14 +1,14 @@
 """The logs that are given, read: into flights, into recordings as they stand, or into plans."""
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 from fieldkit.errors import DamagedLog
 from fieldkit.flight import Flight
 from fieldkit.importing.companion_files import joined
 from fieldkit.importing.from_samples import with_figures
 from fieldkit.importing.incoming import digest_of
-from fieldkit.importing.reading import ColumnChoice, Intake, Reading
+from fieldkit.importing.reading import ColumnChoice, Found, Intake, Reading
 from fieldkit.importing.recognize import ParsedLog, open_log, shown_damage
 from fieldkit.importing.to_flights import CheckMotor, intake_of, plan_of
 
@@ -37,9 +37,34 @@ def read_together(
     table are what, best first. Raises UnknownFormat or DamagedLog for the first file that cannot be used at all,
     before anything is taken from any. The bytes of a file are let go before its flights are measured.
     """
-    return _intakes(
-        [(source, open_log(log, source, format, choices), digest_of(log)) for source, log in files], check_motor
-    )
+    return intakes([open_file(source, log, format, choices) for source, log in files], check_motor)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class OpenedFile:
+    """A file as its parser read it, by its name and the digest of its bytes.
+
+    `measured` is what was found, with figures of its samples; None where files read together may change it.
+    """
+
+    source: str
+    parsed: ParsedLog
+    digest: str
+    measured: Sequence[Found] | None = None
+
+
+def open_file(source: str, log: bytes, format: str | None = None, choices: Sequence[ColumnChoice] = ()) -> OpenedFile:
+    """A log opened, and measured where it stands alone. Raises UnknownFormat or DamagedLog."""
+    parsed, digest = open_log(log, source, format, choices), digest_of(log)
+    del log
+    ((_, name, found),) = joined([(source, parsed.format, parsed.found)], [digest])
+    alone = not any(isinstance(item, Reading) and (item.part or _is_numbered(item)) for item in parsed.found)
+    return OpenedFile(source, parsed, digest, with_figures(found, name, digest) if alone else None)
+
+
+def _is_numbered(reading: Reading) -> bool:
+    """Whether a logger numbered a flight, so that a file of another kind may be of the same."""
+    return bool(reading.serial and reading.extra.get("flight"))
 
 
 def read_stored(
@@ -50,25 +75,23 @@ def read_stored(
     Raises UnknownFormat or DamagedLog for a file that cannot be used at all any more.
     """
     formats = [format, *(None for _ in logs[1:])]
-    read = [
-        (source, open_log(log, source, form, choices), digest_of(log)) for log, form in zip(logs, formats, strict=True)
-    ]
-    return [flight for intake in _intakes(read, lambda motor: None) for flight in intake.flights]
+    read = [open_file(source, log, form, choices) for log, form in zip(logs, formats, strict=True)]
+    return [flight for intake in intakes(read, lambda motor: None) for flight in intake.flights]
 
 
-def _intakes(read: Sequence[tuple[str, ParsedLog, str]], check_motor: CheckMotor) -> list[Intake]:
-    """What files bring, each given as its name, what it was opened as and the digest of its bytes."""
-    digests = [digest for *_, digest in read]
-    files = [(source, opened.format, opened.found) for source, opened, _ in read]
+def intakes(read: Sequence[OpenedFile], check_motor: CheckMotor) -> list[Intake]:
+    """What opened files bring, those of one flight together."""
+    digests = [one.digest for one in read]
+    files = [(one.source, one.parsed.format, one.parsed.found) for one in read]
     measured = [
-        (source, name, with_figures(found, name, digest))
-        for (source, name, found), digest in zip(joined(files, digests), digests, strict=True)
+        (source, name, one.measured if one.measured is not None else with_figures(found, name, one.digest))
+        for (source, name, found), one in zip(joined(files, digests), read, strict=True)
     ]
     everything = [item for _, _, found in measured for item in found if isinstance(item, Reading)]
     rockets = {item.rocket_key: item for item in everything if item.describes == "rocket"}
     return [
-        replace(intake_of(source, name, found, rockets, check_motor), recognition=opened.recognition)
-        for (source, name, found), (_, opened, _) in zip(measured, read, strict=True)
+        replace(intake_of(source, name, found, rockets, check_motor), recognition=one.parsed.recognition)
+        for (source, name, found), one in zip(measured, read, strict=True)
     ]
 
 

@@ -25,8 +25,9 @@ class Reading:
     for each clock of the log; `events` maps what the logger itself marked, in `EVENTS`' words where there is one,
     to seconds on the first of these clocks. A simulation is a flight that nobody flew: it can be compared
     with a flight and is never taken into the ledger. `part` is the kind of file, where a logger writes several
-    for one flight; their clocks then share one zero, and those read together become one reading. `recorded` is what
-    was measured in the samples, once that is done.
+    for one flight; their clocks then share one zero, and those read together become one reading. `liftoff_mass` is
+    that of the rocket with its motor [kg], where no dry mass is stated. `recorded` is what was measured in the samples,
+    once that is done.
     """
 
     stated: Mapping[str, object] = field(default_factory=dict)
@@ -41,6 +42,7 @@ class Reading:
     firmware: str = ""
     serial: str = ""
     part: str = ""
+    liftoff_mass: float | None = None
     recorded: "Recorded | None" = field(default=None, compare=False)
 
     @property
@@ -91,7 +93,7 @@ class Parser:
     `mapped` is `read` with what the flyer says of the columns, best choice first, where a format wants that. `signs`
     are what the beginning of such a file holds, spellings of one parted by `|`: of several parsers that recognize a
     log the one whose signs are there is asked first, and a file that nobody knows is told what it lacks. `simulates`
-    says that its files are simulations.
+    says that its files are simulations, `maps` what the columns of its `mapped` are of.
     """
 
     title: str
@@ -101,6 +103,7 @@ class Parser:
     mapped: Callable[[bytes, Sequence[ColumnChoice]], Sequence[Found]] | None = None
     signs: tuple[str, ...] = ()
     simulates: bool = False
+    maps: Literal["samples", "flights"] = "samples"
 
 
 @dataclass(frozen=True, slots=True)

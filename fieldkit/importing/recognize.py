@@ -8,7 +8,9 @@ from fieldkit.flight import BY_NAME, READOUTS
 from fieldkit.importing.likeness import Likeness, likeness, nearest, score
 from fieldkit.importing.reading import HEAD, ColumnChoice, Found, Mapped, Note, Parser, Reading, Recognition
 from fieldkit.importing.tables.columns_read import ColumnRead, TableRead, of_series, samples_in, watched
-from fieldkit.importing.tables.mapping import choice_for
+from fieldkit.importing.tables.mapping import choice_for, is_of_flights
+from fieldkit.importing.tables.spreadsheet import as_csv, is_spreadsheet
+from fieldkit.importing.tables.text import first_names
 from fieldkit.plugins import plugins
 from fieldkit.safe_text import printable
 
@@ -48,15 +50,17 @@ def _candidates(log: bytes, format: str | None, source: str, choices: Sequence[C
     mapped = any(not choice.headers for choice in choices)
     place = f"{source}: " if source else ""
     shelf = parsers()
-    takers = [name for name, parser in shelf.items() if parser.mapped]
+    kind = _kind_of(log, choices)
+    takers = [name for name, parser in shelf.items() if parser.mapped and parser.maps == kind]
     if format is not None:
         if format not in shelf:
             raise UnknownFormat(f"{place}no parser is called {format!r}, expected one of {', '.join(shelf)}")
         claimed = [format]
     else:
         claimed = claims(log)
-    if not claimed and (mapped or _has_choice(log, choices)):
-        claimed = [name for name in takers if shelf[name].fallback]
+    chosen = mapped or _chosen(log, choices) is not None
+    if chosen and (not claimed or (shelf[claimed[0]].fallback and claimed[0] not in takers)):
+        claimed = [name for name in takers if shelf[name].fallback or kind == "flights"]
     if not claimed:
         raise UnknownFormat(f"{place}no parser recognizes this file{_near(log)}{_hint(log)}")
     if len(claimed) > 1 and score(shelf[claimed[0]], log) == score(shelf[claimed[1]], log):
@@ -86,20 +90,29 @@ def _lacks(like: Likeness) -> str:
     return "lacks " + ", ".join(map(repr, like.missing[:MOST_LACKING]))
 
 
-def _has_choice(log: bytes, choices: Sequence[ColumnChoice]) -> bool:
-    """Whether the flyer has said of such a table what its columns are."""
+def _chosen(log: bytes, choices: Sequence[ColumnChoice]) -> ColumnChoice | None:
+    """What the flyer has said of the columns of such a table, of samples or of flights."""
     from fieldkit.importing.tables.layout import layout_of
 
+    found = choice_for(first_names(log[:HEAD]), [one for one in choices if is_of_flights(one)]) if choices else None
+    if found is not None or not choices:
+        return found
     try:
-        return bool(choices) and choice_for(layout_of(log[:HEAD]).headers, choices) is not None
+        return choice_for(layout_of(log[:HEAD]).headers, choices)
     except DamagedLog:
-        return False
+        return None
+
+
+def _kind_of(log: bytes, choices: Sequence[ColumnChoice]) -> str:
+    """Whether the choice that is for a table is of samples or of flights."""
+    choice = _chosen(log, choices)
+    return "flights" if choice is not None and is_of_flights(choice) else "samples"
 
 
 def _hint(log: bytes) -> str:
     """What a flyer can do about a log that nobody recognises, where one can tell."""
     if log.startswith(b"PK\x03\x04"):
-        return "; it is a spreadsheet or an archive: save the sheet as CSV"
+        return "; it is an archive: unpack it first"
     start = log[:HEAD]
     if b"\0" not in start and any(start.count(mark) > 4 for mark in (b",", b";", b"\t")):
         return "; a table of samples is read with --map 'time=its column' --map 'altitude=its column [m]'"
@@ -128,6 +141,7 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     Where none of those that recognize it does, it is as the surest one has it. Raises UnknownFormat, or the DamagedLog
     of that one.
     """
+    log = _table_of(log, source)
     names = _candidates(log, format, source, choices)
     tried: list[ParsedLog | DamagedLog] = []
     for name in names:
@@ -145,6 +159,16 @@ def open_log(log: bytes, source: str, format: str | None, choices: Sequence[Colu
     if isinstance(first, DamagedLog):
         raise shown_damage(first, source) from first
     return first
+
+
+def _table_of(log: bytes, source: str) -> bytes:
+    """A log as it is, or the sheet of a spreadsheet as CSV. Raises DamagedLog."""
+    if not is_spreadsheet(log):
+        return log
+    try:
+        return as_csv(log, lambda sheet: bool(claims(sheet)))
+    except DamagedLog as error:
+        raise shown_damage(error, source) from error
 
 
 def _opened(log: bytes, name: str, format: str | None, choices: Sequence[ColumnChoice]) -> ParsedLog:

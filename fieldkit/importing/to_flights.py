@@ -86,7 +86,7 @@ def _keep(flight: Flight, row: int | None, kept: dict[tuple[str, str], tuple[Fli
 
 def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
     """The flight that a reading tells of, with a name. Raises DamagedLog if it was never flown."""
-    flight = _flight(reading)
+    flight = _weighed(_flight(reading), reading)
     if not (flight.readouts() or flight.log or flight.tags or reading.clocks):
         found = f"found no readout, expected at least one such as {READOUTS[0].header}"
         raise DamagedLog(f"{found}; planned flights are for predict --flights", row=reading.row)
@@ -94,9 +94,26 @@ def _measured(reading: Reading, check_motor: CheckMotor) -> Flight:
     return flight if flight.flight_id else flight.with_changes(flight_id=derived_id(flight, reading.clocks))
 
 
+def _weighed(flight: Flight, reading: Reading) -> Flight:
+    """A flight with its mass without the motor, where it states that with it. Raises DamagedLog if nothing is left."""
+    if reading.liftoff_mass is None or flight.dry_mass is not None or not flight.motor:
+        return flight
+    from fieldkit.errors import AmbiguousMotor, UnknownMotor
+    from fieldkit.motors import catalogue
+
+    try:
+        loaded = catalogue().find(flight.motor).motor.loaded_mass
+    except (UnknownMotor, AmbiguousMotor):
+        return flight
+    if reading.liftoff_mass <= loaded:
+        found = f"found a lift-off mass of {1000 * reading.liftoff_mass:.0f} g"
+        raise DamagedLog(f"{found}, expected more than the {1000 * loaded:.0f} g of {flight.motor}", row=reading.row)
+    return flight.with_changes(dry_mass=reading.liftoff_mass - loaded)
+
+
 def plan_of(reading: Reading, check_motor: CheckMotor) -> Flight:
     """The planned flight that a reading tells of. Raises DamagedLog if it lacks a motor."""
-    flight = _flight(reading)
+    flight = _weighed(_flight(reading), reading)
     if not flight.motor:
         raise DamagedLog("found nothing, expected the motor's name", row=reading.row, column="motor")
     _check_motor(flight, reading, check_motor)

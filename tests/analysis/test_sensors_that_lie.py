@@ -6,12 +6,17 @@ from functools import cache
 import numpy as np
 import pytest
 
+from bench.recorders.flights import draw
+from bench.recorders.models import Recorder
+from bench.recorders.record import written
 from fieldkit.analysis import NO_FLIGHT, Recorded, measure
 from fieldkit.analysis.channels import Heights
 from fieldkit.analysis.disturbed_heights import undisturbed
 from fieldkit.analysis.possible import doubted, possible
 from fieldkit.analysis.records import Figure
 from fieldkit.flight import Series
+from fieldkit.importing import Reading
+from fieldkit.importing.recognize import open_log
 from fieldkit.physics.standard_atmosphere import GRAVITY
 from tests.analysis.recordings import FAST, LARGE, SMALL, Logger, Rocket, Truth, fly, log
 
@@ -114,6 +119,29 @@ def test_an_accelerometer_on_a_late_clock_is_not_believed() -> None:
     recorded = measure((barometer, replace(felt, time=felt.time + 1.6)))
     assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "time_to_apogee")
     assert any("too late" in note for note in recorded.notes)
+
+
+def test_an_accelerometer_of_a_leaning_flight_is_believed_and_air_brakes_are_not() -> None:
+    """The flight leans by 22 degrees, and in the coast pressures are those of 150 m lower for two seconds."""
+    random = np.random.default_rng(11)
+    for path in draw(random, 3, lean=float(np.radians(22))):
+        right = path.readouts()
+        found = open_log(written(path, Recorder(baro=50, accel=100), random), "log", None).found
+        (series,) = next(item for item in found if isinstance(item, Reading)).clocks
+        start = series.time[0] + 3.0  # of the pad
+        low = (series.time > start + right["burn_time"] + 0.3) & (series.time < start + right["burn_time"] + 2.3)
+        recorded = measure((replace(series, altitude=series.altitude - 150.0 * low),))
+        assert recorded.figures["burn_time"].value == pytest.approx(right["burn_time"], abs=0.15)
+        assert recorded.figures["top_speed"].value == pytest.approx(right["top_speed"], rel=0.08)
+        assert recorded.figures["apogee"].value == pytest.approx(right["apogee"], rel=0.01)
+
+
+@pytest.mark.parametrize("lag", [0.15, 0.3])
+def test_heights_behind_a_filter_are_taken_as_late(lag: float) -> None:
+    truth = flown(LARGE)
+    barometer, felt = recording(truth, accelerometer=100.0)
+    recorded = measure((replace(barometer, time=barometer.time + lag), felt))
+    assert not misses(recorded, truth, "apogee", "top_speed", "burn_time", "time_to_apogee", "coast_to_apogee")
 
 
 def delayed(values: np.ndarray, step: float, over: float) -> np.ndarray:

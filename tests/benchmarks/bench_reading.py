@@ -1,7 +1,7 @@
 """How fast logs are read and flights inferred:
 `pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_reading.py`.
 
-A log of 100 MB stands beside pandas reading the same CSV into a table and doing nothing with it (the extra `bench`); a
+A log of 100 MB stands beside pandas reading the same CSV into a table and doing nothing with it; a
 flight in a batch beside one alone. Times are of the processor.
 """
 
@@ -31,7 +31,8 @@ BATCH = 1000
 
 @pytest.mark.benchmark(group="a log of 100 MB")
 def test_a_log_of_a_hundred_megabytes(benchmark: BenchmarkFixture, tmp_path: Path) -> None:
-    pandas = pytest.importorskip("pandas")
+    import pandas
+
     file = tmp_path / "big.csv"
     write_waiting(file, SIZE, flown=True)
     least = min(_spent(lambda: pandas.read_csv(file)) for _ in range(ROUNDS))

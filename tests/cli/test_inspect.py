@@ -127,3 +127,26 @@ def test_a_file_that_nobody_knows_is_named_and_costs_the_status(run: Run, tmp_pa
     status, out, error = run("inspect", path, "--json")
     assert (status, out) == (1, "")
     assert "junk.bin" in error
+
+
+@pytest.mark.parametrize("command", ["inspect", "import"])
+def test_one_unusable_file_of_several_is_named_and_the_others_are_taken(run: Run, tmp_path: Path, command: str) -> None:
+    junk = tmp_path / "junk.bin"
+    junk.write_bytes(b"\x00\x01\x02 nothing at all")
+    status, out, error = run(command, junk, PNUT, "--json")
+    assert status == 1
+    assert "junk.bin: no parser recognizes this file" in error
+    files = json.loads(out)["files"]
+    assert [one["format"] for one in files] == ["perfectflite"]
+
+
+def test_a_folder_of_logs_is_imported_by_several_processes(run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "logs"
+    folder.mkdir()
+    for number, sample in enumerate(sorted(PNUT.parent.glob("p*.pf2")) * 5):
+        (folder / f"{number:02d}.pf2").write_bytes(sample.read_bytes())
+    (folder / ".hidden").write_bytes(b"no log")
+    several = run("inspect", folder, "--json")
+    alone = [run("inspect", path, "--json") for path in sorted(folder.glob("*.pf2"))]
+    assert several[0] == 0
+    assert json.loads(several[1])["files"] == [file for one in alone for file in json.loads(one[1])["files"]]

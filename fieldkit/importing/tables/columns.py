@@ -6,12 +6,13 @@ of them are told of as one. Memory is that of the columns asked for, and half a 
 """
 
 import re
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Collection, Iterator, Mapping, Sequence
 
 from fieldkit.importing.tables.cell import SI, Channel
 from fieldkit.importing.tables.columns_read import note_table
+from fieldkit.importing.tables.large_tables import byte_blocks, can_be_plain, plain_numbers
 from fieldkit.importing.tables.layout import decimal_mark, split
-from fieldkit.importing.tables.rows import Rows
+from fieldkit.importing.tables.rows import ROWS_TO_MEASURE, Rows
 from fieldkit.importing.tables.table import LogTable
 from fieldkit.importing.tables.text import blocks, first_lines, is_cut
 
@@ -21,6 +22,8 @@ FIRST_ROWS = 100
 """So many rows say what the decimal mark is. [1]"""
 MOST_REMARKS, LONGEST_REMARK = 1000, 1000
 """So many comment lines are kept apart, and so much of each. [1], [characters]"""
+LAST_LINES = 1 << 13
+"""So much of a block is looked at for how long its last cells are. [bytes]"""
 _POINT = re.compile(r"\s*[+-]?\d*\.\d+([eE][+-]?\d+)?\s*")
 
 
@@ -44,7 +47,7 @@ def read_columns(
     """
     decimal = decimal or _decimal(log, after, separator)
     reader = Rows(channels, separator, widths, words or {})
-    for first, lines in blocks(log, after):
+    for first, lines in _lines(log, after, reader, decimal, comment):
         kept = [i for i, line in enumerate(lines) if line and not line.isspace()]
         if comment:
             remarks = [(first + i, lines[i][:LONGEST_REMARK]) for i in kept if lines[i].startswith(comment)]
@@ -57,6 +60,21 @@ def read_columns(
     table = reader.table(cut=is_cut(log))
     note_table(channels, reader.seen, reader.damaged)
     return table
+
+
+def _lines(log: bytes, after: int, reader: Rows, decimal: str, comment: str) -> Iterator[tuple[int, list[str]]]:
+    """The lines that are left to be read, in blocks: all, or of a large log those that pandas could not take."""
+    separator = reader.separator
+    if separator is None or not can_be_plain(log, reader.channels, separator, reader.words, comment):
+        yield from blocks(log, after)
+        return
+    for first, block in byte_blocks(log, after):
+        numbers = plain_numbers(block, reader.channels, separator, decimal, reader.widths)
+        if numbers is None:
+            yield from ((first + number - 1, lines) for number, lines in blocks(bytes(block)))
+        else:
+            tail = first_lines(bytes(block[-LAST_LINES:]), most=ROWS_TO_MEASURE)
+            reader.take(first, numbers, [line for line in tail[1:] if line])
 
 
 def _decimal(log: bytes, after: int, separator: str | None) -> str:

@@ -1,6 +1,7 @@
 """Which column of a table is which channel: what the flyer says once, and the tool remembers.
 
-A choice is written `altitude=Alt (ft)`: a channel of `Series`, and a column as its header spells it. A unit that
+A choice is written `altitude=Alt (ft)`: a channel of `Series`, or of a table of flights a field of `Flight`
+(`apogee=Height reached [ft]`) or `liftoff_mass`, and a column as its header spells it. A unit that
 the header lacks follows in brackets, `altitude=Alt [ft]`; a table without headers has the columns `#1`, `#2`.
 Choices are kept by the headers of the table they were made for, in a JSON file among the user's data.
 """
@@ -10,12 +11,19 @@ from pathlib import Path
 
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.files import read_own, replace
+from fieldkit.flight import BY_NAME, TEXT_COLUMNS
 from fieldkit.importing.reading import ColumnChoice
 from fieldkit.importing.tables.headings import QUANTITIES
 from fieldkit.paths import data_folder
 
 MAX_MAPPINGS = 500
 """Number of choices remembered, the latest ones. [1]"""
+
+
+LIFTOFF_MASS, MOTOR_MASS = "liftoff_mass", "motor_mass"
+"""What a table of flights may have in place of the dry mass: the first less the second."""
+FLIGHT_COLUMNS = (*TEXT_COLUMNS, *BY_NAME, LIFTOFF_MASS, MOTOR_MASS)
+"""What the columns of a table of flights may be."""
 
 
 def read_choice(texts: Iterable[str]) -> ColumnChoice:
@@ -25,12 +33,22 @@ def read_choice(texts: Iterable[str]) -> ColumnChoice:
         name, mark, column = (part.strip() for part in text.partition("="))
         if not (mark and column):
             raise BadValue(f"--map: found {text!r}, expected a channel and a column such as 'altitude=Alt (ft)'")
-        if name not in QUANTITIES:
-            raise BadValue(f"--map: found the channel {name!r}, expected one of {', '.join(QUANTITIES)}")
+        if name not in QUANTITIES and name not in FLIGHT_COLUMNS:
+            raise BadValue(
+                f"--map: found the channel {name!r}, expected one of {', '.join(QUANTITIES)} for samples, "
+                f"or one of {', '.join(FLIGHT_COLUMNS)} for flights"
+            )
         if name in channels:
             raise BadValue(f"--map: found {name} twice, expected it once")
         channels[name] = column
+    if not (channels.keys() <= QUANTITIES.keys() or channels.keys() <= set(FLIGHT_COLUMNS)):
+        raise BadValue("--map: found channels of samples and columns of flights together, expected either")
     return ColumnChoice(channels)
+
+
+def is_of_flights(choice: ColumnChoice) -> bool:
+    """Whether a choice names columns of a table of flights; one that may be either is of samples."""
+    return not choice.channels.keys() <= QUANTITIES.keys()
 
 
 def choice_for(headers: Sequence[str], choices: Iterable[ColumnChoice]) -> ColumnChoice | None:
@@ -58,20 +76,47 @@ def remembered() -> tuple[ColumnChoice, ...]:
 
 
 def _texts(mapping: object) -> dict[str, str]:
-    if not isinstance(mapping, dict) or not mapping.keys() <= QUANTITIES.keys():
+    if not isinstance(mapping, dict) or not mapping.keys() <= QUANTITIES.keys() | {*FLIGHT_COLUMNS}:
         raise ValueError(mapping)
     return {str(channel): str(column) for channel, column in mapping.items()}
 
 
 def remember(choice: ColumnChoice) -> None:
-    """Keep a choice for tables with its headers, in place of an earlier one; a power cut leaves one or the other.
+    """Keep a choice for tables with its headers, in place of an earlier one.
 
     Raises FieldkitError where it cannot be written.
     """
+    if choice.headers:
+        _keep([choice, *(old for old in remembered() if old.headers != choice.headers)])
+
+
+def forget(number: int) -> ColumnChoice:
+    """Take the choice of a number, counted from 1 as `remembered` lists them, from those kept.
+
+    Raises BadValue if there is none of that number.
+    """
+    kept = list(remembered())
+    if not 1 <= number <= len(kept):
+        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} that are remembered")
+    gone = kept.pop(number - 1)
+    _keep(kept)
+    return gone
+
+
+def edit(number: int, texts: Iterable[str]) -> ColumnChoice:
+    """Put other columns in place of those of a remembered choice, for the same headers. Raises BadValue."""
+    kept = list(remembered())
+    if not 1 <= number <= len(kept):
+        raise BadValue(f"found mapping {number}, expected one of the {len(kept)} that are remembered")
+    kept[number - 1] = ColumnChoice(read_choice(texts).channels, kept[number - 1].headers)
+    _keep(kept)
+    return kept[number - 1]
+
+
+def _keep(choices: Sequence[ColumnChoice]) -> None:
+    """Write choices in place of those kept; a power cut leaves one or the other."""
     import json
 
-    if not choice.headers:
-        return
-    kept = [choice, *(old for old in remembered() if old.headers != choice.headers)][:MAX_MAPPINGS]
+    kept = choices[:MAX_MAPPINGS]
     document = {"mappings": [{"headers": list(one.headers), "map": dict(one.channels)} for one in kept]}
     replace(mapping_file(), json.dumps(document, indent=1).encode())

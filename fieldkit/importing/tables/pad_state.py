@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from fieldkit.analysis.channels import Push, is_clipped
 from fieldkit.shapes import Array, Flags, Float
 from fieldkit.units import STANDARD_GRAVITY
 
@@ -75,4 +76,19 @@ def along_thrust(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> F
         if not ONE_G_RANGE[0] <= level <= ONE_G_RANGE[1]:
             return None
     along: Float[Array, "row"] = direction @ axes
+    full = _is_full(time, axes)
+    if full.any():  # what an axis at the end of its range feels of the rocket's is not known: the most there is
+        along[full] = np.nanmax(along)
     return along
+
+
+def _is_full(time: Float[Array, "row"], axes: Float[Array, "axis row"]) -> Flags:
+    """Samples at which an axis is at the end of its range."""
+    full = np.zeros(time.size, bool)
+    for axis in axes:
+        magnitude = np.abs(axis)
+        there = np.isfinite(magnitude) & np.isfinite(time)
+        pushed = magnitude[there].max(initial=0.0) > PUSHED
+        if pushed and is_clipped(Push(time[there], magnitude[there], False, ""), -np.inf, np.inf):
+            full |= magnitude >= np.nanmax(magnitude)
+    return full

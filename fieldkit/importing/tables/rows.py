@@ -55,9 +55,7 @@ class Rows:
         if not lines:
             return
         self.last = rows[-1]
-        self.ends = (self.ends + [line.rpartition(self.separator or " ")[2] for line in lines[-ROWS_TO_MEASURE:]])[
-            -ROWS_TO_MEASURE:
-        ]
+        self._measure_ends(lines)
         if self.widths is not None:
             wrong = [i for i, width in enumerate(self._widths(lines)) if width not in self.widths]
             for i in wrong:
@@ -70,6 +68,17 @@ class Rows:
             self._quickly(rows, lines, iter(lines))
         except ValueError:
             self._around(rows, lines, self.gaps.sub("nan", "\n" + "\n".join(lines))[1:].split("\n"))
+
+    def take(self, first: int, numbers: Float[Array, "row channel"], last_lines: list[str]) -> None:
+        """Keep a block of whole rows from row `first` on, of which these are the last lines."""
+        self.last = first + len(numbers) - 1
+        self._measure_ends(last_lines)
+        self._keep(np.arange(first, first + len(numbers)), numbers, [])
+
+    def _measure_ends(self, lines: list[str]) -> None:
+        """Note the last cells of some lines."""
+        ends = [line.rpartition(self.separator or " ")[2] for line in lines[-ROWS_TO_MEASURE:]]
+        self.ends = (self.ends + ends)[-ROWS_TO_MEASURE:]
 
     def too_much_damaged(self) -> bool:
         """Whether so many rows are damaged that what follows is no table."""
@@ -188,7 +197,9 @@ class Rows:
             numbers.append(value)
         return numbers
 
-    def _keep(self, rows: list[int], numbers: Float[Array, "row channel"], said: list[list[str]]) -> None:
+    def _keep(
+        self, rows: Sequence[int] | Integers, numbers: Float[Array, "row channel"], said: list[list[str]]
+    ) -> None:
         """Put rows, row by row numbers and words, behind those that there are; of a long table not all."""
         which = [_which(known, cells) for known, cells in zip(self.vocabulary, said, strict=True)]
         kept = (self.seen + np.arange(len(rows))) % self.step == 0

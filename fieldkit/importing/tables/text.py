@@ -169,6 +169,13 @@ def first_row(text: str, separator: str) -> tuple[int, list[str]]:
     return 0, []
 
 
+def first_names(head: bytes) -> tuple[str, ...]:
+    """The cells of the first row of a table, by the separator that makes most of them."""
+    text = decode(head)
+    cells = max((first_row(text, separator)[1] for separator in (",", ";", "\t")), key=len)
+    return tuple(cell.strip() for cell in cells)
+
+
 def shown(cell: str, most: int = 40) -> str:
     """A cell as messages quote it: in quotes, control characters spelt out, cut when it is long."""
     cell = cell.strip()

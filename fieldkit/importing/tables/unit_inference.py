@@ -25,6 +25,9 @@ _PAD_PRESSURE = {"pa": (6e4, 1.09e5), "hpa": (816.0, 1090.0), "kpa": (60.0, 109.
 """Where the highest pressure of a log is on a launch site below 4000 m, in units that exclude each other."""
 
 
+_REST_SAMPLES, _BOOST_PART = 20, 0.4
+"""A rest is looked for in pieces of at most so many samples, for some loggers keep no more of the pad; a boost is such
+a part of what was strongest. [1]"""
 _LIFTS, _MOST_GRAVITIES = 1.5, 400.0
 """What lifts a rocket off is felt as more than the first, and nothing that flies as more than the second. [g]"""
 
@@ -79,13 +82,20 @@ def settle_pressure(pressure: Float[Array, "time"]) -> InferredUnit | None:
 
 
 def rest(acceleration: Float[Array, "time"]) -> float:
-    """What an accelerometer shows where it is quietest, as it stands."""
+    """What an accelerometer shows where it is quietest before it shows most, as it stands.
+
+    After a landing it lies on its side, as quietly as before and with another part of gravity along its axis. A log
+    that shows most in its beginning has its rest later.
+    """
     values = acceleration[np.isfinite(acceleration)]
-    length = max(len(values) // 40, 5)
+    length = max(min(len(values) // 40, _REST_SAMPLES), 5)
     pieces = values[: len(values) // length * length].reshape(-1, length)
     if not len(pieces):
         return float("nan")
-    return float(pieces[pieces.std(axis=1).argmin()].mean())
+    away = np.abs(pieces.mean(axis=1) - np.median(values))
+    before = pieces[: int((away > _BOOST_PART * away.max()).argmax())]
+    before = before if len(before) else pieces
+    return float(before[before.std(axis=1).argmin()].mean())
 
 
 def settle_felt(acceleration: Float[Array, "time"]) -> InferredUnit | None:

@@ -23,7 +23,8 @@ if TYPE_CHECKING:
 class Receipt:
     """What became of files: ids of the new flights, what the flyer should know, flights that files were added to.
 
-    `implausible` are those of the notes that name a new flight which no rocket can have flown.
+    `implausible` are those of the notes that name a new flight which no rocket can have flown; `unusable` counts the
+    files among those rejected of which nothing could be used.
     """
 
     ids: tuple[str, ...]
@@ -34,6 +35,7 @@ class Receipt:
     joined: tuple[str, ...] = ()
     implausible: tuple[str, ...] = ()
     files: tuple[FileView, ...] = ()
+    unusable: int = 0
 
 
 def bring_in(
@@ -77,6 +79,7 @@ def take_in(
         tuple(one.id for one in sorting.renewals),
         implausible,
         gathered.files,
+        gathered.unusable,
     )
 
 

@@ -3,16 +3,18 @@
 import os
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from pathlib import Path, PurePosixPath, PureWindowsPath
 
 from fieldkit import files
 from fieldkit.capture import is_capture, logs_in
-from fieldkit.errors import BadValue, DamagedLog, UnknownFormat
+from fieldkit.errors import BadValue, DamagedLog, FieldkitError, UnknownFormat
 from fieldkit.flight import FIELDS, MEASURED, Flight
 from fieldkit.importing import ColumnChoice, Mapped, Rejected
 from fieldkit.importing.incoming import OTHER_LOGS, Arrival, Original
-from fieldkit.importing.read import read, read_together
+from fieldkit.importing.read import OpenedFile, intakes, open_file, read
 from fieldkit.importing.to_flights import CheckMotor
+from fieldkit.progress import ReportProgress, no_op
 from fieldkit.services.imports.view import FileView, file_view
 
 READOUT_FIELDS = ("sd", "source")
@@ -28,6 +30,29 @@ class Gathered:
     notes: tuple[str, ...]
     mapped: tuple[Mapped, ...] = ()
     files: tuple[FileView, ...] = ()
+    unusable: int = 0
+    """Files of which nothing could be used, each among `rejected`. [1]"""
+
+
+MIN_FILES_FOR_JOBS = 8
+"""Fewer files are read sooner by one process than others are started. [1]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _OneRead:
+    """A file that was read, the folder that it is in, and its bytes as they are kept."""
+
+    opened: OpenedFile
+    original: Original
+    folder: Path
+
+
+@dataclass(frozen=True, slots=True)
+class _Refused:
+    """A file that cannot be used at all, and why."""
+
+    name: str
+    error: FieldkitError
 
 
 def gather(
@@ -37,30 +62,34 @@ def gather(
     format: str | None = None,
     defaults: Mapping[str, object] | None = None,
     choices: Sequence[ColumnChoice] = (),
+    jobs: int = 1,
+    on_progress: ReportProgress = no_op,
 ) -> Gathered:
     """Read files for one import; `defaults` are fields for flights that leave them open.
 
     `choices` say which columns of a table of samples are what, best first.
 
-    Raises FieldkitError for a file that cannot be used at all, before anything is taken from any.
+    A folder stands for the files in it. Of several files one that cannot be used at all is named among those rejected
+    and counted as `unusable`; of one alone its FieldkitError is raised. With `jobs` above 1 many files are read by so
+    many processes at a time.
     """
-    folders: list[Path] = []
-    originals: list[Original] = []
-
-    def one_by_one() -> Iterator[tuple[str, bytes]]:
-        for path in paths:
-            for name, content in _logs(path):
-                yield name, content
-                folders.append(path.parent)
-                originals.append(Original.of(content))  # read by now, and let go: it may be long
-
-    intakes = read_together(one_by_one(), check_motor, format, choices)
+    found = list(_read_all(_files(paths), format, tuple(choices), jobs, on_progress))
+    refused = [one for one in found if isinstance(one, _Refused)]
+    if len(found) == 1 and refused:
+        raise refused[0].error
+    read = [one for one in found if isinstance(one, _OneRead)]
+    opened, originals, folders = (
+        [one.opened for one in read],
+        [one.original for one in read],
+        [one.folder for one in read],
+    )
+    read_files = intakes(opened, check_motor)
     by_digest = {original.digest: original for original in originals}
     arrivals: list[Arrival] = []
-    rejected: list[Rejected] = []
+    rejected = [Rejected(one.name, None, None, _without_name(one)) for one in refused]
     notes: list[str] = []
     views: list[FileView] = []
-    for folder, original, intake in zip(folders, originals, intakes, strict=True):
+    for folder, original, intake in zip(folders, originals, read_files, strict=True):
         name = intake.source
         rejected += intake.rejected
         first, first_note = len(arrivals), len(notes)
@@ -77,8 +106,65 @@ def gather(
                 arrivals.append(arrival)
                 notes += [str(DamagedLog(text, row=row, column="log", source=name)) for text in remarks]
         views.append(file_view(intake, [one.flight for one in arrivals[first:]], notes[first_note:]))
-    mapped = tuple(one for intake in intakes for one in intake.mapped)
-    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped, tuple(views))
+    mapped = tuple(one for intake in read_files for one in intake.mapped)
+    return Gathered(tuple(arrivals), tuple(rejected), tuple(notes), mapped, tuple(views), len(refused))
+
+
+def _files(paths: Sequence[Path]) -> list[Path]:
+    """The files that paths stand for: a folder's own, in order, without hidden ones."""
+    found: list[Path] = []
+    for path in paths:
+        if path.is_dir():
+            found += sorted(one for one in path.iterdir() if one.is_file() and not one.name.startswith("."))
+        else:
+            found.append(path)
+    return found
+
+
+def _read_all(
+    paths: Sequence[Path],
+    format: str | None,
+    choices: tuple[ColumnChoice, ...],
+    jobs: int,
+    on_progress: ReportProgress,
+) -> Iterator[_OneRead | _Refused]:
+    """What is in files, in their order."""
+    one = partial(_read_one, format=format, choices=choices)
+    if jobs < 2 or len(paths) < MIN_FILES_FOR_JOBS:
+        for number, path in enumerate(paths):
+            if len(paths) > 1:
+                on_progress(path.name, number / len(paths))
+            yield from one(path)
+        return
+    from concurrent.futures import ProcessPoolExecutor
+
+    with ProcessPoolExecutor(min(jobs, len(paths))) as pool:
+        for number, (path, found) in enumerate(zip(paths, pool.map(one, paths), strict=True), start=1):
+            on_progress(path.name, number / len(paths))
+            yield from found
+
+
+def _read_one(path: Path, format: str | None, choices: tuple[ColumnChoice, ...]) -> list[_OneRead | _Refused]:
+    """What is in a file: a capture holds several logs."""
+    try:
+        logs = _logs(path)
+    except FieldkitError as error:
+        return [_Refused(_name(path), error)]
+    found: list[_OneRead | _Refused] = []
+    while logs:
+        name, content = logs.pop(0)
+        try:
+            opened = open_file(name, content, format, choices)
+        except FieldkitError as error:
+            found.append(_Refused(name, error))
+        else:
+            found.append(_OneRead(opened, Original.of(content), path.parent))
+    return found
+
+
+def _without_name(one: _Refused) -> str:
+    """What is wrong with a file, without its name, which stands before it."""
+    return str(one.error).removeprefix(f"{one.name}: ")
 
 
 def _logs(path: Path) -> list[tuple[str, bytes]]:

@@ -1,0 +1,171 @@
+"""Flights to be recorded: rigid rockets in wind (`bench.fast_truth`), slow ones and ones faster than sound."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from bench import barrowman, fast_truth
+from bench.air import GRAVITY, LAPSE, SEA_TEMPERATURE, station_pressure
+from bench.altimeter import barometric_height
+from bench.motors import motor, motors
+from bench.rockets import CLASSES
+from bench.vertical import climb
+from bench.world import Air, Airframe, Drag, Launch, Motor, Track
+from fieldkit.shapes import Array, Float
+
+SONIC_MOTORS = ("AeroTech I211W", "AeroTech J350W", "AeroTech I357T", "AeroTech J570W", "AeroTech K550W")
+"""Motors that take a slender rocket through the speed of sound."""
+STEP = 0.005
+"""Of the path that is recorded. [s]"""
+PEAK_WINDOW = 0.05
+"""Over so long a time a peak of acceleration lasts. [s]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Path:
+    """What a flight did on even times from lift-off, and what its charge did. SI.
+
+    `height` is what a perfect barometer shows and `above` the true one, `speed` the true vertical one, `push` the
+    specific force along the axis.
+    """
+
+    time: Float[Array, "step"]
+    height: Float[Array, "step"]
+    above: Float[Array, "step"]
+    speed: Float[Array, "step"]
+    push: Float[Array, "step"]
+    burnout: float
+    ejection: float | None
+    landing: float
+    elevation: float
+    station: float
+    """Pressure on the pad. [Pa]"""
+
+    @property
+    def apogee_time(self) -> float:
+        """When it was highest. [s]"""
+        return float(self.time[np.argmax(self.height)])
+
+    def readouts(self, *, barometric: bool = True) -> dict[str, float]:
+        """The readouts of a perfect device, in SI, with heights by pressure or by satellites; speeds are vertical."""
+        if not barometric:
+            return replace(self, height=self.above).readouts()
+        climbs = self.time <= self.apogee_time
+        fastest = int(np.argmax(np.where(climbs, self.speed, -np.inf)))
+        burn, top = float(self.time[fastest]), int(np.argmax(self.height))
+        width = max(1, round(PEAK_WINDOW / STEP))
+        smooth = np.convolve(self.push[: fastest + 1], np.ones(width) / width, "same")
+        found = {
+            "apogee": float(self.height[top]),
+            "top_speed": float(self.speed[fastest]),
+            "burn_time": burn,
+            "avg_accel": float(self.speed[fastest]) / burn,
+            "peak_accel": float(smooth.max()) - GRAVITY,
+            "time_to_apogee": self.apogee_time,
+            "coast_to_apogee": self.apogee_time - burn,
+            "duration": self.landing,
+        }
+        if self.ejection is not None and self.ejection < self.landing:
+            at = float(np.interp(self.ejection, self.time, self.height))
+            found |= {"apogee_to_eject": self.ejection - self.apogee_time, "eject_altitude": at}
+            found["descent_speed"] = at / (self.landing - self.ejection)
+        return found
+
+
+def draw(rng: np.random.Generator, count: int, *, sonic: bool = False, lean: float = 0.0) -> list[Path]:
+    """Flights as sport flyers make them, or such as pass Mach 1; from rails that lean so much, or as they do. [rad]"""
+    launches = [_sonic(rng) if sonic else _sport(rng) for _ in range(count)]
+    launches = [replace(one, tilt=lean or one.tilt) for one in launches]
+    return [_path(launch, track) for launch, track in zip(launches, fast_truth.fly(launches), strict=True)]
+
+
+def _sport(rng: np.random.Generator) -> Launch:
+    """A rocket of any size on a motor that lifts it well, with a delay about its coast."""
+    while True:
+        names, diameters, masses = CLASSES[str(rng.choice(list(CLASSES)))]
+        diameter, mass = float(rng.uniform(*diameters)), float(rng.uniform(*masses))
+        found = _launch(rng, motors()[str(rng.choice(list(names)))], diameter, mass)
+        if found is not None:
+            return found
+
+
+def _sonic(rng: np.random.Generator) -> Launch:
+    while True:
+        burning = motor(str(rng.choice(list(SONIC_MOTORS))))
+        diameter = burning.diameter * float(rng.uniform(1.08, 1.4))
+        found = _launch(rng, burning, diameter, float(rng.uniform(1.0, 2.6)), fastest=370.0)
+        if found is not None:
+            return found
+
+
+def _launch(
+    rng: np.random.Generator, burning: Motor, diameter: float, mass: float, fastest: float = 0.0
+) -> Launch | None:
+    """A launch of a stable rocket; None where it would not leave its rail well, or is too slow."""
+    frame = Airframe(
+        diameter,
+        diameter * float(rng.uniform(13, 22)),
+        diameter * float(rng.uniform(3, 5)),
+        int(rng.choice([3, 4])),
+        diameter * float(rng.uniform(1.4, 2.0)),
+        diameter * float(rng.uniform(0.7, 1.1)),
+        diameter * float(rng.uniform(0.9, 1.2)),
+        diameter * float(rng.uniform(0.5, 1.0)),
+        0.0,
+    )
+    cg = barrowman.cg_for_margin(frame, mass, burning.total_mass, burning.length, float(rng.uniform(1.3, 2.2)))
+    early = np.linspace(0, 0.4, 41)
+    lift = float(np.interp(early, burning.time, burning.thrust).mean()) / (GRAVITY * (mass + burning.total_mass))
+    if not (0.35 * frame.length < cg < 0.8 * frame.length and 4.0 < lift < 45.0):
+        return None
+    elevation = float(rng.uniform(0, 1500))
+    kelvin = (
+        SEA_TEMPERATURE - LAPSE * elevation + float(rng.normal(0, 5))
+    )  # readouts are of the sensor, not the weather
+    air = Air(elevation, kelvin, wind=float(rng.uniform(0, 6)))
+    drag = Drag(float(rng.uniform(0.35, 0.8)), float(rng.uniform(0.9, 1.2)), float(rng.uniform(0.3, 0.8)))
+    launch = Launch(
+        replace(frame, dry_cg=cg),
+        mass,
+        burning,
+        drag,
+        air,
+        float(rng.uniform(1.5, 3.0)),
+        tilt=float(np.radians(abs(rng.normal(0, 4)))),
+        heading=float(rng.uniform(0, 2 * np.pi)),
+        chute_area=mass * float(rng.uniform(0.35, 0.9)),
+        opening=float(rng.uniform(0.2, 0.6)),
+    )
+    quick = climb(launch)
+    if quick.apogee < 60 or quick.top_speed < fastest:
+        return None
+    return replace(launch, delay=max(1.0, quick.coast + float(rng.normal(0.5, 1.0))))
+
+
+def _path(launch: Launch, track: Track) -> Path:
+    begin = track.liftoff
+    end = float(track.time[-1])
+    time = np.arange(0.0, end - begin, STEP)
+    above = np.interp(time + begin, track.time, track.height)
+    height = np.interp(time + begin, track.time, barometric_height(track.height, launch.air))
+    push = np.interp(time + begin, track.time, np.where(np.isnan(track.push), GRAVITY, track.push))
+    return Path(
+        time,
+        height,
+        above,
+        np.gradient(above, STEP),
+        push,
+        track.burnout - begin,
+        None if track.ejection is None else track.ejection - begin,
+        end - begin,
+        launch.air.elevation,
+        station_pressure(launch.air.qnh, launch.air.elevation),
+    )
+
+
+def sampled(
+    path: Path, when: Float[Array, "time"], values: Sequence[float] | Float[Array, "step"], rest: float
+) -> Array:
+    """A quantity of the flight at some times; before lift-off and after landing what it is at rest."""
+    return np.asarray(np.interp(when, path.time, values, left=rest, right=rest))

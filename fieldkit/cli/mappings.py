@@ -1,0 +1,45 @@
+"""`fieldkit mappings`: the columns of tables that were named with `--map`."""
+
+from typing import Annotated
+
+import typer
+
+from fieldkit.cli.screen import print_json, print_table, say
+
+app = typer.Typer()
+
+
+@app.command()
+def mappings(
+    forget: Annotated[int | None, typer.Option(help="Forget the mapping of this number.", metavar="NUMBER")] = None,
+    edit: Annotated[int | None, typer.Option(help="Change the one of this number to --map.", metavar="NUMBER")] = None,
+    columns: Annotated[
+        list[str] | None, typer.Option("--map", metavar="CHANNEL=COLUMN", help="Its columns from now on, with --edit.")
+    ] = None,
+    json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
+) -> None:
+    """List which columns of which tables are remembered as what, change one, or forget it."""
+    from fieldkit.services.imports.mappings import edit as change
+    from fieldkit.services.imports.mappings import forget as drop
+    from fieldkit.services.imports.mappings import in_words, list_mappings
+
+    if (edit is None) != (not columns):
+        raise typer.BadParameter("found one of --edit and --map, expected both")
+    if edit is not None and columns:
+        change(edit, columns)
+    if forget is not None:
+        drop(forget)
+    known = list_mappings()
+    if json:
+        rows = [
+            {"number": number, "of": in_words(one)[0], "headers": list(one.headers), "map": dict(one.channels)}
+            for number, one in enumerate(known, start=1)
+        ]
+        print_json({"mappings": rows})
+    elif known:
+        print_table(
+            ("number", "of", "headers", "columns"),
+            [(str(number), *in_words(one)) for number, one in enumerate(known, start=1)],
+        )
+    else:
+        say("no mappings are remembered; --map of import and inspect makes one")

@@ -1,0 +1,98 @@
+"""Blocks of numbers of a large log by pandas' parser, where a block is plain; else it is read line by line.
+
+Only what cannot be read otherwise than by `rows` is taken here: as many rows as lines, every cell a number or one of
+the marks of none, nothing beyond what a log may hold. A block that is anything else is handed back.
+"""
+
+import io
+from collections.abc import Collection, Iterator, Sequence
+from typing import Any
+
+import numpy as np
+
+from fieldkit.importing.tables.cell import ABSENT_MARKS, MAX_CELL_VALUE, Channel
+from fieldkit.importing.tables.text import encodings
+from fieldkit.shapes import Array, Float
+
+LARGE_LOG = 4 << 20
+"""From this size on reading by pandas saves more than importing it takes. [bytes]"""
+BLOCK = 2 << 20
+"""Of a log that is read at a time. [bytes]"""
+_ABSENT_SPELLINGS = sorted({"NaN", *(one for mark in ABSENT_MARKS for one in (mark, mark.upper(), mark.title()))})
+
+
+def can_be_plain(
+    log: bytes, channels: Sequence[Channel], separator: str | None, words: Collection[str], comment: str
+) -> bool:
+    """Whether pandas may read blocks of a log: a large one in bytes of one width, with numbers alone."""
+    return (
+        len(log) >= LARGE_LOG
+        and separator is not None
+        and not words
+        and not comment
+        and not any(channel.suffix for channel in channels)
+        and encodings(log[:2])[0] == "utf-8"
+        and b"\n" in log[:BLOCK]
+    )
+
+
+def byte_blocks(log: bytes, after: int) -> Iterator[tuple[int, memoryview]]:
+    """The lines of a log below row `after` in blocks that end with a line, each with the number of its first line."""
+    start, number = 0, 1
+    while number <= after:
+        start = log.find(b"\n", start) + 1
+        if not start:
+            return
+        number += 1
+    view = memoryview(log)
+    while start < len(log):
+        end = log.rfind(b"\n", start, start + BLOCK) + 1 if start + BLOCK < len(log) else len(log)
+        end = end or log.find(b"\n", start) + 1 or len(log)
+        yield number, view[start:end]
+        number += log.count(b"\n", start, end)
+        start = end
+
+
+def plain_numbers(
+    block: memoryview, channels: Sequence[Channel], separator: str, decimal: str, widths: Collection[int] | None
+) -> Float[Array, "row channel"] | None:
+    """The numbers of a block, a row for each of its lines; None where it is not plain."""
+    import pandas
+
+    content = bytes(block)
+    lines = content.count(b"\n") + (not content.endswith(b"\n"))
+    needed = [place for place, channel in enumerate(channels) if channel.needed]
+    if not needed or b"\0" in content or b'"' in content:
+        return None
+    if widths is not None and not _has_width(content, lines, separator, widths):
+        return None
+    places = sorted({channel.place for channel in channels})
+    try:
+        table: Any = pandas.read_csv(
+            io.BytesIO(content),
+            sep=separator,
+            header=None,
+            usecols=places,
+            decimal=decimal,
+            na_values=_ABSENT_SPELLINGS,
+            keep_default_na=False,
+            skip_blank_lines=False,
+            low_memory=False,
+            index_col=False,
+            encoding_errors="replace",
+        )
+    except (ValueError, pandas.errors.ParserError):
+        return None
+    if len(table) != lines or any(kind.kind not in "if" for kind in table.dtypes):
+        return None
+    columns = [table.iloc[:, places.index(channel.place)] for channel in channels]
+    numbers = np.stack([column.to_numpy(float) for column in columns], axis=1)
+    if np.isnan(numbers[:, needed]).any() or (np.abs(numbers) > MAX_CELL_VALUE).any():
+        return None
+    return numbers
+
+
+def _has_width(content: bytes, lines: int, separator: str, widths: Collection[int]) -> bool:
+    """Whether all lines of a block have the one width that is allowed: none is wider than the first, or pandas says so,
+    and together they have as many separators."""
+    return len(widths) == 1 and content.count(separator.encode()) == (max(widths) - 1) * lines

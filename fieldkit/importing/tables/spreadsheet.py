@@ -1,0 +1,93 @@
+"""Spreadsheets, `.xlsx` and `.ods`, as the CSV that they would be saved as: then every parser of tables reads them.
+
+Of several sheets the first is taken that a parser recognizes, else the first that holds anything.
+"""
+
+import csv
+import io
+import math
+import zipfile
+from collections.abc import Callable, Iterator
+from datetime import date, datetime, time
+from typing import Any
+
+from fieldkit.errors import DamagedLog
+
+MAX_UNPACKED = 256 << 20
+"""Size of all that is packed in a spreadsheet. [bytes]"""
+MAX_CELLS = 8_000_000
+"""Cells of a sheet. [1]"""
+_CONTENTS = ("xl/workbook.xml", "content.xml")
+"""A file that every spreadsheet of either kind has in it."""
+
+
+def is_spreadsheet(log: bytes) -> bool:
+    """Whether a file is a spreadsheet, of those that are read here."""
+    if not log.startswith(b"PK\x03\x04"):
+        return False
+    try:
+        with zipfile.ZipFile(io.BytesIO(log)) as archive:
+            names = set(archive.namelist())
+            sheets = b"spreadsheet" in archive.read("mimetype")[:100] if "mimetype" in names else True
+            return bool(names & {*_CONTENTS}) and sheets
+    except (zipfile.BadZipFile, OSError, ValueError, RuntimeError, NotImplementedError):
+        return False
+
+
+def as_csv(log: bytes, recognized: Callable[[bytes], bool]) -> bytes:
+    """The sheet of a spreadsheet that is recognized, or else the first that holds anything, as CSV in UTF-8.
+
+    Raises DamagedLog for one that cannot be read, or that is beyond the bounds.
+    """
+    first = b""
+    for sheet in _sheets(log):
+        if recognized(sheet):
+            return sheet
+        first = first or sheet
+    if not first:
+        raise DamagedLog("found a spreadsheet without a cell, expected a table in its first sheet")
+    return first
+
+
+def _sheets(log: bytes) -> Iterator[bytes]:
+    """Each sheet that holds anything, as CSV."""
+    import pandas
+
+    with zipfile.ZipFile(io.BytesIO(log)) as archive:
+        size = sum(one.file_size for one in archive.infolist())
+    if size > MAX_UNPACKED:
+        raise DamagedLog(f"found {size >> 20} MB in a spreadsheet, expected at most {MAX_UNPACKED >> 20}")
+    try:
+        with pandas.ExcelFile(io.BytesIO(log), engine="calamine") as book:
+            for name in book.sheet_names:
+                table: Any = pandas.read_excel(book, sheet_name=name, header=None, dtype=object, na_filter=False)
+                if table.size > MAX_CELLS:
+                    raise DamagedLog(f"found {table.size} cells in a sheet, expected at most {MAX_CELLS}")
+                if table.size:
+                    yield _written(table.itertuples(index=False, name=None))
+    except DamagedLog:
+        raise
+    except Exception as error:  # of the reader of spreadsheets, whose errors have no class in common
+        raise DamagedLog(f"found a spreadsheet that cannot be read ({type(error).__name__}), save it as CSV") from error
+
+
+def _written(rows: Iterator[tuple[Any, ...]]) -> bytes:
+    out = io.StringIO()
+    writer = csv.writer(out, lineterminator="\n")
+    for row in rows:
+        writer.writerow([_cell(value) for value in row])
+    return out.getvalue().encode()
+
+
+def _cell(value: object) -> str:
+    """A cell as CSV has it: numbers with a point and all their digits, whole ones as such, dates by ISO 8601."""
+    if value is None or (isinstance(value, float) and math.isnan(value)):
+        return ""
+    if isinstance(value, float) and value.is_integer() and abs(value) < 1e15:
+        return str(int(value))
+    if isinstance(value, datetime):
+        midnight = value.time() == time()
+        return value.date().isoformat() if midnight else value.isoformat(timespec="seconds")
+    if isinstance(value, date | time):
+        return value.isoformat()
+    return "" if str(value) in ("NaT", "<NA>") else str(value)

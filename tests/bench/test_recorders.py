@@ -1,0 +1,55 @@
+"""The recorder bench: its truth is a flight, its logs are read, and what is read is as near as it says."""
+
+import numpy as np
+import pytest
+
+from bench.recorders.flights import draw
+from bench.recorders.judge import Miss, judged, read, table
+from bench.recorders.models import RECORDERS
+from bench.recorders.record import written
+
+SOME = (
+    "5 Hz feet",
+    "pressure 50 Hz",
+    "accel 100 Hz",
+    "clipped 8 g",
+    "three axes",
+    "begins 1 s late",
+    "radio 10 Hz, gap 12 s at the top",
+    "sonic accel, shocks 250 m",
+)
+
+
+def test_there_are_sixty_kinds_of_recorders() -> None:
+    assert len(RECORDERS) >= 60
+
+
+@pytest.mark.parametrize("sonic", [False, True])
+def test_the_flights_of_the_bench_are_flights(sonic: bool) -> None:
+    for path in draw(np.random.default_rng(5), 3, sonic=sonic):
+        right = path.readouts()
+        assert right["top_speed"] > (340 if sonic else 15)
+        assert right["burn_time"] < right["time_to_apogee"] < right["duration"]
+        assert right["avg_accel"] < right["peak_accel"]
+
+
+def test_a_perfect_recorder_is_read_perfectly() -> None:
+    recorder = RECORDERS["accel 400 Hz"]
+    random = np.random.default_rng(3)
+    for path in draw(random, 2):
+        found, right = read(written(path, recorder, random)).figures, path.readouts()
+        assert found["apogee"].value == pytest.approx(right["apogee"], abs=1.5)
+        assert found["burn_time"].value == pytest.approx(right["burn_time"], abs=0.1)
+
+
+@pytest.mark.parametrize("name", SOME)
+def test_readouts_of_recorders_are_as_near_as_they_say(name: str) -> None:
+    misses, refused = judged(name, RECORDERS[name], 2, seed=7)
+    assert not refused
+    assert {"apogee", "descent_speed"} <= {one.readout for one in misses}
+    assert [one for one in misses if abs(one.sds) > 4] == []
+
+
+def test_a_table_of_the_bench_counts_what_is_gravely_off() -> None:
+    misses = [Miss("a", 0, "apogee", 30.0, 1.0, 300.0), Miss("a", 1, "apogee", 1.0, 1.0, 300.0)]
+    assert next(line for line in table(misses, 2) if line.startswith("| a |")).startswith("| a | 100/50/1 |")

@@ -1,0 +1,90 @@
+"""Spreadsheets are read as the CSV that they hold: flight tables and tables of samples, `.xlsx` and `.ods`."""
+
+import io
+import zipfile
+from datetime import datetime
+from pathlib import Path
+
+import pytest
+
+from fieldkit.errors import DamagedLog, UnknownFormat
+from fieldkit.importing.read import read, read_recordings
+from fieldkit.importing.tables import spreadsheet
+from tests.samples import any_motor
+
+pandas = pytest.importorskip("pandas")
+SAMPLE = Path(__file__).parents[3] / "sample_logs" / "mapped_table__milliseconds_and_no_unit_of_height.csv"
+KINDS = {".xlsx": "openpyxl", ".ods": "odf"}
+
+
+def book(kind: str, **sheets: list[list[object]]) -> bytes:
+    """A spreadsheet of these sheets."""
+    pytest.importorskip(KINDS[kind])
+    out = io.BytesIO()
+    with pandas.ExcelWriter(out, engine=KINDS[kind]) as writer:
+        for name, rows in sheets.items():
+            width = max(map(len, rows))
+            rows = [row + [None] * (width - len(row)) for row in rows]
+            pandas.DataFrame(rows).to_excel(writer, sheet_name=name, header=False, index=False)
+    return out.getvalue()
+
+
+FLIGHTS: list[list[object]] = [
+    ["flight_id", "rocket", "motor", "date_time", "dry_mass_g", "apogee (ft)"],
+    ["1", "Astra", "F24-4W", datetime(2025, 5, 3, 10, 15), 310, 820.5],
+    ["2", "Astra", "F24-4W", datetime(2025, 5, 3, 11, 0), 312.5, None],
+    ["3", "Astra", "F24-4W", datetime(2025, 5, 4), 311, 801],
+]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_flight_table_is_read_from_any_sheet(kind: str) -> None:
+    log = book(kind, notes=[["prepared for the contest"]], flights=FLIGHTS)
+    found = read(log, f"table{kind}", any_motor)
+    assert found.format == "flight_table"
+    assert [flight.flight_id for flight in found.flights] == ["1", "3"]
+    assert found.flights[0].apogee == pytest.approx(820.5 * 0.3048)
+    assert found.flights[0].date_time == datetime(2025, 5, 3, 10, 15)
+    assert [row.row for row in found.rejected] == [3]
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_table_of_samples_is_read_as_its_csv(kind: str) -> None:
+    rows: list[list[object]] = [
+        [cell if row < 2 or not cell.replace(".", "").strip("-").isdigit() else float(cell) for cell in line.split(",")]
+        for row, line in enumerate(SAMPLE.read_text().splitlines())
+    ]
+    (sheet,) = read_recordings(book(kind, samples=rows), f"log{kind}")
+    (table,) = read_recordings(SAMPLE.read_bytes(), SAMPLE.name)
+    for one, other in zip(sheet.clocks, table.clocks, strict=True):
+        assert one.altitude == pytest.approx(other.altitude)
+        assert one.time == pytest.approx(other.time)
+
+
+def test_an_archive_is_no_spreadsheet() -> None:
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as archive:
+        archive.writestr("flight.csv", "time,altitude\n")
+    with pytest.raises(UnknownFormat, match="unpack it"):
+        read(out.getvalue(), "logs.zip", any_motor)
+
+
+def test_a_spreadsheet_beyond_its_bounds_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(spreadsheet, "MAX_UNPACKED", 1000)
+    with pytest.raises(DamagedLog, match="MB in a spreadsheet"):
+        read(book(".xlsx", flights=FLIGHTS), "table.xlsx", any_motor)
+
+
+def test_a_torn_spreadsheet_is_damaged_and_not_a_crash() -> None:
+    log = book(".xlsx", flights=FLIGHTS)
+    for part in (0.3, 0.6, 0.9):
+        with pytest.raises((DamagedLog, UnknownFormat)):
+            read(log[: int(part * len(log))], "table.xlsx", any_motor)
+    with zipfile.ZipFile(io.BytesIO(log)) as archive:
+        names = {name: archive.read(name) for name in archive.namelist()}
+    out = io.BytesIO()
+    with zipfile.ZipFile(out, "w") as archive:
+        for name, content in names.items():
+            archive.writestr(name, content[: len(content) // 2] if name.startswith("xl/") else content)
+    with pytest.raises(DamagedLog, match="cannot be read"):
+        read(out.getvalue(), "table.xlsx", any_motor)
