@@ -1,0 +1,295 @@
+"""Evidence for what a model may lack, in closed form about one linear fit of the model without it.
+
+A strength s with a normal prior adds s times a known shift of the readouts. With M the inverse covariance of the
+readouts by the model, a = shift' M shift and b = shift' M miss, the log Bayes factor is that of a normal mean (Bishop,
+Pattern Recognition and Machine Learning, 2006, section 3.5), times posterior over prior mass inside the bounds.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from fieldkit.inference.history.linear_fit import LinearFit
+from fieldkit.inference.history.response import started
+from fieldkit.model.rocket_model import Term
+from fieldkit.physics.effect import Effect, effects
+from fieldkit.shapes import Array, Float
+
+START_SD = 0.25
+"""Standard deviation of a strength about each of its starts, over that start. [1]"""
+
+
+INSIDE_SDS = 5.0
+"""Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
+
+
+class PlacedEffect(Protocol):
+    """A candidate: an effect in a place, or a pattern (whose `effect` is empty), with its terms on every flight."""
+
+    @property
+    def effect(self) -> str: ...
+    @property
+    def terms(self) -> tuple[Term, ...]: ...
+    @property
+    def log_share(self) -> float: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Trials:
+    """Candidates beside a linear fit, an entry each; a candidate with several starts has several entries.
+
+    `candidate` is the number of the candidate, `family` what a verdict would name. `log_bayes` includes no prior;
+    `log_share` is the candidate's part of its effect's prior. `robust` is what stays of `log_bayes` without the flight
+    that says most for it. `shift` are columns of what a unit of strength does to the flown flights, `weighed` the same
+    times the inverse covariance at the likeliest scales. `forecast_gain` is what a unit does to the log apogee of each
+    plan beside what the other terms take up.
+    """
+
+    candidate: tuple[int, ...]
+    family: tuple[str, ...]
+    log_share: Float[Array, "trial"]
+    log_bayes: Float[Array, "trial"]
+    robust: Float[Array, "trial"]
+    mean: Float[Array, "trial"]
+    sd: Float[Array, "trial"]
+    prior_mean: Float[Array, "trial"]
+    prior_sd: Float[Array, "trial"]
+    unit: Float[Array, "trial"]
+    shift: Float[Array, "entry trial"]
+    weighed: Float[Array, "entry trial"]
+    pull: Float[Array, "trial"]
+    forecast_gain: Float[Array, "plan trial"]
+
+    @property
+    def weight(self) -> Float[Array, "trial"]:
+        """Log evidence with the candidate's own prior."""
+        return np.asarray(self.log_bayes + self.log_share)
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """One direction in which a strength moves the readouts."""
+
+    number: int
+    family: str
+    log_share: float
+    shift: Float[Array, "flight readout"]
+    mean: float
+    sd: float
+    low: float
+    high: float
+    unit: float
+
+
+def _columns(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[list[_Column], list[list[_Column]]]:
+    """Directions of candidates with one strength; of those with several, all of each together."""
+    names = {id(effect): name for name, effect in effects().items()}
+    moved = linear.moved
+    single: list[_Column] = []
+    several: list[list[_Column]] = []
+    for number, candidate in enumerate(candidates):
+        found: list[_Column] = []
+        for term in candidate.terms:
+            if not isinstance(term.bends, Effect):
+                shift = term.weight[:, None] * moved[term.bends]
+                found.append(_column(number, candidate, term, shift))
+                continue
+            name = names[id(term.bends)]
+            if not term.bends.starts:
+                shift = term.weight[:, None] * moved[started(name, 0)]
+                found.append(_column(number, candidate, term, shift))
+                continue
+            density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
+            for place, start in enumerate(term.bends.starts):
+                shift = term.weight[:, None] * moved[started(name, place)]
+                part = candidate.log_share + float(np.log(density[place] / sum(density)))
+                single.append(
+                    _Column(number, candidate.effect, part, shift, 1.0, START_SD, -np.inf, np.inf, start)
+                )
+        if len(found) == 1:
+            single.append(found[0])
+        elif found:
+            several.append(found)
+    return single, several
+
+
+def _column(number: int, candidate: PlacedEffect, term: Term, shift: Array) -> _Column:
+    return _Column(
+        number, candidate.effect, candidate.log_share, shift, term.mean, term.sd, term.low, term.high, 1.0
+    )
+
+
+def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
+    """The evidence for every candidate beside a linear fit."""
+    single, several = _columns(linear, candidates)
+    fit, flown = linear.fit, linear.flown
+    told = fit.told
+    flights, readouts, terms = told.slope.shape
+    used = np.flatnonzero(np.r_[True, fit.data.seen.any(axis=0)[1:]])
+    sharp = told.sharpness[:, :, used[:, None], used]
+    usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
+    slope = told.slope[:, used]
+    miss = told.miss[:, used] - np.moveaxis(slope @ (fit.mean - _prior_means(linear)).T, -1, 0)
+    pulled = (sharp @ miss[..., None])[..., 0]
+
+    def stacked(columns: Sequence[_Column]) -> Array:
+        own = np.stack([column.shift[:flown][:, used] for column in columns], axis=-1)
+        return np.where(usable[..., None], own, 0.0)
+
+    def against(shift: Array) -> Array:
+        """The inverse covariance of all readouts times columns. [scale flight readout column]"""
+        first = sharp @ shift
+        back = np.einsum("fot,sfoc->stc", slope, first, optimize=True)
+        return np.asarray(first - sharp @ np.einsum("fot,stc->sfoc", slope, fit.covariance @ back, optimize=True))
+
+    log_weight = fit.log_weight - fit.log_evidence
+    best = int(np.argmax(log_weight))
+    parts = []
+    if single:
+        shift = stacked(single)
+        weighed = against(shift)
+        a = np.einsum("foc,sfoc->sc", shift, weighed, optimize=True)
+        b = np.einsum("foc,sfo->sc", shift, pulled, optimize=True)
+        prior = [np.array([getattr(column, name) for column in single]) for name in ("mean", "sd", "low", "high")]
+        bayes, mean, sd = _normal(a, b, *prior)
+        joint = log_weight[:, None] + bayes
+        log_bayes = np.logaddexp.reduce(joint, axis=0)
+        share = np.exp(joint - log_bayes)
+        middle = (share * mean).sum(axis=0)
+        spread = np.sqrt((share * (sd**2 + (mean - middle) ** 2)).sum(axis=0))
+        own_a = np.einsum("foc,foc->fc", shift, weighed[best])
+        own_b = np.einsum("foc,fo->fc", shift, pulled[best])
+        without = _normal(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
+        says = np.maximum(bayes[best] - without, 0.0).max(axis=0)
+        planned = linear.near.slope[flown:, 0]
+        taken = np.einsum("fot,foc->tc", slope, sharp[best] @ shift, optimize=True)
+        ahead = np.stack([column.shift[flown:, 0] for column in single], axis=-1)
+        gain = ahead - planned @ fit.covariance[best] @ taken
+        parts.append(
+            Trials(
+                tuple(column.number for column in single),
+                tuple(column.family for column in single),
+                np.array([column.log_share for column in single]),
+                log_bayes,
+                log_bayes - says,
+                middle,
+                spread,
+                prior[0],
+                prior[1],
+                np.array([column.unit for column in single]),
+                shift.reshape(-1, len(single)),
+                weighed[best].reshape(-1, len(single)),
+                b[best],
+                gain,
+            )
+        )
+    parts += [_several(columns, stacked, against, pulled, log_weight, len(linear.model.flights) - flown) for columns in several]
+    return _joined(parts, flights * len(used), len(linear.model.flights) - flown)
+
+
+def _prior_means(linear: LinearFit) -> Float[Array, "term"]:
+    return np.array([term.mean for term in linear.fit.model.terms])
+
+
+def _normal(a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Log Bayes factor, posterior mean and standard deviation of a strength."""
+    precision = a + 1 / sd**2
+    middle = (b + mean / sd**2) / precision
+    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))
+    spread = 1 / np.sqrt(precision)
+    near = np.minimum(middle - low, high - middle) < INSIDE_SDS * spread
+    bayes = bayes - _log_mass(mean, sd, low, high)
+    if near.any():
+        ends = [np.broadcast_to(end, near.shape)[near] for end in (low, high)]
+        bayes[near] += _log_mass(middle[near], spread[near], *ends)
+        middle[near] = np.clip(middle[near], *ends)
+    return bayes, middle, spread
+
+
+def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
+    """Log of the mass of a normal distribution between two bounds."""
+    from scipy.special import log_ndtr
+
+    above, below = (high - mean) / sd, (low - mean) / sd
+    mirrored = below > 0  # where both would be near 1
+    above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)
+    upper, lower = log_ndtr(above), log_ndtr(below)
+    return np.asarray(upper + np.log1p(-np.exp(np.minimum(lower - upper, -1e-12))))
+
+
+def _several(
+    columns: Sequence[_Column], stacked: object, against: object, pulled: Array, log_weight: Array, plans: int
+) -> Trials:
+    """A candidate with a strength of its own in each of several groups; its strength is their root mean square."""
+    shift = stacked(columns)  # type: ignore[operator]
+    weighed = against(shift)  # type: ignore[operator]
+    a = np.einsum("foc,sfod->scd", shift, weighed, optimize=True)
+    b = np.einsum("foc,sfo->sc", shift, pulled, optimize=True)
+    sds = np.array([column.sd for column in columns])
+    precision = a + np.diag(1 / sds**2)
+    covariance = np.linalg.inv(precision)
+    middle = (covariance @ b[..., None])[..., 0]
+    bayes = 0.5 * ((b * middle).sum(axis=1) - np.linalg.slogdet(precision * np.outer(sds, sds))[1])
+    joint = log_weight + bayes
+    log_bayes = float(np.logaddexp.reduce(joint))
+    best = int(np.argmax(joint))
+    size = float(np.sqrt((middle[best] ** 2).mean()))
+    spread = float(np.sqrt(np.diagonal(covariance[best]).mean()))
+    along = shift @ (middle[best] / max(size, 1e-9))
+    weighed_along = weighed[int(np.argmax(log_weight))] @ (middle[best] / max(size, 1e-9))
+    first = columns[0]
+    return Trials(
+        (first.number,),
+        (first.family,),
+        np.array([first.log_share]),
+        np.array([log_bayes]),
+        np.array([log_bayes]),
+        np.array([size]),
+        np.array([spread]),
+        np.array([0.0]),
+        np.array([float(sds.mean())]),
+        np.array([1.0]),
+        along.reshape(-1, 1),
+        weighed_along.reshape(-1, 1),
+        np.array([float((along * pulled[int(np.argmax(log_weight))]).sum())]),
+        np.zeros((plans, 1)),
+    )
+
+
+def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
+    """All trials in one."""
+    if not parts:
+        nothing = np.empty(0)
+        return Trials((), (), *[nothing] * 8, np.empty((entries, 0)), np.empty((entries, 0)), nothing, np.empty((plans, 0)))
+    if len(parts) == 1:
+        return parts[0]
+    found = [
+        sum((getattr(part, name) for part in parts), ())
+        if name in ("candidate", "family")
+        else np.concatenate([getattr(part, name) for part in parts], axis=-1)
+        for name in Trials.__dataclass_fields__
+    ]
+    return Trials(*found)
+
+
+def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
+    """Log Bayes factor of each of some trials beside each other one of them already accepted; its own on the diagonal.
+
+    Strengths are taken as normal, without their bounds.
+    """
+    some = list(rows)
+    gram = trials.shift[:, some].T @ trials.weighed[:, some]
+    b, mean, sd = trials.pull[some], trials.prior_mean[some], trials.prior_sd[some]
+    a = np.diagonal(gram)
+    alone = _normal(a, b, mean, sd, np.full(len(some), -np.inf), np.full(len(some), np.inf))[0]
+    p, q = a + 1 / sd**2, b + mean / sd**2
+    det = p[:, None] * p[None, :] - gram**2
+    det = np.maximum(det, 1e-9 * p[:, None] * p[None, :])
+    square = p[None, :] * q[:, None] ** 2 + p[:, None] * q[None, :] ** 2 - 2 * gram * q[:, None] * q[None, :]
+    prior = (mean / sd) ** 2
+    both = 0.5 * (square / det - prior[:, None] - prior[None, :] - np.log(det * (sd[:, None] * sd[None, :]) ** 2))
+    beside = both - alone[None, :]
+    beside[np.diag_indices(len(some))] = alone
+    return np.asarray(beside)
