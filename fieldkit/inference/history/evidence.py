@@ -7,6 +7,7 @@ Pattern Recognition and Machine Learning, 2006, section 3.5), times posterior ov
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import erfc
 from typing import Protocol
 
 import numpy as np
@@ -23,6 +24,11 @@ START_SD = 0.25
 
 INSIDE_SDS = 5.0
 """Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
+
+
+MIN_MASS = 1e-250
+"""Mass between two bounds below which it is no longer told from zero. [1]"""
+_ERFC = np.frompyfunc(erfc, 1, 1)
 
 
 class PlacedEffect(Protocol):
@@ -210,13 +216,11 @@ def _normal(a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array)
 
 def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
     """Log of the mass of a normal distribution between two bounds."""
-    from scipy.special import log_ndtr
-
     above, below = (high - mean) / sd, (low - mean) / sd
     mirrored = below > 0  # where both would be near 1
     above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)
-    upper, lower = log_ndtr(above), log_ndtr(below)
-    return np.asarray(upper + np.log1p(-np.exp(np.minimum(lower - upper, -1e-12))))
+    mass = 0.5 * (_ERFC(-above * np.sqrt(0.5)) - _ERFC(-below * np.sqrt(0.5))).astype(float)
+    return np.asarray(np.log(np.maximum(mass, MIN_MASS)))
 
 
 def _several(
