@@ -1,4 +1,4 @@
-"""Rockets, motors, days and weather drawn at random: what the network of whole histories is trained on has all kinds."""
+"""Rockets, motors, days and weather drawn at random, of all kinds, to train the network of whole histories on."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -117,7 +117,9 @@ def _motors(rng: np.random.Generator, choice: Stock, count: int) -> tuple[list[M
     wanted = min(count, 1 + int(rng.choice(len(MOTOR_COUNTS), p=MOTOR_COUNTS)))
     others = np.flatnonzero(_can_fly(choice, mass, choice.diameter[first]))
     others = others[others != first]
-    more = rng.choice(others, min(wanted - 1, len(others)), replace=False) if len(others) and wanted > 1 else []
+    more: list[int] = []
+    if len(others) and wanted > 1:
+        more = rng.choice(others, min(wanted - 1, len(others)), replace=False).tolist()
     return [choice.motors[i] for i in (first, *more)], mass
 
 
@@ -188,7 +190,7 @@ def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
 def _shows(rng: np.random.Generator, count: int) -> tuple[tuple[str, ...], ...]:
     """Which readouts each flight shows."""
     which = int(rng.choice(len(READOUT_ODDS), p=READOUT_ODDS))
-    whole = READOUT_SETS[min(which, len(READOUT_SETS) - 1)]
+    whole: tuple[str, ...] = READOUT_SETS[min(which, len(READOUT_SETS) - 1)]
     if which == len(READOUT_SETS):
         whole = tuple(name for name in whole if name == "apogee" or rng.uniform() < 0.5)
     gaps = 0.2 if rng.uniform() < 0.3 else 0.0

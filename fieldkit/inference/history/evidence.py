@@ -14,14 +14,17 @@ import numpy as np
 
 from fieldkit.inference.history.linear_fit import LinearFit
 from fieldkit.inference.history.response import started
+from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.rocket_model import Term
 from fieldkit.physics.effect import Effect, effects
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
 
 START_SD = 0.25
 """Standard deviation of a strength about each of its starts, over that start. [1]"""
 
 
+_NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "pull")
+"""Fields of trials that are one number each."""
 INSIDE_SDS = 5.0
 """Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
 
@@ -111,9 +114,7 @@ def _columns(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[lis
             for place, start in enumerate(term.bends.starts):
                 shift = term.weight[:, None] * moved[started(name, place)]
                 part = candidate.log_share + float(np.log(density[place] / sum(density)))
-                single.append(
-                    _Column(number, candidate.effect, part, shift, 1.0, START_SD, -np.inf, np.inf, start)
-                )
+                single.append(_Column(number, candidate.effect, part, shift, 1.0, START_SD, -np.inf, np.inf, start))
         if len(found) == 1:
             single.append(found[0])
         elif found:
@@ -122,81 +123,103 @@ def _columns(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[lis
 
 
 def _column(number: int, candidate: PlacedEffect, term: Term, shift: Array) -> _Column:
-    return _Column(
-        number, candidate.effect, candidate.log_share, shift, term.mean, term.sd, term.low, term.high, 1.0
+    return _Column(number, candidate.effect, candidate.log_share, shift, term.mean, term.sd, term.low, term.high, 1.0)
+
+
+def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
+    """Readouts that evidence is weighed by: the apogee, and what any flight shows."""
+    some = np.asarray(seen.any(axis=0))
+    some[0] = True
+    return np.flatnonzero(some)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Weights:
+    """What turns shifts of the readouts of flown flights into evidence, for every pair of scales.
+
+    `sharp` is the inverse covariance of what single flights differ by, `pulled` that of all readouts times the miss.
+    """
+
+    fit: Fit
+    used: Int[Integers, "readout"]
+    usable: Flags
+    slope: Float[Array, "flight readout term"]
+    sharp: Float[Array, "scale flight readout readout"]
+    pulled: Float[Array, "scale flight readout"]
+    log_weight: Float[Array, "scale"]
+
+    @property
+    def best(self) -> int:
+        """The likeliest pair of scales."""
+        return int(np.argmax(self.log_weight))
+
+    def stacked(self, columns: Sequence[_Column]) -> Float[Array, "flight readout column"]:
+        """Shifts of what was observed."""
+        shifts = [column.shift[: len(self.usable)][:, self.used] for column in columns]
+        return np.where(self.usable[..., None], np.stack(shifts, axis=-1), 0.0)
+
+    def weighed(self, shift: Float[Array, "flight readout column"]) -> Float[Array, "scale flight readout column"]:
+        """The inverse covariance of all readouts times shifts (Woodbury's identity)."""
+        first = self.sharp @ shift
+        back = self.fit.covariance @ np.einsum("fot,sfoc->stc", self.slope, first, optimize=True)
+        return np.asarray(first - self.sharp @ np.einsum("fot,stc->sfoc", self.slope, back, optimize=True))
+
+
+def _weights(fit: Fit) -> _Weights:
+    used = used_readouts(fit.data.seen)
+    told = fit.told
+    sharp = told.sharpness[:, :, used[:, None], used]
+    slope = told.slope[:, used]
+    prior_mean = np.array([term.mean for term in fit.model.terms])
+    miss = told.miss[:, used] - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
+    usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
+    return _Weights(
+        fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence
     )
 
 
 def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
     """The evidence for every candidate beside a linear fit."""
     single, several = _columns(linear, candidates)
-    fit, flown = linear.fit, linear.flown
-    told = fit.told
-    flights, readouts, terms = told.slope.shape
-    used = np.flatnonzero(np.r_[True, fit.data.seen.any(axis=0)[1:]])
-    sharp = told.sharpness[:, :, used[:, None], used]
-    usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
-    slope = told.slope[:, used]
-    miss = told.miss[:, used] - np.moveaxis(slope @ (fit.mean - _prior_means(linear)).T, -1, 0)
-    pulled = (sharp @ miss[..., None])[..., 0]
-
-    def stacked(columns: Sequence[_Column]) -> Array:
-        own = np.stack([column.shift[:flown][:, used] for column in columns], axis=-1)
-        return np.where(usable[..., None], own, 0.0)
-
-    def against(shift: Array) -> Array:
-        """The inverse covariance of all readouts times columns. [scale flight readout column]"""
-        first = sharp @ shift
-        back = np.einsum("fot,sfoc->stc", slope, first, optimize=True)
-        return np.asarray(first - sharp @ np.einsum("fot,stc->sfoc", slope, fit.covariance @ back, optimize=True))
-
-    log_weight = fit.log_weight - fit.log_evidence
-    best = int(np.argmax(log_weight))
-    parts = []
-    if single:
-        shift = stacked(single)
-        weighed = against(shift)
-        a = np.einsum("foc,sfoc->sc", shift, weighed, optimize=True)
-        b = np.einsum("foc,sfo->sc", shift, pulled, optimize=True)
-        prior = [np.array([getattr(column, name) for column in single]) for name in ("mean", "sd", "low", "high")]
-        bayes, mean, sd = _normal(a, b, *prior)
-        joint = log_weight[:, None] + bayes
-        log_bayes = np.logaddexp.reduce(joint, axis=0)
-        share = np.exp(joint - log_bayes)
-        middle = (share * mean).sum(axis=0)
-        spread = np.sqrt((share * (sd**2 + (mean - middle) ** 2)).sum(axis=0))
-        own_a = np.einsum("foc,foc->fc", shift, weighed[best])
-        own_b = np.einsum("foc,fo->fc", shift, pulled[best])
-        without = _normal(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
-        says = np.maximum(bayes[best] - without, 0.0).max(axis=0)
-        planned = linear.near.slope[flown:, 0]
-        taken = np.einsum("fot,foc->tc", slope, sharp[best] @ shift, optimize=True)
-        ahead = np.stack([column.shift[flown:, 0] for column in single], axis=-1)
-        gain = ahead - planned @ fit.covariance[best] @ taken
-        parts.append(
-            Trials(
-                tuple(column.number for column in single),
-                tuple(column.family for column in single),
-                np.array([column.log_share for column in single]),
-                log_bayes,
-                log_bayes - says,
-                middle,
-                spread,
-                prior[0],
-                prior[1],
-                np.array([column.unit for column in single]),
-                shift.reshape(-1, len(single)),
-                weighed[best].reshape(-1, len(single)),
-                b[best],
-                gain,
-            )
-        )
-    parts += [_several(columns, stacked, against, pulled, log_weight, len(linear.model.flights) - flown) for columns in several]
-    return _joined(parts, flights * len(used), len(linear.model.flights) - flown)
+    weights = _weights(linear.fit)
+    plans = len(linear.model.flights) - linear.flown
+    parts = [_single(linear, weights, single)] if single else []
+    return _joined([*parts, *(_several(weights, columns, plans) for columns in several)], weights.usable.size, plans)
 
 
-def _prior_means(linear: LinearFit) -> Float[Array, "term"]:
-    return np.array([term.mean for term in linear.fit.model.terms])
+def _single(linear: LinearFit, weights: _Weights, columns: Sequence[_Column]) -> Trials:
+    """Candidates with one strength."""
+    shift, best = weights.stacked(columns), weights.best
+    weighed = weights.weighed(shift)
+    a = np.einsum("foc,sfoc->sc", shift, weighed, optimize=True)
+    b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
+    prior = [np.array([getattr(column, name) for column in columns]) for name in ("mean", "sd", "low", "high")]
+    bayes, mean, sd = _normal(a, b, *prior)
+    joint = weights.log_weight[:, None] + bayes
+    log_bayes = np.logaddexp.reduce(joint, axis=0)
+    share = np.exp(joint - log_bayes)
+    middle = (share * mean).sum(axis=0)
+    own_a = np.einsum("foc,foc->fc", shift, weighed[best])
+    own_b = np.einsum("foc,fo->fc", shift, weights.pulled[best])
+    without = _normal(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
+    taken = np.einsum("fot,foc->tc", weights.slope, weights.sharp[best] @ shift, optimize=True)
+    ahead = np.stack([column.shift[linear.flown :, 0] for column in columns], axis=-1)
+    return Trials(
+        candidate=tuple(column.number for column in columns),
+        family=tuple(column.family for column in columns),
+        log_share=np.array([column.log_share for column in columns]),
+        log_bayes=log_bayes,
+        robust=log_bayes - np.maximum(bayes[best] - without, 0.0).max(axis=0),
+        mean=middle,
+        sd=np.sqrt((share * (sd**2 + (mean - middle) ** 2)).sum(axis=0)),
+        prior_mean=prior[0],
+        prior_sd=prior[1],
+        unit=np.array([column.unit for column in columns]),
+        shift=shift.reshape(-1, len(columns)),
+        weighed=weighed[best].reshape(-1, len(columns)),
+        pull=b[best],
+        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ linear.fit.covariance[best] @ taken,
+    )
 
 
 def _normal(a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
@@ -223,59 +246,55 @@ def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
     return np.asarray(np.log(np.maximum(mass, MIN_MASS)))
 
 
-def _several(
-    columns: Sequence[_Column], stacked: object, against: object, pulled: Array, log_weight: Array, plans: int
-) -> Trials:
+def _several(weights: _Weights, columns: Sequence[_Column], plans: int) -> Trials:
     """A candidate with a strength of its own in each of several groups; its strength is their root mean square."""
-    shift = stacked(columns)  # type: ignore[operator]
-    weighed = against(shift)  # type: ignore[operator]
+    shift = weights.stacked(columns)
+    weighed = weights.weighed(shift)
     a = np.einsum("foc,sfod->scd", shift, weighed, optimize=True)
-    b = np.einsum("foc,sfo->sc", shift, pulled, optimize=True)
+    b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
     sds = np.array([column.sd for column in columns])
     precision = a + np.diag(1 / sds**2)
     covariance = np.linalg.inv(precision)
     middle = (covariance @ b[..., None])[..., 0]
     bayes = 0.5 * ((b * middle).sum(axis=1) - np.linalg.slogdet(precision * np.outer(sds, sds))[1])
-    joint = log_weight + bayes
-    log_bayes = float(np.logaddexp.reduce(joint))
+    joint = weights.log_weight + bayes
+    log_bayes = np.array([np.logaddexp.reduce(joint)])
     best = int(np.argmax(joint))
     size = float(np.sqrt((middle[best] ** 2).mean()))
-    spread = float(np.sqrt(np.diagonal(covariance[best]).mean()))
-    along = shift @ (middle[best] / max(size, 1e-9))
-    weighed_along = weighed[int(np.argmax(log_weight))] @ (middle[best] / max(size, 1e-9))
-    first = columns[0]
+    along = middle[best] / max(size, 1e-9)
     return Trials(
-        (first.number,),
-        (first.family,),
-        np.array([first.log_share]),
-        np.array([log_bayes]),
-        np.array([log_bayes]),
-        np.array([size]),
-        np.array([spread]),
-        np.array([0.0]),
-        np.array([float(sds.mean())]),
-        np.array([1.0]),
-        along.reshape(-1, 1),
-        weighed_along.reshape(-1, 1),
-        np.array([float((along * pulled[int(np.argmax(log_weight))]).sum())]),
-        np.zeros((plans, 1)),
+        candidate=(columns[0].number,),
+        family=(columns[0].family,),
+        log_share=np.array([columns[0].log_share]),
+        log_bayes=log_bayes,
+        robust=log_bayes,
+        mean=np.array([size]),
+        sd=np.array([np.sqrt(np.diagonal(covariance[best]).mean())]),
+        prior_mean=np.zeros(1),
+        prior_sd=np.array([sds.mean()]),
+        unit=np.ones(1),
+        shift=(shift @ along).reshape(-1, 1),
+        weighed=(weighed[weights.best] @ along).reshape(-1, 1),
+        pull=np.array([((shift @ along) * weights.pulled[weights.best]).sum()]),
+        forecast_gain=np.zeros((plans, 1)),
     )
 
 
 def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
     """All trials in one."""
-    if not parts:
-        nothing = np.empty(0)
-        return Trials((), (), *[nothing] * 8, np.empty((entries, 0)), np.empty((entries, 0)), nothing, np.empty((plans, 0)))
-    if len(parts) == 1:
-        return parts[0]
-    found = [
-        sum((getattr(part, name) for part in parts), ())
-        if name in ("candidate", "family")
-        else np.concatenate([getattr(part, name) for part in parts], axis=-1)
-        for name in Trials.__dataclass_fields__
-    ]
-    return Trials(*found)
+
+    def column(name: str, *shape: int) -> Array:
+        empty = np.empty((*shape, 0))
+        return np.concatenate([empty, *(getattr(part, name) for part in parts)], axis=-1)
+
+    return Trials(
+        candidate=tuple(number for part in parts for number in part.candidate),
+        family=tuple(name for part in parts for name in part.family),
+        **{name: column(name) for name in _NUMBERS},
+        shift=column("shift", entries),
+        weighed=column("weighed", entries),
+        forecast_gain=column("forecast_gain", plans),
+    )
 
 
 def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:

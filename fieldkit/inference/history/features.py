@@ -141,9 +141,7 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
     return (*OF_HISTORY, *(f"{effect}.{name}" for effect in names for name in PER_EFFECT))
 
 
-def summarize(
-    history: History, response: Response, candidates_of: Candidates, names: Sequence[str]
-) -> HistorySummary:
+def summarize(history: History, response: Response, candidates_of: Candidates, names: Sequence[str]) -> HistorySummary:
     """The features of one history, whose flights' response is known."""
     count = len(history.used_in_fit)
     flown, found = history.flights[:count], history.found
@@ -192,7 +190,7 @@ def moments(linear: LinearFit) -> Moments:
     between = weights @ (means - mean) ** 2
     middle, covariance = _mixture(fit.mean, fit.covariance, weights)
     drag, thrust = (_acting(model, kind, plan) for kind in ("drag", "thrust"))
-    cd_sd, alpha_sd = (float(np.sqrt(max(which @ covariance @ which, 1e-8))) for which in (drag, thrust))
+    cd_sd, alpha_sd = (float(np.sqrt(np.maximum(which @ covariance @ which, 1e-8))) for which in (drag, thrust))
     return Moments(
         mean,
         float(np.sqrt(weights @ (known + own) + between)),
@@ -221,7 +219,7 @@ def _of_history(
     history: History, selection: LinearFit, plain: LinearFit, robustly: LinearFit, data: Data, left_out: LeaveOneOut
 ) -> dict[str, float]:
     count = len(history.used_in_fit)
-    flown, motors = list(history.flights[:count]), list(history.found[:count])
+    flown = history.flights[:count]
     used = max(int(data.seen.any(axis=1).sum()), 1)
     kinds = {per: groups(history.flights, history.found, per) for per in ("motor", "config", "site", "day")}
     wind, temperature, diameter = (recorded(flown, name) for name in ("wind", "temperature", "diameter"))

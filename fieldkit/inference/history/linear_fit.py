@@ -6,7 +6,16 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.flight import Flight
-from fieldkit.inference.history.response import IN_LOG, MAX_DRAG_OFFSET, REFERENCE_LOG_DRAG, Response, drag_term, moved_at, part_of, tangent
+from fieldkit.inference.history.response import (
+    IN_LOG,
+    MAX_DRAG_OFFSET,
+    REFERENCE_LOG_DRAG,
+    Response,
+    drag_term,
+    moved_at,
+    part_of,
+    tangent,
+)
 from fieldkit.inference.laplace.fit import outlier_weights
 from fieldkit.inference.laplace.linearization import Tangent
 from fieldkit.inference.laplace.posterior import Fit, solve

@@ -86,15 +86,15 @@ def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array
     flown = flown.reshape(len(DRAG_OFFSETS), per_drag, count, -1)
     with np.errstate(invalid="ignore"):
         moved = np.nan_to_num(flown - flown[:, :1], posinf=0.0, neginf=0.0)
-    found = {"": np.where(IN_LOG, np.nan, flown[:, 0])}
-    found |= {kind: moved[:, row] / step for row, (kind, step) in enumerate(rows) if kind in STEPS}
+    moves = {"": np.where(IN_LOG, np.nan, flown[:, 0])}
+    moves |= {kind: moved[:, row] / step for row, (kind, step) in enumerate(rows) if kind in STEPS}
     there, back = (moved[:, row] for row, (kind, _) in enumerate(rows) if kind == "delay")
-    found["delay"] = (there - back) / (2 * DELAY_STEP)
+    moves["delay"] = (there - back) / (2 * DELAY_STEP)
     for name, effect in known.items():
         own = [len(rows) + i for i, (other, _) in enumerate(places) if other == name]
         size = 1.0 if effect.starts else secant(effect)[0]
-        found |= {started(name, number): moved[:, row] / size for number, row in enumerate(own)}
-    return Response(tuple(found), np.stack(list(found.values())))
+        moves |= {started(name, number): moved[:, row] / size for number, row in enumerate(own)}
+    return Response(tuple(moves), np.stack(list(moves.values())))
 
 
 def started(effect: str, number: int) -> str:

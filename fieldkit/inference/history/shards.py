@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -64,7 +65,7 @@ class HistoryTable:
         """A column of `TRUTHS`."""
         return self.truths[:, TRUTHS.index(name)]
 
-    def rows(self, which: Array) -> "HistoryTable":
+    def rows(self, which: Any) -> "HistoryTable":
         """Some of the histories."""
         return HistoryTable(self.features[which], self.effects[which], self.truths[which])
 
@@ -141,8 +142,7 @@ def simulate_table(
     """The histories of so many rockets, with the shards that an earlier run left in the folder."""
     sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
     plans = {
-        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, held_out)
-        for number, size in enumerate(sizes)
+        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, held_out) for number, size in enumerate(sizes)
     }
     found: dict[str, Array] = {}
     for name, content in parallel.done(simulate_shard, plans, folder / _digest(seed, held_out), pool):

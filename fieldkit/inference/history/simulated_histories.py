@@ -1,10 +1,10 @@
 """Simulated histories with the truth behind them: the prior predictive of the one model, randomized beyond it.
 
-Everything that the model has is drawn from a hyperprior, the effects of `models/effects` at strengths from their priors
-and in places from theirs. Beyond the model are a drag that differs between burn and coast and near the speed of sound, a
-little weathercocking, flights that went wrong unnoticed, standard deviations other than the hyperprior's, and patterns
-that no effect stands for: changes for good, single days, every so many flights, smooth functions of what was written
-down.
+Everything that the model has is drawn from a hyperprior, the effects of `models/effects` at strengths from their
+priors and in places from theirs. Beyond the model are a drag that differs between burn and coast and near the speed of
+sound, a little weathercocking, flights that went wrong unnoticed, standard deviations other than the hyperprior's, and
+patterns that no effect stands for: changes for good, single days, every so many flights, smooth functions of what was
+written down.
 """
 
 from collections.abc import Callable, Sequence
@@ -13,16 +13,15 @@ from typing import Any
 
 import numpy as np
 
-from fieldkit.flight import Flight
 from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
 from fieldkit.inference.history.evidence import PlacedEffect
 from fieldkit.inference.history.features import Candidates, History
-from fieldkit.model.hyperprior import Hyperprior, certified, learned
+from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import drawn
 from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
 from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, bent, shared_names, shown
 from fieldkit.model.shared_prior import SharedPrior
-from fieldkit.physics.effect import Effect, Prior, effects
+from fieldkit.physics.effect import Prior, effects
 from fieldkit.physics.setups import recorded
 from fieldkit.shapes import Array, Float
 
@@ -92,7 +91,7 @@ def simulated_histories(
     world = _World(rng, some, kinds, draws)
     readings = world.fly()
     found = []
-    for number, one in enumerate(some):
+    for number in range(rockets):
         for draw in range(draws):
             made = world.history(readings, number, draw)
             if made is not None:
@@ -167,7 +166,10 @@ def _step(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
 
 
 def _day(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
-    days = [flight.date_time.date().isoformat() if flight.date_time else str(i // 4) for i, flight in enumerate(rocket.flights)]
+    days = [
+        flight.date_time.date().isoformat() if flight.date_time else str(i // 4)
+        for i, flight in enumerate(rocket.flights)
+    ]
     return np.array([day == days[int(rng.integers(len(days) - 1))] for day in days], float)
 
 
@@ -203,13 +205,17 @@ class _World:
         self.own = np.concatenate([apogee_scatter(one.model) for one in some])
         terms: list[Term] = []
         values: list[Array] = []
-        self.scatter = {kind: np.zeros((draws, count)) for kind in ("drag", "thrust", "stretch", "delay", "tilt", "mass")}
+        self.scatter = {
+            kind: np.zeros((draws, count)) for kind in ("drag", "thrust", "stretch", "delay", "tilt", "mass")
+        }
         for number, one in enumerate(some):
             rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
             self._one(one, kinds[number], rows, terms, values)
         known = effects()
         for name, sd in BACKGROUND.items():
-            each = np.abs(rng.normal(0.0, sd, len(some))) if known[name].prior.low >= 0 else rng.normal(0.0, sd, len(some))
+            each = (
+                np.abs(rng.normal(0.0, sd, len(some))) if known[name].prior.low >= 0 else rng.normal(0.0, sd, len(some))
+            )
             terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
         flights = tuple(flight for one in some for flight in one.rocket.flights)
@@ -218,16 +224,17 @@ class _World:
         self.model = Model(flights, found, area, tuple(terms), tuple(range(count)), some[0].model.hyperprior)
         self.values = np.stack(values, axis=-1)
 
-    def _one(
-        self, one: _Rocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]
-    ) -> None:
+    def _one(self, one: _Rocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]) -> None:
         """Add a rocket's terms and scatter."""
         rng, prior, width = self.rng, one.model.hyperprior, rows.stop - rows.start
         scales = {
             name: scale.median * np.exp(scale.log_sd * np.clip(rng.normal(size=self.draws), -2.2, 2.2))
             for name, scale in (("scatter", prior.scatter), ("reading", prior.reading))
         }
-        self.scatter_scale[:, rows], self.reading_scale[:, rows] = scales["scatter"][:, None], scales["reading"][:, None]
+        self.scatter_scale[:, rows], self.reading_scale[:, rows] = (
+            scales["scatter"][:, None],
+            scales["reading"][:, None],
+        )
         shared = one.shared
         for term in one.model.terms:
             mean, sd = term.mean, term.sd * (scales[term.scaled_by] if term.scaled_by else np.ones(self.draws))
@@ -291,9 +298,13 @@ class _World:
         flights = [
             flight.with_changes(**_shown(rocket.shows[i], values[i])) for i, flight in enumerate(rocket.flights[:-1])
         ]
-        drag, thrust = (bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust"))
+        drag, thrust = (
+            bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust")
+        )
         return SimulatedHistory(
-            History((*flights, rocket.flights[-1]), rocket.found, rocket.used_in_fit, certified(), learned(), one.shared),
+            History(
+                (*flights, rocket.flights[-1]), rocket.found, rocket.used_in_fit, certified(), learned(), one.shared
+            ),
             tuple(sorted(candidate.effect for candidate in lacks.placed)),
             bool(lacks.pattern),
             one.selects,

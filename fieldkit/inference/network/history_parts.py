@@ -85,8 +85,9 @@ def quantile_draws(quantiles: Sequence[float] | Array, count: int) -> Float[Arra
     normal = np.array([NormalDist().inv_cdf(float(level)) for level in levels])
     known, standard = np.asarray(quantiles, float), np.array(STANDARD)
     inside = np.interp(normal, standard, known)
-    left, right = (known[1] - known[0]) / (standard[1] - standard[0]), (known[-1] - known[-2]) / (
-        standard[-1] - standard[-2]
+    left, right = (
+        (known[1] - known[0]) / (standard[1] - standard[0]),
+        (known[-1] - known[-2]) / (standard[-1] - standard[-2]),
     )
     inside = np.where(normal < standard[0], known[0] + left * (normal - standard[0]), inside)
-    return np.where(normal > standard[-1], known[-1] + right * (normal - standard[-1]), inside)
+    return np.asarray(np.where(normal > standard[-1], known[-1] + right * (normal - standard[-1]), inside))

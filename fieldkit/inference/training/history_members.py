@@ -4,6 +4,8 @@ A part that sees one effect beside the history, the same for every effect but fo
 that sees everything gives the rest.
 """
 
+from itertools import pairwise
+
 import numpy as np
 import torch
 from torch import Tensor, nn
@@ -44,8 +46,7 @@ class HistoryMembers(nn.Module):  # type: ignore[misc]
         self.level = nn.Parameter(torch.full((members, 1, effects), FIRST_LOGIT))
         sizes = (of_history + effects * per_effect, UNITS, UNITS, rest)
         self.weights = nn.ParameterList(
-            weight(members, a, b, inputs=a, gain=0.1 if i == 2 else 1.0)
-            for i, (a, b) in enumerate(zip(sizes[:-1], sizes[1:], strict=True))
+            weight(members, a, b, inputs=a, gain=0.1 if i == 2 else 1.0) for i, (a, b) in enumerate(pairwise(sizes))
         )
         self.biases = nn.ParameterList(nn.Parameter(torch.zeros(members, 1, b)) for b in sizes[1:])
 
@@ -71,7 +72,8 @@ class HistoryTargets:
     def __init__(self, table: HistoryTable, acts: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> None:
         nothing = (table.effects.sum(axis=1) + table.truth("unexplained") == 0).astype(float)
         present = np.column_stack([table.effects, nothing, table.truth("unexplained")])
-        counts = np.column_stack([acts, np.ones((len(acts), OTHERS))]) * table.truth("selects")[:, None]
+        counts = np.column_stack([acts, np.ones((len(acts), OTHERS))]).astype(float)
+        counts *= table.truth("selects")[:, None]
         self.present, self.counts = _tensor(present), _tensor(counts)
         self.apogee = _tensor(standardized(table, "log_apogee", "mean", "sd"))
         self.parameters = _tensor(
@@ -115,7 +117,9 @@ def loss(parts: Tensor, targets: HistoryTargets) -> Tensor:
     levels = torch.tensor(LEVELS, device=parts.device)
     miss = targets.apogee[..., None] - found
     pinball = torch.maximum(levels * miss, (levels - 1) * miss).mean()
-    return inclusion + FORECAST_WEIGHT * pinball + PARAMETER_WEIGHT * _density(parts[..., first + len(LEVELS) :], targets)
+    return (
+        inclusion + FORECAST_WEIGHT * pinball + PARAMETER_WEIGHT * _density(parts[..., first + len(LEVELS) :], targets)
+    )
 
 
 def quantiles(raw: Tensor) -> Tensor:

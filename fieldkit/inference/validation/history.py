@@ -47,7 +47,7 @@ def judge(ensemble: Ensemble, table: HistoryTable) -> dict[str, Any]:
 def _forecast(
     said: HistoryAnswer, z: Array, sd: Array, rows: Flags | None = None
 ) -> dict[str, float | list[float] | int]:
-    """Coverage, CRPS relative to the apogee and ranks, of the network and of the linear fit as a normal distribution."""
+    """Coverage, CRPS over the apogee and ranks, of the network and of the linear fit as a normal distribution."""
     some = np.ones(len(z), bool) if rows is None else rows
     if not some.any():
         return {"histories": 0}
@@ -58,7 +58,9 @@ def _forecast(
     return {
         "histories": int(some.sum()),
         **{f"coverage{round(100 * share)}": _coverage(own, truth, *ends) for share, ends in INTERVALS.items()},
-        **{f"linear_coverage{round(100 * share)}": _coverage(normal, truth, *ends) for share, ends in INTERVALS.items()},
+        **{
+            f"linear_coverage{round(100 * share)}": _coverage(normal, truth, *ends) for share, ends in INTERVALS.items()
+        },
         "crps": float((pinball(own, truth) * size).mean()),
         "linear_crps": float((pinball(normal, truth) * size).mean()),
         "median_error": float(np.median(np.abs(own[:, LEVELS.index(0.5)] - truth) * size)),

@@ -1,0 +1,67 @@
+"""A quick look as JSON under the contract's keys, and as lines for a flyer."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from fieldkit.presentation.json_documents import finite
+from fieldkit.selection.quick_look import QuickLook
+
+EVALUATION = "amortized"
+
+
+def quick_document(found: QuickLook) -> dict[str, Any]:
+    """The keys of a closed loop, with probabilities in place of a search."""
+    before, said = finite(found.before.json()), found.answer
+    low, middle, high = (float(np.exp(said.log_apogee[said.levels.index(x)])) for x in (0.05, 0.5, 0.95))
+    return {
+        "rocket": found.rocket,
+        "n_flights": found.flights,
+        "base_model": "field",
+        "model": said.model,
+        "residual": {"before": before, "pattern": []},
+        "probabilities": {"none": said.none, "unexplained": said.unexplained, **said.inclusion},
+        "candidates": [
+            {
+                "effect": one.effect,
+                "probability": one.probability,
+                "evidence": one.log_bayes,
+                "parameters": {one.place: {"mean": one.mean, "sd": one.sd, "unit": one.unit}},
+                "after": {key: finite(one.after.json())[key] for key in ("mae_m", "rmse_m", "bias_m")},
+            }
+            for one in found.candidates
+        ],
+        "verdict": {
+            "effect": found.effect,
+            "confidence": found.confidence,
+            "why": found.why,
+            "also": list(found.also),
+        },
+        "before": before,
+        "after": finite(found.after.json()),
+        "same_flight_again": {"apogee_m": {"p05": low, "p50": middle, "p95": high}},
+        "untrained": list(found.untrained),
+        "evaluation": EVALUATION,
+    }
+
+
+def quick_lines(found: QuickLook) -> Iterator[str]:
+    """Probabilities, the likeliest first, and the verdict."""
+    said = found.answer
+    yield f"{found.rocket}: {found.flights} clean flights, at a glance of the network; nothing is kept"
+    yield f"  error of the plain model on flights left out {found.before.mae:.1f} m in the mean"
+    yield ""
+    yield "  could be missing                  probability  evidence   strength"
+    yield f"  {'none':34.34}{said.none:11.0%}"
+    yield f"  {'unexplained':34.34}{said.unexplained:11.0%}"
+    for one in found.candidates:
+        strength = f"{one.mean:.3g} +/- {one.sd:.2g} {one.unit}"
+        yield f"  {one.place:34.34}{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}"
+    yield ""
+    yield f"  verdict: {found.effect} ({found.confidence:.0%}): {found.why}"
+    if found.also:
+        yield f"  or {', '.join(found.also)}, which these flights do not rule out"
+    if found.untrained:
+        yield f"  the network was not trained with {', '.join(found.untrained)}"
+    yield f"  `fieldkit loop --rocket {found.rocket}` makes sure and keeps what it finds"
