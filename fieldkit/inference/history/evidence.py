@@ -8,7 +8,7 @@ Pattern Recognition and Machine Learning, 2006, section 3.5), times posterior ov
 from collections.abc import Sequence
 from dataclasses import dataclass
 from math import erfc
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 import numpy as np
 
@@ -34,6 +34,7 @@ MIN_MASS = 1e-250
 _ERFC = np.frompyfunc(erfc, 1, 1)
 
 
+@runtime_checkable
 class PlacedEffect(Protocol):
     """A candidate: an effect in a place, or a pattern (whose `effect` is empty), with its terms on every flight."""
 

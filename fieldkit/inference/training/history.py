@@ -63,7 +63,6 @@ def train_history(
     seed: int = 1,
     n_train: int = 14_000,
     schedule: str = "published",
-    held_out: int = HELD_OUT_ROCKETS,
     cluster: str = "",
     progress: Progress | None = None,
 ) -> dict[str, Any]:
@@ -84,7 +83,7 @@ def train_history(
 
     with workers(cluster) if cluster else ThreadPoolExecutor(1) as pool:
         whole = simulate_table(out / "parts", seed, n_train, candidates_of, pool, on_shard)
-        others = simulate_table(out / "parts", seed, held_out, candidates_of, pool, held_out=True)
+        others = simulate_table(out / "parts", seed, HELD_OUT_ROCKETS, candidates_of, pool, held_out=True)
     simulated = time.perf_counter() - began
     train, validation, test = split(whole)
 
