@@ -7,14 +7,17 @@ import numpy as np
 
 from fieldkit.presentation.json_documents import finite
 from fieldkit.selection.quick_look import QuickLook
+from fieldkit.services.quick_look import QuickForecast
 
 EVALUATION = "amortized"
+DRAWS = 1000
+"""Equally likely apogees that mean and standard deviation are taken of. [1]"""
 
 
 def quick_document(found: QuickLook) -> dict[str, Any]:
     """The keys of a closed loop, with probabilities in place of a search."""
     before, said = finite(found.before.json()), found.answer
-    low, middle, high = (float(np.exp(said.log_apogee[said.levels.index(x)])) for x in (0.05, 0.5, 0.95))
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
     return {
         "rocket": found.rocket,
         "n_flights": found.flights,
@@ -65,3 +68,32 @@ def quick_lines(found: QuickLook) -> Iterator[str]:
     if found.untrained:
         yield f"  the network was not trained with {', '.join(found.untrained)}"
     yield f"  `fieldkit loop --rocket {found.rocket}` makes sure and keeps what it finds"
+
+
+def forecast_document(found: QuickForecast) -> dict[str, Any]:
+    """A forecast under the contract's keys; `cd` is on the body's frontal area, or that assumed for its mass."""
+    said, draws = found.answer, found.answer.apogee_draws(DRAWS)
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    return {
+        "flight_id": found.plan.flight_id,
+        "motor": found.plan.motor,
+        "config": found.plan.config,
+        "apogee_m": {"mean": float(draws.mean()), "sd": float(draws.std()), "p05": low, "p50": middle, "p95": high},
+        "ejection_s": None,
+        "cd": {"median": float(np.exp(said.log_cd[0])), "log_sd": said.log_cd[1]},
+        "alpha": {"median": float(np.exp(said.log_alpha[0])), "log_sd": said.log_alpha[1]},
+        "rests_on": int(said.summary.data.seen.any(axis=1).sum()),
+        "model": said.model,
+        "evaluation": EVALUATION,
+    }
+
+
+def forecast_line(found: QuickForecast) -> str:
+    """A forecast in a line."""
+    said = found.answer
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
+    return (
+        f"{name}{found.plan.motor}: {middle:.0f} m, 90 % from {low:.0f} to {high:.0f} m, by the network; "
+        f"Cd {np.exp(said.log_cd[0]):.2f}, thrust {np.exp(said.log_alpha[0]):.2f} of the certificate's"
+    )

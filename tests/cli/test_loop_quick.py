@@ -1,4 +1,4 @@
-"""`loop --quick`: the contract's keys, probabilities of everything, and nothing kept."""
+"""`loop --quick` and `predict --quick`: the contract's keys, probabilities of everything, and nothing kept."""
 
 import json
 from pathlib import Path
@@ -69,3 +69,20 @@ def test_too_few_flights_and_options_of_a_search_are_refused(ledger: str, capsys
     capsys.readouterr()
     assert main(["--ledger", ledger, "loop", "--quick"]) == 1
     assert "expected at least 4" in capsys.readouterr().err
+
+
+def test_a_quick_forecast_is_near_the_fits_and_is_not_kept(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra", "--json"]
+    assert main([*command, "--quick"]) == 0
+    (quick,) = json.loads(capsys.readouterr().out)["predictions"]
+    with Ledger.open(ledger) as book:
+        assert not book.predictions()
+    assert main(command) == 0
+    (fit,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert quick["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=0.05)
+    assert quick["apogee_m"]["p05"] < quick["apogee_m"]["p50"] < quick["apogee_m"]["p95"]
+    assert quick["evaluation"] == "amortized"
+    assert quick["rests_on"] == 12
+    assert main([*command[:-1], "--quick"]) == 0
+    assert "by the network" in capsys.readouterr().out

@@ -47,6 +47,10 @@ class QuickAnswer:
     summary: HistorySummary
     model: str
 
+    def apogee_at(self, level: float) -> float:
+        """The plan's apogee at one of `levels`. [m]"""
+        return float(np.exp(self.log_apogee[self.levels.index(level)]))
+
     def apogee_draws(self, count: int) -> Float[Array, "draw"]:
         """Equally likely apogees of the plan, in order. [m]"""
         return np.exp(quantile_draws(self.log_apogee, count))
