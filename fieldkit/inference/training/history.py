@@ -1,6 +1,8 @@
 """The history network: trained on simulated histories, features by linear fits, in one resumable command."""
 
+import hashlib
 import io
+import json
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
@@ -28,6 +30,7 @@ from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers,
 from fieldkit.inference.training.parts import drop_parts
 from fieldkit.inference.training.shipping import claim, ship
 from fieldkit.inference.validation.history import judge
+from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import priors
 from fieldkit.parallel import workers
 from fieldkit.physics.effect import effects
@@ -195,6 +198,11 @@ def _acts(table: HistoryTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]
     return table.features[:, [names.index(f"{name}.acts") for name in effect_names()]] > 0.5
 
 
+def _digest(document: object) -> str:
+    """Of the hyperpriors that histories were drawn from: forecasts with another card rest on the features alone."""
+    return hashlib.sha256(json.dumps(document, sort_keys=True, default=dict).encode()).hexdigest()
+
+
 def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan) -> dict[str, Any]:
     """What is known before training."""
     names = effect_names()
@@ -215,6 +223,7 @@ def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan) -> dict[str
             "unexplained": f"{UNEXPLAINED}, whatever effects there are",
             "hyperprior": f"certified in {SELECTION_WORLD:.0%}, on which inclusion is trained; else the learned one",
         },
+        "hyperpriors": {one.kind: _digest(one.json()) for one in (certified(), learned())},
         "features": list(feature_names(names)),
         "outputs": ["inclusion", "none", "unexplained", "log_apogee", "log_cd", "log_alpha"],
         "parts": [MEMBERS, width(len(names))],
