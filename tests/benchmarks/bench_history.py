@@ -62,4 +62,6 @@ def test_the_network_alone_beside_what_is_shown_to_it(
     began = time.process_time()
     features = forecast_at_once(flown, plan).summary.features[None]
     whole = time.process_time() - began
-    beside(benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "its answer with all before")
+    beside(
+        benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "its answer with all before"
+    )

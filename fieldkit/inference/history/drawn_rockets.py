@@ -20,7 +20,7 @@ MOTOR_COUNTS = (0.25, 0.3, 0.2, 0.1, 0.06, 0.04, 0.03, 0.02)
 """Probability of one, two, ... types of motors."""
 CONFIG_COUNTS = (0.65, 0.25, 0.1)
 SITE_COUNTS = (0.5, 0.3, 0.2)
-DECLARED_SETS = ("all", "weather", "wind", "nothing")
+DECLARED_SETS = ("all", "temperature and wind", "only wind", "nothing")
 DECLARED_ODDS = (0.35, 0.1, 0.2, 0.35)
 READOUT_SETS = (
     ("apogee",),
@@ -173,7 +173,7 @@ def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
             known: dict[str, Any] = {}
             if declared != "nothing":
                 known["wind"] = round(2 * max(wind * float(np.exp(0.25 * rng.normal())), 0.0)) / 2
-            if declared in ("all", "weather"):
+            if declared in ("all", "temperature and wind"):
                 known["temperature"] = float(temperature + 0.8 * (hour - 13.0))
             if declared == "all":
                 known |= {"site_elevation": float(heights[site]), "rail_length": length}

@@ -12,7 +12,7 @@ import numpy as np
 from fieldkit.flight import Flight
 from fieldkit.inference.history.evidence import PlacedEffect, Trials, conditional, weigh
 from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit, robust
-from fieldkit.inference.history.response import Response
+from fieldkit.inference.history.response import FlightResponse
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out, own_reading_sd
 from fieldkit.model.hyperprior import Hyperprior
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
@@ -141,7 +141,9 @@ def feature_names(names: Sequence[str]) -> tuple[str, ...]:
     return (*OF_HISTORY, *(f"{effect}.{name}" for effect in names for name in PER_EFFECT))
 
 
-def summarize(history: History, response: Response, candidates_of: Candidates, names: Sequence[str]) -> HistorySummary:
+def summarize(
+    history: History, response: FlightResponse, candidates_of: Candidates, names: Sequence[str]
+) -> HistorySummary:
     """The features of one history, whose flights' response is known."""
     count = len(history.used_in_fit)
     flown, found = history.flights[:count], history.found

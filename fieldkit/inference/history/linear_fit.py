@@ -10,7 +10,7 @@ from fieldkit.inference.history.response import (
     IN_LOG,
     MAX_DRAG_OFFSET,
     REFERENCE_LOG_DRAG,
-    Response,
+    FlightResponse,
     drag_term,
     moved_at,
     part_of,
@@ -98,7 +98,7 @@ def history_data(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperpr
 
 
 def linear_fit(
-    model: Model, data: Data, response: Response, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
+    model: Model, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
 ) -> LinearFit:
     """The posterior of the first flights of a model, those of `data`, the drag moved from `start` to where they put
     it."""

@@ -39,7 +39,7 @@ _OF_READOUTS = dict(zip(OBSERVED_READOUTS, np.eye(len(OBSERVED_READOUTS)), stric
 
 
 @dataclass(frozen=True, slots=True)
-class Response:
+class FlightResponse:
     """Readouts as a fit compares them at each of `DRAG_OFFSETS`, and derivatives there.
 
     The first of `moved` are the readouts themselves; `names` say what the others are: what a unit of what terms bend
@@ -50,9 +50,9 @@ class Response:
     names: tuple[str, ...]
     moved: Float[Array, "quantity drag flight readout"]
 
-    def part(self, rows: slice) -> "Response":
+    def part(self, rows: slice) -> "FlightResponse":
         """Some of the flights."""
-        return Response(self.names, self.moved[:, :, rows])
+        return FlightResponse(self.names, self.moved[:, :, rows])
 
 
 def secant(effect: Effect) -> tuple[float, ...]:
@@ -63,7 +63,7 @@ def secant(effect: Effect) -> tuple[float, ...]:
     return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN if effect.grows else 1.0), 1e-6, None)),)
 
 
-def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> Response:
+def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
     """The response of flights, of any rockets, on coarse thrust curves and steps."""
     known = effects()
     count = len(flights)
@@ -94,7 +94,7 @@ def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array
         own = [len(rows) + i for i, (other, _) in enumerate(places) if other == name]
         size = 1.0 if effect.starts else secant(effect)[0]
         moves |= {started(name, number): moved[:, row] / size for number, row in enumerate(own)}
-    return Response(tuple(moves), np.stack(list(moves.values())))
+    return FlightResponse(tuple(moves), np.stack(list(moves.values())))
 
 
 def started(effect: str, number: int) -> str:
@@ -111,7 +111,7 @@ def _interpolation(offset: float) -> tuple[Float[Array, "drag"], Float[Array, "d
     return (offset - others).prod(axis=1) / scale, (2 * offset - others.sum(axis=1)) / scale
 
 
-def moved_at(response: Response, offset: float) -> dict[str, Float[Array, "flight readout"]]:
+def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, "flight readout"]]:
     """Every quantity of a response at an offset of the drag, and the slope with drag."""
     weights, steeper = _interpolation(offset)
     along = np.tensordot(weights, response.moved, axes=(0, 1))

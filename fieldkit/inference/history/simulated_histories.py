@@ -39,8 +39,9 @@ DRAWS_PER_ROCKET = 2
 """Histories of each drawn rocket."""
 ROCKETS_PER_BATCH = 25
 """Rockets that fly together."""
-BACKGROUND = {"base_drag": 0.04, "mach_drag": 0.2, "wind": 0.2}
-"""Standard deviation of effects that are always there a little, as strengths. [1]"""
+BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
+"""Standard deviation of the strengths of effects that are always there a little: those that act in flight, and those
+of something that is written down. [1]"""
 _PATTERN_SIZES = {"drag": (0.08, 0.6), "mass": (0.04, 0.3), "thrust": (0.03, 0.15)}
 
 
@@ -191,6 +192,11 @@ def _smooth(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
     return np.asarray(0.5 * (shape - shape.mean()) / max(float(shape.std()), 1e-6))
 
 
+def _background() -> list[str]:
+    """Effects that are always there a little."""
+    return [name for name, effect in effects().items() if effect.acceleration is not None or effect.needs]
+
+
 class _World:
     """Rockets of a batch as one model, whose draws are the histories."""
 
@@ -212,10 +218,10 @@ class _World:
             rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
             self._one(one, kinds[number], rows, terms, values)
         known = effects()
-        for name, sd in BACKGROUND.items():
-            each = (
-                np.abs(rng.normal(0.0, sd, len(some))) if known[name].prior.low >= 0 else rng.normal(0.0, sd, len(some))
-            )
+        for name in _background():
+            one_sign = known[name].prior.low >= 0
+            drawn_sizes = rng.normal(0.0, BACKGROUND_SDS["of one sign" if one_sign else "of both signs"], len(some))
+            each = np.abs(drawn_sizes) if one_sign else drawn_sizes
             terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
             values.append(np.ones(draws))
         flights = tuple(flight for one in some for flight in one.rocket.flights)

@@ -16,8 +16,8 @@ from fieldkit.inference.history.features import (
     feature_names,
     summarize,
 )
-from fieldkit.inference.history.response import Response, respond
-from fieldkit.inference.network.history_parts import LEVELS, OTHERS, PARAMETERS, answer, quantile_draws
+from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, quantile_draws
 from fieldkit.model.rocket_model import reference_area
 from fieldkit.shapes import Array, Float
 
@@ -67,7 +67,7 @@ def load_history() -> "Ensemble":
 def checked(ensemble: "Ensemble") -> "Ensemble":
     """A history network whose card fits this version of fieldkit. Raises DamagedModel."""
     known = tuple(ensemble.card.get("effects", ()))
-    outputs = len(known) + OTHERS + len(LEVELS) + len(PARAMETERS)
+    outputs = len(known) + OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
     if ensemble.features != feature_names(known) or list(ensemble.card.get("parts", ()))[-1:] != [outputs]:
         raise DamagedModel(
             f"{ensemble.name}: its card has other features than this version of fieldkit; train it again"
@@ -75,7 +75,7 @@ def checked(ensemble: "Ensemble") -> "Ensemble":
     return ensemble
 
 
-def response_of(history: History) -> Response:
+def response_of(history: History) -> FlightResponse:
     """What the flights of a history and its plan would show; one batch of simulated flights."""
     return respond(history.flights, history.found, reference_area(history.flights, len(history.used_in_fit)))
 

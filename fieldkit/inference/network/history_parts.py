@@ -15,14 +15,14 @@ STANDARD = tuple(NormalDist().inv_cdf(level) for level in LEVELS)
 MEDIAN = LEVELS.index(0.5)
 PARAMETERS = ("cd", "alpha", "log_sd_cd", "log_sd_alpha", "coupling")
 """The posterior of log Cd and log alpha: how it departs from the linear fit's."""
-OTHERS = 2
+OVERALL_OUTPUTS = 2
 """Outputs between those of effects and of the forecast: nothing is missing, and something unexplained is there."""
 LOG_SD_RANGE = (-2.5, 2.5)
 
 
 def width(effects: int) -> int:
     """Number of outputs of a member for so many effects."""
-    return effects + OTHERS + len(LEVELS) + len(PARAMETERS)
+    return effects + OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
 
 
 def quantile_steps() -> Float[Array, "step"]:
@@ -50,9 +50,9 @@ class HistoryAnswer:
 
 def answer(parts: Float[Array, "history member part"], effects: int) -> HistoryAnswer:
     """Probabilities and quantiles averaged over members, drag and thrust as the moments of their mixture."""
-    chances = 1 / (1 + np.exp(-parts[..., : effects + OTHERS]))
+    chances = 1 / (1 + np.exp(-parts[..., : effects + OVERALL_OUTPUTS]))
     mean = chances.mean(axis=1)
-    first = effects + OTHERS
+    first = effects + OVERALL_OUTPUTS
     quantiles = monotone(parts[..., first : first + len(LEVELS)]).mean(axis=1)
     own = parts[..., first + len(LEVELS) :]
     shift = own[..., :2].mean(axis=1)

@@ -11,7 +11,14 @@ import torch
 from torch import Tensor, nn
 
 from fieldkit.inference.history.shards import HistoryTable
-from fieldkit.inference.network.history_parts import LEVELS, LOG_SD_RANGE, MEDIAN, OTHERS, PARAMETERS, quantile_steps
+from fieldkit.inference.network.history_parts import (
+    LEVELS,
+    LOG_SD_RANGE,
+    MEDIAN,
+    OVERALL_OUTPUTS,
+    PARAMETERS,
+    quantile_steps,
+)
 
 MEMBERS = 5
 EFFECT_UNITS = 64
@@ -30,7 +37,7 @@ class HistoryMembers(nn.Module):  # type: ignore[misc]
     def __init__(self, of_history: int, effects: int, per_effect: int, members: int = MEMBERS) -> None:
         super().__init__()
         self.of_history, self.effects, self.per_effect = of_history, effects, per_effect
-        rest = OTHERS + len(LEVELS) + len(PARAMETERS)
+        rest = OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
 
         def weight(*shape: int, inputs: int, gain: float = 1.0) -> nn.Parameter:
             return nn.Parameter(torch.randn(*shape) * gain * (1.5 / inputs) ** 0.5)
@@ -72,7 +79,7 @@ class HistoryTargets:
     def __init__(self, table: HistoryTable, acts: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> None:
         nothing = (table.effects.sum(axis=1) + table.truth("unexplained") == 0).astype(float)
         present = np.column_stack([table.effects, nothing, table.truth("unexplained")])
-        counts = np.column_stack([acts, np.ones((len(acts), OTHERS))]).astype(float)
+        counts = np.column_stack([acts, np.ones((len(acts), OVERALL_OUTPUTS))]).astype(float)
         counts *= table.truth("selects")[:, None]
         self.present, self.counts = _tensor(present), _tensor(counts)
         self.apogee = _tensor(standardized(table, "log_apogee", "mean", "sd"))
@@ -109,8 +116,8 @@ def _tensor(values: object) -> Tensor:
 
 def loss(parts: Tensor, targets: HistoryTargets) -> Tensor:
     """Cross entropy of inclusion, pinball loss of the forecast, negative log density of drag and thrust; in nats."""
-    effects = parts.shape[-1] - OTHERS - len(LEVELS) - len(PARAMETERS)
-    first = effects + OTHERS
+    effects = parts.shape[-1] - OVERALL_OUTPUTS - len(LEVELS) - len(PARAMETERS)
+    first = effects + OVERALL_OUTPUTS
     entropy = nn.functional.binary_cross_entropy_with_logits(parts[..., :first], targets.present, reduction="none")
     inclusion = (entropy * targets.counts).sum() / targets.counts[..., -1].sum().clamp(min=1.0)
     found = quantiles(parts[..., first : first + len(LEVELS)])

@@ -15,7 +15,7 @@ from fieldkit.inference.history.response import (
     DRAG_OFFSETS,
     REFERENCE_LOG_DRAG,
     REFERENCE_OPENING,
-    Response,
+    FlightResponse,
     moved_at,
     part_of,
     tangent,
@@ -32,18 +32,18 @@ WORN = history(COUNT, wear=0.05)
 
 
 @pytest.fixture(scope="module")
-def response() -> Response:
+def response() -> FlightResponse:
     return response_of(WORN)
 
 
 @pytest.fixture(scope="module")
-def linear(response: Response) -> LinearFit:
+def linear(response: FlightResponse) -> LinearFit:
     model = history_model(WORN.flights, WORN.found, COUNT, WORN.selection, declared=False)
     return linear_fit(model, history_data(WORN.flights[:COUNT], WORN.used_in_fit, WORN.selection), response)
 
 
 def test_between_the_drags_that_were_flown_the_response_is_the_simulators(
-    response: Response, linear: LinearFit
+    response: FlightResponse, linear: LinearFit
 ) -> None:
     at = np.array([[0.0] * len(linear.model.terms)])
     for offset, most in ((DRAG_OFFSETS[0], 1e-4), (-0.2, 2e-3), (0.3, 2e-3)):
@@ -57,7 +57,7 @@ def _coarse(linear: LinearFit) -> Model:
     return replace(linear.model, coarse=True)
 
 
-def test_the_drag_slope_is_that_of_differences(response: Response) -> None:
+def test_the_drag_slope_is_that_of_differences(response: FlightResponse) -> None:
     step = 1e-4
     higher, lower = (moved_at(response, 0.1 + side * step)[""][:, :3] for side in (1, -1))
     assert moved_at(response, 0.1)["drag"][:, :3] == pytest.approx((higher - lower) / (2 * step), abs=1e-6)

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from fieldkit.inference.network.history_parts import LEVELS, OTHERS, PARAMETERS, answer, monotone
+from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, monotone
 
 CHECK_SHAPES = False
 
@@ -31,7 +31,7 @@ def test_members_and_their_graph_say_the_same() -> None:
     rng = np.random.default_rng(0)
     members = HistoryMembers(4, 3, 2)
     mean, sd = rng.normal(size=10), rng.uniform(0.5, 2.0, 10)
-    outputs = 3 + OTHERS + len(LEVELS) + len(PARAMETERS)
+    outputs = 3 + OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
     card = {"name": "tiny", "features": list("abcdefghij"), "outputs": ["x"], "parts": [5, outputs]}
     ensemble = from_parts(history_graph(members, mean, sd), card, Path("tiny"))
     features = rng.normal(size=(7, 10))
