@@ -56,7 +56,7 @@ class HistoryPlan:
     decay: float = 0.05
 
 
-PLANS = {"quick": HistoryPlan(epochs=2), "published": HistoryPlan(epochs=40)}
+PLANS = {"quick": HistoryPlan(epochs=2), "published": HistoryPlan(epochs=30)}
 
 
 def train_history(
