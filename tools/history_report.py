@@ -336,6 +336,7 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
     )
     yield from on_fresh(card)
     yield from beside_fit()
+    yield from use()
 
 
 def on_fresh(card: Mapping[str, Any]) -> Iterator[str]:
@@ -487,6 +488,66 @@ def beside_fit() -> Iterator[str]:
         if said := measured(f"history_{name}"):
             yield from (f"{title}, forward in time, `{said['command']}`:", "")
             yield from table(FORECAST_COLUMNS, [forecast_row(key, one) for key, one in said["forecast"].items()])
+
+
+GOALS = {"ratio": 1.02, "auc": 0.02, "coverage": (0.87, 0.93)}
+"""What a network has to reach beside the fit to take its place: CRPS over the fit's, AUC below the loop's, and the
+fraction of flights in its 90 % interval. [1]"""
+
+
+def use() -> Iterator[str]:
+    """Where the network reaches the fit, and what it is used for."""
+    yield from ("## What it is used for", "")
+    low, high = GOALS["coverage"]
+    lines = []
+    for name, title in _FORECASTS.items():
+        for key, one in _of_all(name):
+            reached = one["ratio"] <= GOALS["ratio"] and low <= one["network_coverage90"] <= high
+            lines.append(
+                (
+                    f"{title}{key}",
+                    f"{one['ratio']:.3f}",
+                    percent(one["network_coverage90"]),
+                    "yes" if reached else "no",
+                )
+            )
+    yield from prose(
+        f"To take the fit's place it would need a CRPS of at most {GOALS['ratio']:.2f} of the fit's and",
+        f"{low:.0%} to {high:.0%} of flights in its 90 % interval:",
+    )
+    yield from table(("forecasts", "CRPS over the fit's", "in 90 %", "reached"), lines)
+    said = measured("history_bench")
+    both = (said or {}).get("selection", {}).get("beside the loop", {})
+    if "fit" in both:
+        behind = both["fit"]["inclusion_auc"] - both["network"]["inclusion_auc"]
+        reached = "is" if behind <= GOALS["auc"] else "is not"
+        yield from prose(
+            f"The AUC of inclusion {reached} within {GOALS['auc']:.2f} of the loop's",
+            f"({-behind:+.3f} on {both['sets']} sets).",
+        )
+    yield from prose(
+        "Until all of it is reached on flights of the bench and on open flights it is the quick answer alone: `loop`",
+        "and `predict` search and fit, and what they find is what a ledger keeps.",
+    )
+
+
+_FORECASTS = {
+    "simulated": "simulated",
+    "bench": "bench, later flights",
+    "journal": "open journal",
+    "reference": "reference flights",
+}
+
+
+def _of_all(name: str) -> Iterator[tuple[str, Mapping[str, Any]]]:
+    """The forecasts of a measurement, all together."""
+    said = measured(f"history_{name}") or {}
+    if name == "simulated":
+        for key in ("selection", "forecast"):
+            if key in said:
+                yield f", {'certified' if key == 'selection' else 'learned'} hyperprior", said[key]["forecast"]["all"]
+    elif "forecast" in said:
+        yield "", said["forecast"].get("all", said["forecast"])
 
 
 def main() -> int:
