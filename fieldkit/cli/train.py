@@ -37,7 +37,7 @@ def train(
     n_train: Annotated[
         int | None,
         typer.Option(
-            min=256,
+            min=10,
             help="Simulated flights to train on: 10,000 for paper, a million for field; rockets for history: 14,000.",
         ),
     ] = None,

@@ -56,7 +56,7 @@ class HistoryPlan:
     decay: float = 0.05
 
 
-PLANS = {"quick": HistoryPlan(epochs=2), "published": HistoryPlan(epochs=30)}
+PLANS = {"quick": HistoryPlan(epochs=2), "published": HistoryPlan(epochs=10)}
 
 
 def train_history(
