@@ -329,10 +329,11 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
         "by `python tools/history_report.py`.",
     )
     yield from ("```sh", card["command"], "```", "")
+    shards = measured("history_shards") or {"seconds": card["simulation_seconds"]}
     yield from prose(
-        f"{card['simulations']:,} histories of 1 to 60 flights, simulated in {card['simulation_seconds']:.0f} s and",
-        f"trained in {card['seconds']:.0f} s in all on one thread; five members in one graph. A run that was cut short",
-        "goes on where it was.",
+        f"{card['simulations']:,} histories of 1 to 60 flights, simulated in {shards['seconds']:.0f} s;",
+        f"{card['training']['epochs']} epochs in {card['seconds']:.0f} s, on one thread of a busy machine.",
+        "Five members in one graph. A run that was cut short goes on where it was: shards that are there are taken.",
     )
     yield from on_fresh(card)
     yield from beside_fit()
