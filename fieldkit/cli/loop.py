@@ -38,15 +38,15 @@ def loop(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
+    if quick:
+        _quick(context, rocket, refused={"--effect": effect, "--report": page}, json=json)
+        return
     from fieldkit.cli.screen import progress
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.presentation.loop_text import report
     from fieldkit.services import close_loop
     from fieldkit.services.forecasts import which_rocket
 
-    if quick:
-        _quick(context, rocket, refused={"--effect": effect, "--report": page}, json=json)
-        return
     if page is not None:
         from fieldkit.presentation.report.loop.page import check_page, write_page
 
