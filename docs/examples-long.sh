@@ -17,6 +17,8 @@ fieldkit learn anna.csv ben.csv --check --out club.json
 fieldkit learn anna.csv ben.csv --keep
 # the shipped field ensemble, anew, with its verdict
 fieldkit train --report --recipe field --schedule published --seed 1 --n-train 1000000 --out DIR
+# the network of whole histories that answers loop --quick; cut short, it goes on where it was
+fieldkit train --recipe history --schedule published --seed 1 --n-train 14000 --out DIR
 # the reference paper's ensemble, anew: needs the extra named train
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again
 # one that also reckons with wind and a wrong mass
