@@ -324,9 +324,9 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
         "one linear pass over the one model makes of the history: the evidence for every effect in every place, the",
         "forecast of the plan, residuals of flights left out (score compression: Alsing, Wandelt and Feeney, Massive",
         "optimal data compression and density estimation for scalable, likelihood-free inference in cosmology, 2018).",
-        "Trained on simulated histories alone, it corrects them. One flight or sixty make the same number of features, and",
-        "each effect is judged by the same function of its own and of what the history shows as a whole. This page is",
-        "written",
+        "Trained on simulated histories alone, it corrects them. One flight or sixty make the same number of features,",
+        "and each effect is judged by one function of what it shows and of what the history shows as a whole. This page",
+        "is written",
         "by `python tools/history_report.py`.",
     )
     yield from ("```sh", card["command"], "```", "")
