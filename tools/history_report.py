@@ -325,7 +325,7 @@ def report(card: Mapping[str, Any]) -> Iterator[str]:
         "forecast of the plan, residuals of flights left out (score compression: Alsing, Wandelt and Feeney, Massive",
         "optimal data compression and density estimation for scalable, likelihood-free inference in cosmology, 2018).",
         "Trained on simulated histories alone, it corrects them. One flight or sixty make the same number of features,",
-        "and each effect is judged by one function of what it shows and of what the history shows as a whole. This page",
+        "and each effect is judged by one function of what it shows and of what the whole history shows. This page",
         "is written",
         "by `python tools/history_report.py`.",
     )
