@@ -23,7 +23,7 @@ from fieldkit.selection.quick_look import quick_look
 from tests.benchmarks.timing import beside, measured
 from tests.seasons import season
 
-pytestmark = pytest.mark.benchmark(timer=time.process_time, group="history")
+pytestmark = pytest.mark.benchmark(timer=time.process_time)
 FLIGHTS = 20
 KEPT = ("apogee", "top_speed", "coast_to_apogee")
 
