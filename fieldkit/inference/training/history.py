@@ -1,7 +1,6 @@
 """The history network: trained on simulated histories, features by linear fits, in one resumable command."""
 
 import hashlib
-import io
 import json
 import time
 from collections.abc import Callable
@@ -17,7 +16,6 @@ from torch import nn
 from torch.optim.lr_scheduler import OneCycleLR
 
 from fieldkit.errors import BadValue
-from fieldkit.files import replace
 from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
 from fieldkit.inference.history.features import OF_HISTORY, PER_EFFECT, Candidates, effect_names, feature_names
 from fieldkit.inference.history.shards import HistoryTable, simulate_table
@@ -29,6 +27,7 @@ from fieldkit.inference.training.history_graph import MAX_FEATURE_SDS, history_g
 from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss
 from fieldkit.inference.training.parts import drop_parts
 from fieldkit.inference.training.shipping import claim, ship
+from fieldkit.inference.training.unfinished import load_state, save_state
 from fieldkit.inference.validation.history import judge
 from fieldkit.model.hyperprior import certified, learned
 from fieldkit.model.random_effects import priors
@@ -95,7 +94,7 @@ def train_history(
             progress(epoch, epochs, value)
 
     with one_thread(seed):
-        members, mean, sd, losses = fit_history(train, validation, plan, out / "parts" / "state.pt", on_epoch)
+        members, mean, sd, losses = fit_history(train, validation, plan, out / "parts" / "state.npy", on_epoch)
     graph = history_graph(members, mean, sd)
     card = _card(seed, n_train, schedule, plan) | {
         "simulations": len(whole.features),
@@ -152,14 +151,10 @@ def fit_history(
     batch = min(plan.batch, count)
     optimizer = torch.optim.AdamW(members.parameters(), lr=plan.rate, weight_decay=plan.decay)
     rate = OneCycleLR(optimizer, plan.rate, total_steps=plan.epochs * (count // batch), pct_start=0.2)
-    parts = {"members": members, "optimizer": optimizer, "rate": rate}
     losses: list[float] = []
     best: dict[str, Any] = {}
     if state.exists():
-        saved = torch.load(state, map_location=device, weights_only=True)
-        for name, part in parts.items():
-            part.load_state_dict(saved[name])
-        losses, best = saved["losses"], saved["best"]
+        losses, best = load_state(state, members, optimizer, rate)
     for epoch in range(len(losses) + 1, plan.epochs + 1):
         orders = torch.stack([torch.randperm(count, device=device) for _ in range(MEMBERS)])
         for first in range(0, count - batch + 1, batch):
@@ -174,7 +169,7 @@ def fit_history(
         if losses[-1] == min(losses):
             best = {name: value.detach().clone() for name, value in members.state_dict().items()}
         if epoch % SAVE_EPOCHS == 0:
-            _save(state, {name: part.state_dict() for name, part in parts.items()} | {"losses": losses, "best": best})
+            save_state(state, members, optimizer, rate, losses, best)
         progress(epoch, plan.epochs, losses[-1])
     members.load_state_dict(best)
     return members.cpu(), mean, sd, [round(value, 5) for value in losses]
@@ -183,13 +178,6 @@ def fit_history(
 def _every(count: int, device: str) -> torch.Tensor:
     """Rows of all histories for every member."""
     return torch.arange(count, device=device).expand(MEMBERS, count)
-
-
-def _save(state: Path, saved: dict[str, Any]) -> None:
-    file = io.BytesIO()
-    torch.save(saved, file)
-    state.parent.mkdir(parents=True, exist_ok=True)
-    replace(state, file.getvalue())
 
 
 def _acts(table: HistoryTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
