@@ -160,9 +160,9 @@ def inclusion(found: Diagnosis) -> dict[str, float]:
     } | {"none": float(weights[0])}
 
 
-def bench(folder: Path, loops: int) -> None:
+def bench(folder: Path, loops: int, first: int | None) -> None:
     """Both on sets with undeclared effects: forecasts of the later flights of all; the search on the first `loops`."""
-    labels = json.loads((folder / "labels.json").read_text())
+    labels = json.loads((folder / "labels.json").read_text())[:first]
     rows: list[ForecastRow] = []
     judged: list[dict[str, Any]] = []
     for number, label in enumerate(labels):
@@ -195,7 +195,7 @@ def bench(folder: Path, loops: int) -> None:
             entry |= {"fit": inclusion(found), "fit_verdict": found.effect}
             entry["fit_seconds"] = time.process_time() - began
         judged.append(entry)
-    command = f"python tools/history_report.py --bench SETS --loops {loops}"
+    command = f"python tools/history_report.py --bench SETS --loops {loops}" + (f" --first {first}" if first else "")
     both = [entry for entry in judged if "fit" in entry]
     document = {
         "command": command,
@@ -558,6 +558,7 @@ def main() -> int:
     parser.add_argument("--simulated", type=int)
     parser.add_argument("--bench", type=Path)
     parser.add_argument("--loops", type=int, default=0, help="sets that are searched too")
+    parser.add_argument("--first", type=int, help="only the first so many sets")
     parser.add_argument("--ledger")
     parser.add_argument("--name", default="journal", help="what the figures of a ledger are kept under")
     given = parser.parse_args()
@@ -566,7 +567,7 @@ def main() -> int:
     if given.simulated:
         simulated(given.simulated)
     elif given.bench:
-        bench(given.bench, given.loops)
+        bench(given.bench, given.loops, given.first)
     elif given.ledger:
         journal(given.name, given.ledger)
     else:
