@@ -19,6 +19,8 @@ fieldkit learn anna.csv ben.csv --keep
 fieldkit train --report --recipe field --schedule published --seed 1 --n-train 1000000 --out DIR
 # the track of a logger with satellite positions, for a map
 fieldkit track flight-dd2afbb08f --out track.kml
+# the network of whole histories that answers loop --quick; cut short, it goes on where it was
+fieldkit train --recipe history --schedule published --seed 1 --n-train 14000 --out DIR
 # the reference paper's ensemble, anew: needs the extra named train
 fieldkit train --recipe paper --schedule published --seed 1 --n-train 10000 --out paper-again
 # one that also reckons with wind and a wrong mass

@@ -59,6 +59,8 @@ fieldkit simulate --motor F24-4W --dry-mass 322g --diameter 66mm --cd 0.6 --alph
 
 # look only: nothing is kept
 fieldkit loop --rocket Astra --look
+# at a glance of the network
+fieldkit loop --rocket Astra --quick
 fieldkit model --rocket Astra
 # the plain model, whatever the loop added
 fieldkit model --rocket Astra --use 0

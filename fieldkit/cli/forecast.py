@@ -35,6 +35,9 @@ def predict(
         Path | None, typer.Option(help="A table of planned flights.", exists=False, show_default=False)
     ] = None,
     model: Annotated[ModelVersion, typer.Option(help="Without or with what the loop added.")] = ModelVersion.after,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="The apogee alone, from the network, at once; nothing is kept.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
     **given: str | None,
 ) -> None:
@@ -47,6 +50,9 @@ def predict(
         if flights is not None and given.get("motor"):
             raise typer.BadParameter("give --flights or --motor, not both")
         plans = _table(flights, check) if flights is not None else [_plan(ledger, given, check)]
+        if quick:
+            _print_quick(ledger, check, plans, json=json)
+            return
         with progress("fitting your other rockets") as on_progress:
             predictions = predict_plans(ledger, check.catalogue, plans, model.value, on_progress=on_progress)
         lines = safety_of(ledger, check.catalogue, predictions, given)
@@ -64,6 +70,20 @@ def predict(
 
 takes_plan(predict, (*PLAN_TEXTS, "date_time"))
 app.command()(predict)
+
+
+def _print_quick(ledger: "Ledger", check: MotorCheck, plans: "Sequence[Flight]", *, json: bool) -> None:
+    """Print the network's forecasts."""
+    from fieldkit.presentation.quick_look import forecast_document, forecast_line
+    from fieldkit.services.quick_look import predict_quickly
+
+    with progress("fitting your other rockets") as on_progress:
+        found = predict_quickly(ledger, check.catalogue, plans, on_progress)
+    if json:
+        print_json({"predictions": [forecast_document(one) for one in found]})
+        return
+    for one in found:
+        say(forecast_line(one))
 
 
 def _table(file: Path, check: MotorCheck) -> "list[Flight]":

@@ -1,5 +1,6 @@
 """`fieldkit loop` and `fieldkit model`: what a rocket's model lacks, and which model is used."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -24,6 +25,9 @@ def loop(
         typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
     ] = None,
     look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
+    quick: Annotated[
+        bool, typer.Option("--quick", help="Probabilities from the network, at once; keep the model as it is.")
+    ] = False,
     page: Annotated[
         Path | None,
         typer.Option(
@@ -34,6 +38,9 @@ def loop(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Find what the model of a rocket gets wrong, why, and what it becomes when that is put in."""
+    if quick:
+        _quick(context, rocket, refused={"--effect": effect, "--report": page}, json=json)
+        return
     from fieldkit.cli.screen import progress
     from fieldkit.presentation.json_documents import loop_document
     from fieldkit.presentation.loop_text import report
@@ -57,6 +64,23 @@ def loop(
         print_json(loop_document(found))
         return
     say_report(report(found))
+
+
+def _quick(context: typer.Context, rocket: str | None, *, refused: Mapping[str, object], json: bool) -> None:
+    """Print a quick look."""
+    from fieldkit.errors import BadValue
+    from fieldkit.presentation.quick_look import quick_document, quick_lines
+    from fieldkit.services.forecasts import which_rocket
+    from fieldkit.services.quick_look import look_quickly
+
+    if given := [option for option, value in refused.items() if value is not None]:
+        raise BadValue(f"{given[0]}: found it with --quick, expected one of the two")
+    with open_ledger(context) as ledger:
+        found = look_quickly(ledger, known_motors(), which_rocket(ledger, rocket))
+    if json:
+        print_json(quick_document(found))
+        return
+    say_report(quick_lines(found))
 
 
 @app.command()

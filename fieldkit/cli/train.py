@@ -16,6 +16,7 @@ class Recipe(StrEnum):
 
     paper = "paper"
     field = "field"
+    history = "history"
 
 
 class TrainingLength(StrEnum):
@@ -34,7 +35,11 @@ def train(
         TrainingLength, typer.Option(help="The paper's 100 epochs, or 10 that reach the same errors.")
     ] = TrainingLength.quick,
     n_train: Annotated[
-        int | None, typer.Option(min=256, help="Simulated flights to train on: 10,000 for paper, a million for field.")
+        int | None,
+        typer.Option(
+            min=10,
+            help="Simulated flights to train on: 10,000 for paper, a million for field; rockets for history: 14,000.",
+        ),
     ] = None,
     effects: Annotated[
         str, typer.Option(help="Effects that act in the field recipe's flights, apart by commas.", show_default=False)
@@ -42,7 +47,7 @@ def train(
     cluster: Annotated[
         str,
         typer.Option(
-            help="Simulate the field recipe's flights on Dask workers: local, local:4, or a scheduler's address.",
+            help="Simulate flights or histories on Dask workers: local, local:4, or a scheduler's address.",
             show_default=False,
         ),
     ] = "",
@@ -56,9 +61,12 @@ def train(
     from fieldkit.errors import BadValue
     from fieldkit.inference.training import trainer
 
-    for option, value in {"--effects": effects, "--cluster": cluster}.items():
-        if value and recipe is not Recipe.field:
-            raise BadValue(f"{option}: found it with the recipe paper, expected --recipe field")
+    for option, value, known in (
+        ("--effects", effects, (Recipe.field,)),
+        ("--cluster", cluster, (Recipe.field, Recipe.history)),
+    ):
+        if value and recipe not in known:
+            raise BadValue(f"{option}: found it with the recipe {recipe.value}, expected --recipe {known[0].value}")
     train_by_recipe = trainer(recipe.value)
     with Progress(console=Console(stderr=True), transient=True) as progress:
         task = progress.add_task("training")
@@ -71,11 +79,16 @@ def train(
             more["effects"] = names
         if cluster:
             more["cluster"] = cluster
+        if recipe is Recipe.history:
+            from fieldkit.selection.quick_candidates import quick_candidates
+
+            more["candidates_of"] = quick_candidates
         summary = train_by_recipe(out, seed=seed, schedule=schedule.value, progress=on_progress, **more)
     if json:
         print_json(summary)
         return
-    say(f"trained {summary['recipe']} on {summary['n_train']} simulated flights in {summary['seconds']:.0f} s")
+    what = "rockets" if recipe is Recipe.history else "flights"
+    say(f"trained {summary['recipe']} on {summary['n_train']} simulated {what} in {summary['seconds']:.0f} s")
     say(f"mean absolute error on unseen ones: Cd {summary['cd_mae']:.4f}, alpha {summary['alpha_mae']:.4f}")
     for file in summary["files"]:
         say(file)

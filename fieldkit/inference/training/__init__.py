@@ -19,8 +19,12 @@ def trainer(recipe: str) -> Callable[..., dict[str, Any]]:
         from fieldkit.inference.training.field import train_field
 
         return train_field
+    if recipe == "history":
+        from fieldkit.inference.training.history import train_history
+
+        return train_history
     if recipe != "paper":
-        raise FieldkitError(f"found the recipe {recipe!r}, expected paper or field")
+        raise FieldkitError(f"found the recipe {recipe!r}, expected paper, field or history")
     from fieldkit.inference.training.paper import train_paper
 
     return train_paper

@@ -1,0 +1,40 @@
+"""The next flight at once: the forecast of the network of whole histories, with no fit beside one linear pass."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+from fieldkit.flight import Flight
+from fieldkit.inference.history.features import History
+from fieldkit.inference.network.history import QuickAnswer, quick_answer
+from fieldkit.model.hyperprior import Hyperprior, certified, learned
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.motors import Found
+from fieldkit.selection.quick_candidates import quick_candidates
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+
+def forecast_at_once(
+    flown: Sequence[tuple[Flight, Found]],
+    plan: tuple[Flight, Found],
+    *,
+    shared: SharedPrior | None = None,
+    hyperprior: Hyperprior | None = None,
+    ensemble: "Ensemble | None" = None,
+) -> QuickAnswer:
+    """What the network forecasts of a plan from the flights of its rocket, in the order flown; at least one of them.
+
+    Flights with an anomaly tag count as flown and are not used. `shared` is what the flyer's other rockets show,
+    `hyperprior` by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
+    """
+    both = [*flown, plan]
+    history = History(
+        tuple(flight for flight, _ in both),
+        tuple(motor for _, motor in both),
+        tuple(flight.clean for flight, _ in flown),
+        certified(),
+        hyperprior or learned(),
+        shared,
+    )
+    return quick_answer(history, quick_candidates, ensemble)

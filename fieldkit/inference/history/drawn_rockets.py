@@ -1,0 +1,200 @@
+"""Rockets, motors, days and weather drawn at random, of all kinds, to train the network of whole histories on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import datetime, timedelta
+from typing import Any
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.model.field_features import closed_form
+from fieldkit.model.observations import FIGURES, diameter_range, disc, figures
+from fieldkit.motors import Found, Motor
+from fieldkit.physics.atmosphere import GRAVITY
+from fieldkit.shapes import Array, Flags, Float
+
+MAX_FLIGHTS = 60
+"""Flights of the longest history. [1]"""
+MOTOR_COUNTS = (0.25, 0.3, 0.2, 0.1, 0.06, 0.04, 0.03, 0.02)
+"""Probability of one, two, ... types of motors."""
+CONFIG_COUNTS = (0.65, 0.25, 0.1)
+SITE_COUNTS = (0.5, 0.3, 0.2)
+DECLARED_SETS = ("all", "temperature and wind", "only wind", "nothing")
+DECLARED_ODDS = (0.35, 0.1, 0.2, 0.35)
+READOUT_SETS = (
+    ("apogee",),
+    ("apogee", "top_speed", "coast_to_apogee"),
+    ("apogee", "top_speed", "burn_time", "peak_accel", "coast_to_apogee", "apogee_to_eject"),
+)
+READOUT_ODDS = (0.35, 0.25, 0.2, 0.2)
+"""Of each of `READOUT_SETS`, and of the apogee with any of the others."""
+THRUST_TO_WEIGHT = (3.5, 25.0)
+"""Of the first motor, on the pad. [1]"""
+WORKABLE_THRUST_TO_WEIGHT = (2.8, 40.0)
+"""Of the other motors. [1]"""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class Stock:
+    """Motors that may be drawn, with the figures that decide which fly the same rocket."""
+
+    motors: tuple[Motor, ...]
+    thrust: Float[Array, "motor"]
+    loaded: Float[Array, "motor"]
+    diameter: Float[Array, "motor"]
+    odds: Float[Array, "motor"]
+
+
+def stock(motors: Sequence[Motor]) -> Stock:
+    """The motors with a name of their own, each impulse class as likely as any other."""
+    names = np.array([motor.impulse_class for motor in motors])
+    weight = 1.0 / np.array([(names == name).sum() for name in names])
+    return Stock(
+        tuple(motors),
+        np.array([motor.average_thrust for motor in motors]),
+        np.array([motor.loaded_mass for motor in motors]),
+        np.array([motor.diameter for motor in motors]),
+        weight / weight.sum(),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class DrawnRocket:
+    """Flights without readouts in the order flown, the last of them planned; which readouts each will show, and
+    which flights are used in the fit."""
+
+    flights: tuple[Flight, ...]
+    found: tuple[Found, ...]
+    shows: tuple[tuple[str, ...], ...]
+    used_in_fit: tuple[bool, ...]
+
+
+def draw_rocket(rng: np.random.Generator, choice: Stock, count: int | None = None) -> DrawnRocket:
+    """One rocket with `count` flights and a plan, by default of 1 to `MAX_FLIGHTS`, uniform in the logarithm."""
+    if count is None:
+        count = int(np.clip(np.rint(np.exp(rng.uniform(np.log(0.6), np.log(MAX_FLIGHTS + 0.4)))), 1, MAX_FLIGHTS))
+    motors, mass = _motors(rng, choice, count)
+    configs = _masses(rng, mass, min(count, 1 + int(rng.choice(len(CONFIG_COUNTS), p=CONFIG_COUNTS))))
+    widest = max(motor.diameter for motor in motors)
+    slim, wide = (float(x[0]) for x in diameter_range(np.array([widest]), np.array([mass])))
+    diameter = float(np.exp(rng.uniform(np.log(slim), np.log(wide))))
+    delays = {(i, name): _delay(rng, motor, own, diameter) for i, motor in enumerate(motors) for name, own in configs}
+    declared = str(rng.choice(DECLARED_SETS, p=DECLARED_ODDS))
+    weighed, known = bool(rng.uniform() < 0.7), bool(rng.uniform() < 0.85)
+    days = _days(rng, count, declared)
+    flights: list[Flight] = []
+    found: list[Found] = []
+    for number, day in enumerate(days):
+        again = number == count and rng.uniform() < 0.3
+        motor = _like_last(found, motors) if again else int(rng.integers(len(motors)))
+        if number == count and rng.uniform() < 0.2:
+            motor = -1
+        name, own = configs[int(rng.integers(len(configs)))]
+        kind = _another(rng, choice, motors, own) if motor < 0 else motors[motor]
+        delay = delays.get((motor, name), np.nan) if motor >= 0 else _delay(rng, kind, own, diameter)
+        flights.append(
+            replace(
+                day,
+                flight_id=f"{number + 1}",
+                config=name,
+                motor=kind.name,
+                dry_mass=own * float(np.exp(0.006 * rng.normal())) if weighed else own,
+                diameter=diameter if known else None,
+            )
+        )
+        found.append(Found(kind, delay if np.isfinite(delay) else None))
+    clean = rng.uniform(size=count) > (0.06 if rng.uniform() < 0.3 else 0.0)
+    return DrawnRocket(tuple(flights), tuple(found), _shows(rng, count), tuple(bool(x) for x in clean))
+
+
+def _motors(rng: np.random.Generator, choice: Stock, count: int) -> tuple[list[Motor], float]:
+    """Types of motors that fly one rocket, and its dry mass. [kg]"""
+    first = int(rng.choice(len(choice.motors), p=choice.odds))
+    lift = float(np.exp(rng.uniform(*np.log(THRUST_TO_WEIGHT))))
+    loaded = choice.loaded[first]
+    mass = float(max(choice.thrust[first] / (lift * GRAVITY) - loaded, 0.35 * loaded, 0.008))
+    wanted = min(count, 1 + int(rng.choice(len(MOTOR_COUNTS), p=MOTOR_COUNTS)))
+    others = np.flatnonzero(_can_fly(choice, mass, choice.diameter[first]))
+    others = others[others != first]
+    more: list[int] = []
+    if len(others) and wanted > 1:
+        more = rng.choice(others, min(wanted - 1, len(others)), replace=False).tolist()
+    return [choice.motors[i] for i in (first, *more)], mass
+
+
+def _can_fly(choice: Stock, mass: float, diameter: float) -> Flags:
+    lift = choice.thrust / ((mass + choice.loaded) * GRAVITY)
+    low, high = WORKABLE_THRUST_TO_WEIGHT
+    return np.asarray((lift > low) & (lift < high) & (choice.diameter <= diameter) & (choice.diameter > 0.6 * diameter))
+
+
+def _another(rng: np.random.Generator, choice: Stock, motors: Sequence[Motor], mass: float) -> Motor:
+    """A motor that the rocket has not flown, if there is one."""
+    free = [i for i in np.flatnonzero(_can_fly(choice, mass, motors[0].diameter)) if choice.motors[i] not in motors]
+    return choice.motors[int(rng.choice(free))] if free else motors[0]
+
+
+def _like_last(found: Sequence[Found], motors: Sequence[Motor]) -> int:
+    return next(i for i, motor in enumerate(motors) if motor is found[-1].motor)
+
+
+def _masses(rng: np.random.Generator, mass: float, count: int) -> list[tuple[str, float]]:
+    ratios = [1.0, *np.exp(0.15 * rng.normal(size=count - 1))]
+    return [("ABC"[number], mass * float(ratio)) for number, ratio in enumerate(ratios)]
+
+
+def _delay(rng: np.random.Generator, motor: Motor, mass: float, diameter: float) -> float:
+    """A delay on sale near the coast that is to be expected, mostly; nan for none. [s]"""
+    sold = np.array([delay for delay in motor.delays if np.isfinite(delay)])
+    if not len(sold):
+        return float("nan")
+    own = {name: np.asarray(value) for name, value in zip(FIGURES, figures(motor), strict=True)}
+    area, one = np.asarray(0.6 * disc(np.asarray(diameter))), np.asarray(1.0)
+    coast = closed_form(own, np.asarray(mass), area, one, np.asarray(1.2))["coast_to_apogee"]
+    return float(sold[int(np.argmax(-np.abs(sold - float(coast)) + rng.gumbel(size=len(sold))))])
+
+
+def _days(rng: np.random.Generator, count: int, declared: str) -> list[Flight]:
+    """Where and when each flight and the plan fly, and what is written down of the weather."""
+    sites = 1 + int(rng.choice(len(SITE_COUNTS), p=SITE_COUNTS))
+    heights = rng.choice([200.0, 800.0, 1800.0], p=[0.7, 0.2, 0.1]) * rng.uniform(size=sites)
+    windy = 2.5 * float(np.exp(0.5 * rng.normal()))
+    when, flights, number = datetime(2024, 4, 1) + timedelta(days=int(rng.integers(200))), [], 0
+    dated, length = bool(rng.uniform() < 0.9), float(np.exp(rng.uniform(np.log(0.9), np.log(2.5))))
+    slanted = bool(declared == "all" and rng.uniform() < 0.3)
+    while number < count + 1:
+        many = int(rng.integers(1, 7))
+        hours = np.sort(rng.uniform(9.0, 17.0, many))
+        site = int(rng.integers(sites))
+        temperature = 288.0 + 8.0 * rng.normal() - 0.006 * heights[site]
+        wind = rng.rayleigh(windy / 1.25)
+        for hour in hours[: count + 1 - number]:
+            known: dict[str, Any] = {}
+            if declared != "nothing":
+                known["wind"] = round(2 * max(wind * float(np.exp(0.25 * rng.normal())), 0.0)) / 2
+            if declared in ("all", "temperature and wind"):
+                known["temperature"] = float(temperature + 0.8 * (hour - 13.0))
+            if declared == "all":
+                known |= {"site_elevation": float(heights[site]), "rail_length": length}
+                known["pressure"] = float(101325.0 + 600.0 * rng.normal())
+            if slanted:
+                known["rail_angle"] = float(np.radians(abs(np.rint(4.0 * rng.normal()))))
+            at = when + timedelta(minutes=round(hour * 60))
+            flights.append(Flight(rocket="drawn", site=f"site {site}", date_time=at if dated else None, **known))
+            number += 1
+        when += timedelta(days=int(rng.integers(3, 40)))
+    return flights
+
+
+def _shows(rng: np.random.Generator, count: int) -> tuple[tuple[str, ...], ...]:
+    """Which readouts each flight shows."""
+    which = int(rng.choice(len(READOUT_ODDS), p=READOUT_ODDS))
+    whole: tuple[str, ...] = READOUT_SETS[min(which, len(READOUT_SETS) - 1)]
+    if which == len(READOUT_SETS):
+        whole = tuple(name for name in whole if name == "apogee" or rng.uniform() < 0.5)
+    gaps = 0.2 if rng.uniform() < 0.3 else 0.0
+    missed = 0.05 if gaps else 0.0
+    return tuple(
+        tuple(name for name in whole if rng.uniform() >= (missed if name == "apogee" else gaps)) for _ in range(count)
+    )

@@ -1,0 +1,319 @@
+"""Evidence for what a model may lack, in closed form about one linear fit of the model without it.
+
+A strength s with a normal prior adds s times a known shift of the readouts. With M the inverse covariance of the
+readouts by the model, a = shift' M shift and b = shift' M miss, the log Bayes factor is that of a normal mean (Bishop,
+Pattern Recognition and Machine Learning, 2006, section 3.5), times posterior over prior mass inside the bounds.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import erfc
+from typing import Protocol, runtime_checkable
+
+import numpy as np
+
+from fieldkit.inference.history.linear_fit import LinearFit
+from fieldkit.inference.history.response import started
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.rocket_model import Term
+from fieldkit.physics.effect import Effect, effects
+from fieldkit.shapes import Array, Flags, Float, Int, Integers
+
+START_SD = 0.25
+"""Standard deviation of a strength about each of its starts, over that start. [1]"""
+
+
+_NUMBERS = ("log_share", "log_bayes", "robust", "mean", "sd", "prior_mean", "prior_sd", "unit", "pull")
+"""Fields of trials that are one number each."""
+INSIDE_SDS = 5.0
+"""Standard deviations inside a bound from which on no probability lies beyond it. [1]"""
+
+
+MIN_MASS = 1e-250
+"""Mass between two bounds below which it is no longer told from zero. [1]"""
+_ERFC = np.frompyfunc(erfc, 1, 1)
+
+
+@runtime_checkable
+class PlacedEffect(Protocol):
+    """A candidate: an effect in a place, or a pattern (whose `effect` is empty), with its terms on every flight."""
+
+    @property
+    def effect(self) -> str: ...
+    @property
+    def terms(self) -> tuple[Term, ...]: ...
+    @property
+    def log_share(self) -> float: ...
+
+
+@dataclass(frozen=True, slots=True)
+class Trials:
+    """Candidates beside a linear fit, an entry each; a candidate with several starts has several entries.
+
+    `candidate` is the number of the candidate, `family` what a verdict would name. `log_bayes` includes no prior;
+    `log_share` is the candidate's part of its effect's prior. `robust` is what stays of `log_bayes` without the flight
+    that says most for it. `shift` are columns of what a unit of strength does to the flown flights, `weighed` the same
+    times the inverse covariance at the likeliest scales. `forecast_gain` is what a unit does to the log apogee of each
+    plan beside what the other terms take up.
+    """
+
+    candidate: tuple[int, ...]
+    family: tuple[str, ...]
+    log_share: Float[Array, "trial"]
+    log_bayes: Float[Array, "trial"]
+    robust: Float[Array, "trial"]
+    mean: Float[Array, "trial"]
+    sd: Float[Array, "trial"]
+    prior_mean: Float[Array, "trial"]
+    prior_sd: Float[Array, "trial"]
+    unit: Float[Array, "trial"]
+    shift: Float[Array, "entry trial"]
+    weighed: Float[Array, "entry trial"]
+    pull: Float[Array, "trial"]
+    forecast_gain: Float[Array, "plan trial"]
+
+    @property
+    def weight(self) -> Float[Array, "trial"]:
+        """Log evidence with the candidate's own prior."""
+        return np.asarray(self.log_bayes + self.log_share)
+
+
+@dataclass(frozen=True, slots=True)
+class _Column:
+    """One direction in which a strength moves the readouts."""
+
+    number: int
+    family: str
+    log_share: float
+    shift: Float[Array, "flight readout"]
+    mean: float
+    sd: float
+    low: float
+    high: float
+    unit: float
+
+
+def _columns(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> tuple[list[_Column], list[list[_Column]]]:
+    """Directions of candidates with one strength; of those with several, all of each together."""
+    names = {id(effect): name for name, effect in effects().items()}
+    moved = linear.moved
+    single: list[_Column] = []
+    several: list[list[_Column]] = []
+    for number, candidate in enumerate(candidates):
+        found: list[_Column] = []
+        for term in candidate.terms:
+            if not isinstance(term.bends, Effect):
+                shift = term.weight[:, None] * moved[term.bends]
+                found.append(_column(number, candidate, term, shift))
+                continue
+            name = names[id(term.bends)]
+            if not term.bends.starts:
+                shift = term.weight[:, None] * moved[started(name, 0)]
+                found.append(_column(number, candidate, term, shift))
+                continue
+            density = [np.exp(-0.5 * ((start - term.mean) / term.sd) ** 2) for start in term.bends.starts]
+            for place, start in enumerate(term.bends.starts):
+                shift = term.weight[:, None] * moved[started(name, place)]
+                part = candidate.log_share + float(np.log(density[place] / sum(density)))
+                single.append(_Column(number, candidate.effect, part, shift, 1.0, START_SD, -np.inf, np.inf, start))
+        if len(found) == 1:
+            single.append(found[0])
+        elif found:
+            several.append(found)
+    return single, several
+
+
+def _column(number: int, candidate: PlacedEffect, term: Term, shift: Array) -> _Column:
+    return _Column(number, candidate.effect, candidate.log_share, shift, term.mean, term.sd, term.low, term.high, 1.0)
+
+
+def used_readouts(seen: Flags) -> Int[Integers, "readout"]:
+    """Readouts that evidence is weighed by: the apogee, and what any flight shows."""
+    some = np.asarray(seen.any(axis=0))
+    some[0] = True
+    return np.flatnonzero(some)
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class _Weights:
+    """What turns shifts of the readouts of flown flights into evidence, for every pair of scales.
+
+    `sharp` is the inverse covariance of what single flights differ by, `pulled` that of all readouts times the miss.
+    """
+
+    fit: Fit
+    used: Int[Integers, "readout"]
+    usable: Flags
+    slope: Float[Array, "flight readout term"]
+    sharp: Float[Array, "scale flight readout readout"]
+    pulled: Float[Array, "scale flight readout"]
+    log_weight: Float[Array, "scale"]
+
+    @property
+    def best(self) -> int:
+        """The likeliest pair of scales."""
+        return int(np.argmax(self.log_weight))
+
+    def stacked(self, columns: Sequence[_Column]) -> Float[Array, "flight readout column"]:
+        """Shifts of what was observed."""
+        shifts = [column.shift[: len(self.usable)][:, self.used] for column in columns]
+        return np.where(self.usable[..., None], np.stack(shifts, axis=-1), 0.0)
+
+    def weighed(self, shift: Float[Array, "flight readout column"]) -> Float[Array, "scale flight readout column"]:
+        """The inverse covariance of all readouts times shifts (Woodbury's identity)."""
+        first = self.sharp @ shift
+        back = self.fit.covariance @ np.einsum("fot,sfoc->stc", self.slope, first, optimize=True)
+        return np.asarray(first - self.sharp @ np.einsum("fot,stc->sfoc", self.slope, back, optimize=True))
+
+
+def _weights(fit: Fit) -> _Weights:
+    used = used_readouts(fit.data.seen)
+    told = fit.told
+    sharp = told.sharpness[:, :, used[:, None], used]
+    slope = told.slope[:, used]
+    prior_mean = np.array([term.mean for term in fit.model.terms])
+    miss = told.miss[:, used] - np.moveaxis(slope @ (fit.mean - prior_mean).T, -1, 0)
+    usable = (fit.data.seen & np.isfinite(fit.tangent.values))[:, used]
+    return _Weights(
+        fit, used, usable, slope, sharp, (sharp @ miss[..., None])[..., 0], fit.log_weight - fit.log_evidence
+    )
+
+
+def weigh(linear: LinearFit, candidates: Sequence[PlacedEffect]) -> Trials:
+    """The evidence for every candidate beside a linear fit."""
+    single, several = _columns(linear, candidates)
+    weights = _weights(linear.fit)
+    plans = len(linear.model.flights) - linear.flown
+    parts = [_single(linear, weights, single)] if single else []
+    return _joined([*parts, *(_several(weights, columns, plans) for columns in several)], weights.usable.size, plans)
+
+
+def _single(linear: LinearFit, weights: _Weights, columns: Sequence[_Column]) -> Trials:
+    """Candidates with one strength."""
+    shift, best = weights.stacked(columns), weights.best
+    weighed = weights.weighed(shift)
+    a = np.einsum("foc,sfoc->sc", shift, weighed, optimize=True)
+    b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
+    prior = [np.array([getattr(column, name) for column in columns]) for name in ("mean", "sd", "low", "high")]
+    bayes, mean, sd = _normal(a, b, *prior)
+    joint = weights.log_weight[:, None] + bayes
+    log_bayes = np.logaddexp.reduce(joint, axis=0)
+    share = np.exp(joint - log_bayes)
+    middle = (share * mean).sum(axis=0)
+    own_a = np.einsum("foc,foc->fc", shift, weighed[best])
+    own_b = np.einsum("foc,fo->fc", shift, weights.pulled[best])
+    without = _normal(np.maximum(a[best] - own_a, 0.0), b[best] - own_b, *prior)[0]
+    taken = np.einsum("fot,foc->tc", weights.slope, weights.sharp[best] @ shift, optimize=True)
+    ahead = np.stack([column.shift[linear.flown :, 0] for column in columns], axis=-1)
+    return Trials(
+        candidate=tuple(column.number for column in columns),
+        family=tuple(column.family for column in columns),
+        log_share=np.array([column.log_share for column in columns]),
+        log_bayes=log_bayes,
+        robust=log_bayes - np.maximum(bayes[best] - without, 0.0).max(axis=0),
+        mean=middle,
+        sd=np.sqrt((share * (sd**2 + (mean - middle) ** 2)).sum(axis=0)),
+        prior_mean=prior[0],
+        prior_sd=prior[1],
+        unit=np.array([column.unit for column in columns]),
+        shift=shift.reshape(-1, len(columns)),
+        weighed=weighed[best].reshape(-1, len(columns)),
+        pull=b[best],
+        forecast_gain=ahead - linear.near.slope[linear.flown :, 0] @ linear.fit.covariance[best] @ taken,
+    )
+
+
+def _normal(a: Array, b: Array, mean: Array, sd: Array, low: Array, high: Array) -> tuple[Array, Array, Array]:
+    """Log Bayes factor, posterior mean and standard deviation of a strength."""
+    precision = a + 1 / sd**2
+    middle = (b + mean / sd**2) / precision
+    bayes = 0.5 * (middle**2 * precision - mean**2 / sd**2 - np.log(precision * sd**2))
+    spread = 1 / np.sqrt(precision)
+    near = np.minimum(middle - low, high - middle) < INSIDE_SDS * spread
+    bayes = bayes - _log_mass(mean, sd, low, high)
+    if near.any():
+        ends = [np.broadcast_to(end, near.shape)[near] for end in (low, high)]
+        bayes[near] += _log_mass(middle[near], spread[near], *ends)
+        middle[near] = np.clip(middle[near], *ends)
+    return bayes, middle, spread
+
+
+def _log_mass(mean: Array, sd: Array, low: Array, high: Array) -> Array:
+    """Log of the mass of a normal distribution between two bounds."""
+    above, below = (high - mean) / sd, (low - mean) / sd
+    mirrored = below > 0  # where both would be near 1
+    above, below = np.where(mirrored, -below, above), np.where(mirrored, -above, below)
+    mass = 0.5 * (_ERFC(-above * np.sqrt(0.5)) - _ERFC(-below * np.sqrt(0.5))).astype(float)
+    return np.asarray(np.log(np.maximum(mass, MIN_MASS)))
+
+
+def _several(weights: _Weights, columns: Sequence[_Column], plans: int) -> Trials:
+    """A candidate with a strength of its own in each of several groups; its strength is their root mean square."""
+    shift = weights.stacked(columns)
+    weighed = weights.weighed(shift)
+    a = np.einsum("foc,sfod->scd", shift, weighed, optimize=True)
+    b = np.einsum("foc,sfo->sc", shift, weights.pulled, optimize=True)
+    sds = np.array([column.sd for column in columns])
+    precision = a + np.diag(1 / sds**2)
+    covariance = np.linalg.inv(precision)
+    middle = (covariance @ b[..., None])[..., 0]
+    bayes = 0.5 * ((b * middle).sum(axis=1) - np.linalg.slogdet(precision * np.outer(sds, sds))[1])
+    joint = weights.log_weight + bayes
+    log_bayes = np.array([np.logaddexp.reduce(joint)])
+    best = int(np.argmax(joint))
+    size = float(np.sqrt((middle[best] ** 2).mean()))
+    along = middle[best] / max(size, 1e-9)
+    return Trials(
+        candidate=(columns[0].number,),
+        family=(columns[0].family,),
+        log_share=np.array([columns[0].log_share]),
+        log_bayes=log_bayes,
+        robust=log_bayes,
+        mean=np.array([size]),
+        sd=np.array([np.sqrt(np.diagonal(covariance[best]).mean())]),
+        prior_mean=np.zeros(1),
+        prior_sd=np.array([sds.mean()]),
+        unit=np.ones(1),
+        shift=(shift @ along).reshape(-1, 1),
+        weighed=(weighed[weights.best] @ along).reshape(-1, 1),
+        pull=np.array([((shift @ along) * weights.pulled[weights.best]).sum()]),
+        forecast_gain=np.zeros((plans, 1)),
+    )
+
+
+def _joined(parts: Sequence[Trials], entries: int, plans: int) -> Trials:
+    """All trials in one."""
+
+    def column(name: str, *shape: int) -> Array:
+        empty = np.empty((*shape, 0))
+        return np.concatenate([empty, *(getattr(part, name) for part in parts)], axis=-1)
+
+    return Trials(
+        candidate=tuple(number for part in parts for number in part.candidate),
+        family=tuple(name for part in parts for name in part.family),
+        **{name: column(name) for name in _NUMBERS},
+        shift=column("shift", entries),
+        weighed=column("weighed", entries),
+        forecast_gain=column("forecast_gain", plans),
+    )
+
+
+def conditional(trials: Trials, rows: Sequence[int]) -> Float[Array, "row row"]:
+    """Log Bayes factor of each of some trials beside each other one of them already accepted; its own on the diagonal.
+
+    Strengths are taken as normal, without their bounds.
+    """
+    some = list(rows)
+    gram = trials.shift[:, some].T @ trials.weighed[:, some]
+    b, mean, sd = trials.pull[some], trials.prior_mean[some], trials.prior_sd[some]
+    a = np.diagonal(gram)
+    alone = _normal(a, b, mean, sd, np.full(len(some), -np.inf), np.full(len(some), np.inf))[0]
+    p, q = a + 1 / sd**2, b + mean / sd**2
+    det = p[:, None] * p[None, :] - gram**2
+    det = np.maximum(det, 1e-9 * p[:, None] * p[None, :])
+    square = p[None, :] * q[:, None] ** 2 + p[:, None] * q[None, :] ** 2 - 2 * gram * q[:, None] * q[None, :]
+    prior = (mean / sd) ** 2
+    both = 0.5 * (square / det - prior[:, None] - prior[None, :] - np.log(det * (sd[:, None] * sd[None, :]) ** 2))
+    beside = both - alone[None, :]
+    beside[np.diag_indices(len(some))] = alone
+    return np.asarray(beside)

@@ -1,0 +1,127 @@
+"""A rocket's model solved in one pass over its response: no flight is simulated beyond those of the response."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.inference.history.response import (
+    IN_LOG,
+    MAX_DRAG_OFFSET,
+    REFERENCE_LOG_DRAG,
+    FlightResponse,
+    drag_term,
+    moved_at,
+    part_of,
+    tangent,
+)
+from fieldkit.inference.laplace.fit import outlier_weights
+from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.posterior import Fit, solve
+from fieldkit.model.hyperprior import Hyperprior, Scale
+from fieldkit.model.readout_data import Data, observe
+from fieldkit.model.rocket_model import Model, Term, base_model
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.motors import Found
+from fieldkit.physics.effect import effects
+from fieldkit.physics.setups import recorded
+from fieldkit.shapes import Array, Float
+
+SCATTER_NODES, READING_NODES = (-1.6, -0.55, 0.55, 1.6), (-0.9, 0.9)
+"""Scales of scatter and readings that a fit in one pass considers, in prior standard deviations of their logarithm."""
+DRAG_ROUNDS = 2
+"""Times the drag is moved to where the flights put it."""
+ROBUST_ROUNDS = 2
+"""Times the weights of outliers are updated."""
+
+
+def coarse_scales(hyperprior: Hyperprior) -> Hyperprior:
+    """The hyperprior with a few scales of scatter and reading in place of its grid."""
+
+    def few(scale: Scale, nodes: Sequence[float]) -> Scale:
+        return replace(scale, grid=tuple(scale.median * np.exp(scale.log_sd * np.array(nodes))))
+
+    return replace(
+        hyperprior,
+        scatter=few(hyperprior.scatter, SCATTER_NODES),
+        reading=few(hyperprior.reading, READING_NODES),
+    )
+
+
+@dataclass(frozen=True, slots=True)
+class LinearFit:
+    """A model of flown and planned flights, and the posterior by the flown ones.
+
+    `fit` is of the flown flights alone; `near` linearizes all at the same point, where the drag is off the reference
+    by `offset`; `moved` is what everything that may be missing would do there.
+    """
+
+    model: Model
+    flown: int
+    offset: float
+    near: Tangent
+    fit: Fit
+    moved: Mapping[str, Float[Array, "flight readout"]]
+
+
+def history_model(
+    flights: Sequence[Flight],
+    found: Sequence[Found],
+    flown: int,
+    hyperprior: Hyperprior,
+    shared: SharedPrior | None = None,
+    *,
+    declared: bool,
+) -> Model:
+    """The model of a history with its plans, which all come next; `declared` wind acts with the prior of its effect."""
+    order = [*range(flown), *[flown] * (len(flights) - flown)]
+    model = base_model(flights, found, coarse_scales(hyperprior), flown, order, shared)
+    return model.with_terms(*declared_terms(flights)) if declared else model
+
+
+def declared_terms(flights: Sequence[Flight]) -> list[Term]:
+    """Effects whose column was written down, each acting on all flights."""
+    every = np.ones(len(flights))
+    return [
+        Term(name, effect, effect.prior.mean, effect.prior.sd, every, effect.prior.low, effect.prior.high)
+        for name, effect in effects().items()
+        if effect.needs and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+    ]
+
+
+def history_data(flights: Sequence[Flight], used_in_fit: Sequence[bool], hyperprior: Hyperprior) -> Data:
+    """The readouts of flights that a history's network uses: all but those of logs."""
+    data = observe(flights, used_in_fit, hyperprior)
+    seen = data.seen & ~IN_LOG
+    return replace(data, values=np.where(seen, data.values, 0.0), sd=np.where(seen, data.sd, 1.0), seen=seen)
+
+
+def linear_fit(
+    model: Model, data: Data, response: FlightResponse, *, start: float = 0.0, rounds: int = DRAG_ROUNDS
+) -> LinearFit:
+    """The posterior of the first flights of a model, those of `data`, the drag moved from `start` to where they put
+    it."""
+    flown = len(data.values)
+    past = model.part(slice(flown))
+    level = drag_term(past)
+    offset = start
+
+    def solved() -> tuple[Mapping[str, Array], Tangent, Fit]:
+        moved = moved_at(response, offset)
+        near = tangent(model, moved, offset)
+        return moved, near, solve(past, data, part_of(near, slice(flown)))
+
+    moved, near, fit = solved()
+    for _ in range(rounds):
+        offset = float(np.clip(fit.moments()[0][level] - REFERENCE_LOG_DRAG, -MAX_DRAG_OFFSET, MAX_DRAG_OFFSET))
+        moved, near, fit = solved()
+    return LinearFit(model, flown, offset, near, fit, moved)
+
+
+def robust(linear: LinearFit) -> LinearFit:
+    """The same with outliers counting for less, as in `fit_robustly`."""
+    fit = linear.fit
+    for _ in range(ROBUST_ROUNDS):
+        fit = solve(fit.model, replace(fit.data, trust=outlier_weights(fit)), fit.tangent)
+    return replace(linear, fit=fit)

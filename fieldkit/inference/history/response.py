@@ -1,0 +1,145 @@
+"""What flights would show, simulated at a few drag coefficients, and how each unknown and each effect moves it.
+
+All flights and all perturbations fly in one batch. Between the drag coefficients everything is interpolated, so that a
+fit can move its point of linearization without flying again.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.model.hyperprior import FROM_LOGS
+from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
+from fieldkit.model.rocket_model import Model, Term, shown
+from fieldkit.motors import Found
+from fieldkit.physics.effect import Effect, effects
+from fieldkit.shapes import Array, Float
+
+REFERENCE_LOG_DRAG = float(np.log(0.6))
+"""Logarithm of the drag coefficient about which flights are simulated. [1]"""
+REFERENCE_OPENING = 0.6
+"""Time in which the parachute opens there. [s]"""
+DRAG_OFFSETS = (-0.45, 0.0, 0.45)
+"""Logarithms of drags over the reference, between which readouts are interpolated. [1]"""
+MAX_DRAG_OFFSET = 0.9
+"""How far from the reference the logarithm of drag is followed at most. [1]"""
+STEPS = {"thrust": 0.05, "stretch": 0.05, "mass": 0.03, "opening": 0.3, "tilt": 1.0}
+"""Step of the difference for each property of a flight, in the unit of its terms."""
+DELAY_STEP = 0.08
+"""Step in the delay, to both sides: where ejection meets apogee readouts have a kink. [1]"""
+GROWN = 8.0
+"""Flights before, for the step of an effect that grows from flight to flight. [1]"""
+IN_LOG = np.array([name in FROM_LOGS for name in OBSERVED_READOUTS])
+"""Readouts that only the samples of a log show: a history's network does not use them."""
+_OF_READOUTS = dict(zip(OBSERVED_READOUTS, np.eye(len(OBSERVED_READOUTS)), strict=True))
+"""What a unit of a reading's bias does."""
+
+
+@dataclass(frozen=True, slots=True)
+class FlightResponse:
+    """Readouts as a fit compares them at each of `DRAG_OFFSETS`, and derivatives there.
+
+    The first of `moved` are the readouts themselves; `names` say what the others are: what a unit of what terms bend
+    does, or of the fitted value of an effect; of one with several `starts`, what each of them does, under the name and
+    the number of the start.
+    """
+
+    names: tuple[str, ...]
+    moved: Float[Array, "quantity drag flight readout"]
+
+    def part(self, rows: slice) -> "FlightResponse":
+        """Some of the flights."""
+        return FlightResponse(self.names, self.moved[:, :, rows])
+
+
+def secant(effect: Effect) -> tuple[float, ...]:
+    """The fitted values of an effect at which its shift is simulated: one that is neither small nor extreme."""
+    prior = effect.prior
+    if effect.starts:
+        return effect.starts
+    return (float(np.clip((abs(prior.mean) + prior.sd) * (GROWN if effect.grows else 1.0), 1e-6, None)),)
+
+
+def respond(flights: Sequence[Flight], found: Sequence[Found], area: Float[Array, "flight"]) -> FlightResponse:
+    """The response of flights, of any rockets, on coarse thrust curves and steps."""
+    known = effects()
+    count = len(flights)
+    places = [(name, value) for name, effect in known.items() for value in secant(effect)]
+    rows = [("", 0.0), *STEPS.items(), ("delay", DELAY_STEP), ("delay", -DELAY_STEP)]
+    per_drag = len(rows) + len(places)
+    bends = {kind: np.zeros((per_drag, count)) for kind in (*STEPS, "delay")}
+    for row, (kind, step) in enumerate(rows):
+        if kind:
+            bends[kind][row] = step
+    bends["opening"] += REFERENCE_OPENING
+    values = np.zeros((per_drag, len(places)))
+    values[len(rows) + np.arange(len(places)), np.arange(len(places))] = [value for _, value in places]
+    terms = tuple(Term(f"{name} {value}", known[name], 0.0, 1.0, np.ones(count)) for name, value in places)
+    model = Model(tuple(flights), tuple(found), area, terms, tuple(range(count)), coarse=True)
+    drag = np.repeat(REFERENCE_LOG_DRAG + np.array(DRAG_OFFSETS), per_drag)
+    every = {kind: np.tile(bent, (len(DRAG_OFFSETS), 1)) for kind, bent in bends.items()}
+    readings = shown(model, np.tile(values, (len(DRAG_OFFSETS), 1)), every | {"drag": drag[:, None] + np.zeros(count)})
+    flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
+    flown = flown.reshape(len(DRAG_OFFSETS), per_drag, count, -1)
+    with np.errstate(invalid="ignore"):
+        moved = np.nan_to_num(flown - flown[:, :1], posinf=0.0, neginf=0.0)
+    moves = {"": np.where(IN_LOG, np.nan, flown[:, 0])}
+    moves |= {kind: moved[:, row] / step for row, (kind, step) in enumerate(rows) if kind in STEPS}
+    there, back = (moved[:, row] for row, (kind, _) in enumerate(rows) if kind == "delay")
+    moves["delay"] = (there - back) / (2 * DELAY_STEP)
+    for name, effect in known.items():
+        own = [len(rows) + i for i, (other, _) in enumerate(places) if other == name]
+        size = 1.0 if effect.starts else secant(effect)[0]
+        moves |= {started(name, number): moved[:, row] / size for number, row in enumerate(own)}
+    return FlightResponse(tuple(moves), np.stack(list(moves.values())))
+
+
+def started(effect: str, number: int) -> str:
+    """The name of what one of an effect's starts does."""
+    return f"{effect} {number}"
+
+
+def _interpolation(offset: float) -> tuple[Float[Array, "drag"], Float[Array, "drag"]]:
+    """Lagrange's weights of the simulated drags at one between them, and their derivatives."""
+    low, middle, high = DRAG_OFFSETS
+    nodes = np.array(DRAG_OFFSETS)
+    others = np.array([[middle, high], [low, high], [low, middle]])
+    scale = (nodes[:, None] - others).prod(axis=1)
+    return (offset - others).prod(axis=1) / scale, (2 * offset - others.sum(axis=1)) / scale
+
+
+def moved_at(response: FlightResponse, offset: float) -> dict[str, Float[Array, "flight readout"]]:
+    """Every quantity of a response at an offset of the drag, and the slope with drag."""
+    weights, steeper = _interpolation(offset)
+    along = np.tensordot(weights, response.moved, axes=(0, 1))
+    found = dict(zip(response.names, along, strict=True))
+    return found | {"drag": np.nan_to_num(np.tensordot(steeper, response.moved[0], axes=(0, 0)))}
+
+
+def drag_term(model: Model) -> int:
+    """The term that holds the level of drag."""
+    return next(i for i, term in enumerate(model.terms) if term.bends == "drag" and np.all(term.weight == 1.0))
+
+
+def tangent(model: Model, moved: Mapping[str, Float[Array, "flight readout"]], offset: float) -> Tangent:
+    """Values and derivatives of a model's terms where its drag is off the reference by `offset`, from what
+    `moved_at` has there."""
+    at = np.array([REFERENCE_OPENING if term.bends == "opening" else 0.0 for term in model.terms])
+    at[drag_term(model)] = REFERENCE_LOG_DRAG + offset
+    names = {id(effect): started(name, 0) for name, effect in effects().items()}
+    known = {**moved, **_OF_READOUTS}
+    each = [
+        np.broadcast_to(known[term.bends if isinstance(term.bends, str) else names[id(term.bends)]], moved[""].shape)
+        for term in model.terms
+    ]
+    slope = np.stack(each, axis=-1) * np.stack([term.weight for term in model.terms], axis=-1)[:, None]
+    scatter = [moved[kind.bends] * kind.sd for kind in model.scatter]
+    return Tangent(at, moved[""], slope, np.stack(scatter, axis=-1))
+
+
+def part_of(near: Tangent, rows: slice) -> Tangent:
+    """Some of the flights of a tangent."""
+    return Tangent(near.at, near.values[rows], near.slope[rows], near.scatter_slope[rows])

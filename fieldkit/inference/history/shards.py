@@ -1,0 +1,166 @@
+"""Simulated histories as tables of features and truths, made in shards on any machines in any order."""
+
+import hashlib
+import io
+import json
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import Executor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from fieldkit import __version__, parallel
+from fieldkit.inference.history.drawn_rockets import stock
+from fieldkit.inference.history.features import Candidates, HistorySummary, effect_names, feature_names, summarize
+from fieldkit.inference.history.response import respond
+from fieldkit.inference.history.simulated_histories import ROCKETS_PER_BATCH, SimulatedHistory, simulated_histories
+from fieldkit.model.prior_predictive import split_motors
+from fieldkit.model.rocket_model import reference_area
+from fieldkit.motors import Motor
+from fieldkit.shapes import Array, Float
+
+ROCKETS_PER_SHARD = 100
+"""Some 200 histories: seconds of work."""
+TRUTHS = (
+    "unexplained",
+    "selects",
+    "flights",
+    "readouts",
+    "log_apogee",
+    "log_cd",
+    "log_alpha",
+    "mean",
+    "sd",
+    "cd_mean",
+    "cd_sd",
+    "alpha_mean",
+    "alpha_sd",
+    "correlation",
+)
+"""Columns after the features and a flag for each effect: the truth, and the linear fit's own answer."""
+
+
+@dataclass(frozen=True, slots=True)
+class ShardPlan:
+    """What decides a shard: the seed of the whole, its number, how many rockets, whether of motors held out."""
+
+    seed: int
+    number: int
+    rockets: int
+    candidates_of: Candidates
+    held_out: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class HistoryTable:
+    """Histories as features and truths, a row each."""
+
+    features: Float[Array, "history feature"]
+    effects: Float[Array, "history effect"]
+    truths: Float[Array, "history truth"]
+
+    def truth(self, name: str) -> Float[Array, "history"]:
+        """A column of `TRUTHS`."""
+        return self.truths[:, TRUTHS.index(name)]
+
+    def rows(self, which: Any) -> "HistoryTable":
+        """Some of the histories."""
+        return HistoryTable(self.features[which], self.effects[which], self.truths[which])
+
+
+def summarized(
+    found: Sequence[SimulatedHistory], candidates_of: Candidates, names: Sequence[str]
+) -> Iterator[HistorySummary]:
+    """The summaries of simulated histories, whose rockets fly in one batch."""
+    rockets = {id(one.history.found): one.history for one in found}
+    flights = [flight for history in rockets.values() for flight in history.flights]
+    motors = [motor for history in rockets.values() for motor in history.found]
+    area = [reference_area(history.flights, len(history.used_in_fit)) for history in rockets.values()]
+    response = respond(flights, motors, np.concatenate(area))
+    ends = np.cumsum([0, *(len(history.flights) for history in rockets.values())]).tolist()
+    parts = {key: response.part(slice(*ends[i : i + 2])) for i, key in enumerate(rockets)}
+    for one in found:
+        yield summarize(one.history, parts[id(one.history.found)], candidates_of, names)
+
+
+def row(one: SimulatedHistory, made: HistorySummary, names: Sequence[str]) -> Float[Array, "column"]:
+    """A history as a row: features, effects, truths."""
+    said, seen = made.baseline, made.data.seen
+    truths = {
+        "unexplained": one.unexplained,
+        "selects": one.selects,
+        "flights": seen.any(axis=1).sum(),
+        "readouts": seen.any(axis=0).sum(),
+        "log_apogee": np.log(one.apogee),
+        "log_cd": one.cd,
+        "log_alpha": one.alpha,
+        "mean": said.apogee,
+        "sd": said.apogee_sd,
+        "cd_mean": said.cd,
+        "cd_sd": said.cd_sd,
+        "alpha_mean": said.alpha,
+        "alpha_sd": said.alpha_sd,
+        "correlation": said.correlation,
+    }
+    flags = [name in one.effects for name in names]
+    return np.array([*made.features, *flags, *(truths[name] for name in TRUTHS)], float)
+
+
+def simulate_shard(plan: ShardPlan) -> bytes:
+    """The histories of a shard as a table in numpy's own format; its random numbers are its own, whoever draws them."""
+    rng = np.random.default_rng(np.random.SeedSequence(plan.seed, spawn_key=(int(plan.held_out), plan.number)))
+    choice = stock(_motors(plan.held_out))
+    names = effect_names()
+    rows: list[Array] = []
+    for first in range(0, plan.rockets, ROCKETS_PER_BATCH):
+        count = min(ROCKETS_PER_BATCH, plan.rockets - first)
+        found = simulated_histories(rng, choice, plan.candidates_of, count)
+        made = summarized(found, plan.candidates_of, names)
+        rows += [row(one, summary, names) for one, summary in zip(found, made, strict=True)]
+    file = io.BytesIO()
+    np.lib.format.write_array(file, np.asarray(rows, np.float32), allow_pickle=False)
+    return file.getvalue()
+
+
+def _motors(held_out: bool) -> list[Motor]:
+    known, others = split_motors()
+    return others if held_out else known
+
+
+def simulate_table(
+    folder: Path,
+    seed: int,
+    rockets: int,
+    candidates_of: Candidates,
+    pool: Executor,
+    on_shard: Callable[[int, int], None] | None = None,
+    *,
+    held_out: bool = False,
+) -> HistoryTable:
+    """The histories of so many rockets, with the shards that an earlier run left in the folder."""
+    sizes = [min(ROCKETS_PER_SHARD, rockets - first) for first in range(0, rockets, ROCKETS_PER_SHARD)]
+    plans = {
+        f"{number:05d}.npy": ShardPlan(seed, number, size, candidates_of, held_out) for number, size in enumerate(sizes)
+    }
+    found: dict[str, Array] = {}
+    for name, content in parallel.done(simulate_shard, plans, folder / _digest(seed, held_out), pool):
+        found[name] = np.lib.format.read_array(io.BytesIO(content), allow_pickle=False)
+        if on_shard:
+            on_shard(len(found), len(plans))
+    return table(np.concatenate([found[name] for name in plans]))
+
+
+def table(rows: Float[Array, "history column"]) -> HistoryTable:
+    """Features, effects and truths of rows."""
+    names = effect_names()
+    width = len(feature_names(names))
+    whole = rows.astype(float)
+    return HistoryTable(whole[:, :width], whole[:, width : width + len(names)], whole[:, width + len(names) :])
+
+
+def _digest(seed: int, held_out: bool) -> str:
+    """Of what shards are made from: those of another seed, features, effects or fieldkit are never taken for them."""
+    said = json.dumps([__version__, seed, held_out, ROCKETS_PER_SHARD, feature_names(effect_names()), TRUTHS])
+    return hashlib.sha256(said.encode()).hexdigest()[:16]

@@ -1,0 +1,326 @@
+"""Simulated histories with the truth behind them: the prior predictive of the one model, randomized beyond it.
+
+Everything that the model has is drawn from a hyperprior, the effects of `models/effects` at strengths from their
+priors and in places from theirs. Beyond the model are a drag that differs between burn and coast and near the speed of
+sound, a little weathercocking, flights that went wrong unnoticed, standard deviations other than the hyperprior's, and
+patterns that no effect stands for: changes for good, single days, every so many flights, smooth functions of what was
+written down.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from fieldkit.inference.history.drawn_rockets import DrawnRocket, Stock, draw_rocket
+from fieldkit.inference.history.evidence import PlacedEffect
+from fieldkit.inference.history.features import Candidates, History
+from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.random_effects import drawn
+from fieldkit.model.readout_data import IS_LOGARITHMIC, OBSERVED_READOUTS, compared, reading_sd
+from fieldkit.model.rocket_model import Model, Term, apogee_scatter, base_model, bent, shared_names, shown
+from fieldkit.model.shared_prior import SharedPrior
+from fieldkit.physics.effect import Prior, effects
+from fieldkit.physics.setups import recorded
+from fieldkit.shapes import Array, Float
+
+SELECTION_WORLD = 0.6
+"""Fraction of rockets drawn from the hyperprior that effects are judged with, the rest from that of forecasts. [1]"""
+NUMBER_ODDS = (0.45, 0.37, 0.13, 0.05)
+"""Prior probability of no effect, one, two and three. [1]"""
+UNEXPLAINED = 0.13
+"""Prior probability of a pattern that no effect stands for, whatever effects there are. [1]"""
+SD_SPREAD = 0.25
+"""Standard deviation of the logarithm of every standard deviation about the hyperprior's. [1]"""
+MISTAKES = 0.015
+"""Fraction of flights that went wrong and bear no tag. [1]"""
+DRAWS_PER_ROCKET = 2
+"""Histories of each drawn rocket."""
+ROCKETS_PER_BATCH = 25
+"""Rockets that fly together."""
+BACKGROUND_SDS = {"of one sign": 0.2, "of both signs": 0.04}
+"""Standard deviation of the strengths of effects that are always there a little: those that act in flight, and those
+of something that is written down. [1]"""
+_PATTERN_SIZES = {"drag": (0.08, 0.6), "mass": (0.04, 0.3), "thrust": (0.03, 0.15)}
+
+
+@dataclass(frozen=True, slots=True)
+class SimulatedHistory:
+    """A history as its flyer has it, and the truth.
+
+    `effects` are the names of those that act, `unexplained` whether a pattern does; `apogee` is what the plan will
+    show [m], `cd` and `alpha` the logarithms of what it flies with [1]. `selects` says whether it comes from the
+    hyperprior that effects are judged with.
+    """
+
+    history: History
+    effects: tuple[str, ...]
+    unexplained: bool
+    selects: bool
+    apogee: float
+    cd: float
+    alpha: float
+
+
+@dataclass(frozen=True, slots=True)
+class _Rocket:
+    """A drawn rocket with its model and what it may lack."""
+
+    rocket: DrawnRocket
+    model: Model
+    selects: bool
+    shared: SharedPrior | None
+    candidates: dict[str, list[PlacedEffect]]
+
+
+def simulated_histories(
+    rng: np.random.Generator,
+    choice: Stock,
+    candidates_of: Candidates,
+    rockets: int = ROCKETS_PER_BATCH,
+    draws: int = DRAWS_PER_ROCKET,
+    flights: int | None = None,
+    selects: bool | None = None,
+) -> list[SimulatedHistory]:
+    """Histories of so many rockets, `draws` of each; plans that would not leave the pad are left out.
+
+    `flights` is how many each has, `selects` which hyperprior they come from, where these are not drawn too.
+    """
+    some = [_rocket(rng, choice, candidates_of, flights, selects) for _ in range(rockets)]
+    kinds = [[_lacks(rng, one) for _ in range(draws)] for one in some]
+    world = _World(rng, some, kinds, draws)
+    readings = world.fly()
+    found = []
+    for number in range(rockets):
+        for draw in range(draws):
+            made = world.history(readings, number, draw)
+            if made is not None:
+                found.append(made)
+    return found
+
+
+def _rocket(
+    rng: np.random.Generator, choice: Stock, candidates_of: Candidates, flights: int | None, selects: bool | None
+) -> _Rocket:
+    rocket = draw_rocket(rng, choice, flights)
+    selects = bool(rng.uniform() < SELECTION_WORLD) if selects is None else selects
+    hyperprior = certified() if selects else learned()
+    sds = {name: sd * float(np.exp(SD_SPREAD * rng.normal())) for name, sd in hyperprior.sds.items()}
+    hyperprior = replace(hyperprior, sds=sds)
+    count = len(rocket.used_in_fit)
+    model = base_model(rocket.flights, rocket.found, hyperprior, count)
+    shared = None
+    if not selects and rng.uniform() < 0.4:
+        shared = _others(rng, model)
+        model = base_model(rocket.flights, rocket.found, hyperprior, count, shared=shared)
+    families: dict[str, list[PlacedEffect]] = {}
+    for candidate in candidates_of(model, rocket.used_in_fit):
+        if candidate.effect:
+            families.setdefault(candidate.effect, []).append(candidate)
+    return _Rocket(rocket, model, selects, shared, families)
+
+
+def _others(rng: np.random.Generator, model: Model) -> SharedPrior:
+    """What other rockets of the flyer show: means away from the hyperprior's and standard deviations below."""
+    names = shared_names(model)
+    terms = [next(term for term in model.terms if term.name == name) for name in names]
+    left = rng.uniform(0.25, 1.0, len(names))
+    sds = np.array([term.sd for term in terms])
+    mean = np.array([term.mean for term in terms]) + sds * np.sqrt(1 - left**2) * rng.normal(size=len(names))
+    return SharedPrior(tuple(names), mean, np.diag((sds * left) ** 2))
+
+
+@dataclass(frozen=True, slots=True)
+class _Lacks:
+    """What the plain model of one history lacks: effects in places, and shifts that no effect stands for."""
+
+    placed: tuple[PlacedEffect, ...]
+    pattern: dict[str, Float[Array, "flight"]]
+
+
+def _lacks(rng: np.random.Generator, one: _Rocket) -> _Lacks:
+    names = sorted(one.candidates)
+    number = min(int(rng.choice(len(NUMBER_ODDS), p=NUMBER_ODDS)), len(names))
+    placed = []
+    for name in rng.choice(names, number, replace=False) if number else []:
+        family = one.candidates[str(name)]
+        odds = np.exp([candidate.log_share for candidate in family])
+        placed.append(family[int(rng.choice(len(family), p=odds / odds.sum()))])
+    pattern = _pattern(rng, one.rocket) if len(one.rocket.used_in_fit) > 3 and rng.uniform() < UNEXPLAINED else {}
+    return _Lacks(tuple(placed), pattern)
+
+
+def _pattern(rng: np.random.Generator, rocket: DrawnRocket) -> dict[str, Float[Array, "flight"]]:
+    """A shift of drag, mass or thrust with something that was written down, or with the order of flying."""
+    kinds: Sequence[Callable[[np.random.Generator, DrawnRocket], Array]] = (_step, _day, _periodic, _smooth, _smooth)
+    shape = kinds[int(rng.integers(len(kinds)))](rng, rocket)
+    bends = str(rng.choice(list(_PATTERN_SIZES), p=[0.6, 0.25, 0.15]))
+    low, high = _PATTERN_SIZES[bends]
+    size = float(np.exp(rng.uniform(np.log(low), np.log(high)))) * float(rng.choice([-0.7, 1.0], p=[0.3, 0.7]))
+    return {bends: size * shape}
+
+
+def _step(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
+    count = len(rocket.used_in_fit)
+    return np.where(np.arange(count + 1) >= rng.integers(1, count), 1.0, 0.0)
+
+
+def _day(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
+    days = [
+        flight.date_time.date().isoformat() if flight.date_time else str(i // 4)
+        for i, flight in enumerate(rocket.flights)
+    ]
+    return np.array([day == days[int(rng.integers(len(days) - 1))] for day in days], float)
+
+
+def _periodic(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
+    every = int(rng.integers(2, 5))
+    return np.where(np.arange(len(rocket.flights)) % every == rng.integers(every), 1.0, 0.0)
+
+
+def _smooth(rng: np.random.Generator, rocket: DrawnRocket) -> Array:
+    """A smooth random function of the hour, the order or a condition, of standard deviation one half."""
+    hours = np.array([f.date_time.hour + f.date_time.minute / 60 if f.date_time else np.nan for f in rocket.flights])
+    columns = [hours, np.arange(len(hours), dtype=float)]
+    columns += [recorded(rocket.flights, name) for name in ("temperature", "wind", "pressure")]
+    usable = [column for column in columns if np.isfinite(column).all() and np.ptp(column) > 0]
+    along = usable[int(rng.integers(len(usable)))]
+    along = (along - along.mean()) / along.std()
+    waves = rng.normal(size=(3, 1)) * along * rng.uniform(0.3, 1.2) + rng.uniform(0, 2 * np.pi, (3, 1))
+    shape = (rng.normal(size=(3, 1)) * np.cos(waves)).sum(axis=0)
+    return np.asarray(0.5 * (shape - shape.mean()) / max(float(shape.std()), 1e-6))
+
+
+def _background() -> list[str]:
+    """Effects that are always there a little."""
+    return [name for name, effect in effects().items() if effect.acceleration is not None or effect.needs]
+
+
+class _World:
+    """Rockets of a batch as one model, whose draws are the histories."""
+
+    def __init__(
+        self, rng: np.random.Generator, some: Sequence[_Rocket], kinds: Sequence[Sequence[_Lacks]], draws: int
+    ) -> None:
+        self.rng, self.some, self.kinds, self.draws = rng, some, kinds, draws
+        lengths = [len(one.rocket.flights) for one in some]
+        self.ends = np.cumsum([0, *lengths])
+        count = int(self.ends[-1])
+        self.scatter_scale, self.reading_scale = np.empty((draws, count)), np.empty((draws, count))
+        self.own = np.concatenate([apogee_scatter(one.model) for one in some])
+        terms: list[Term] = []
+        values: list[Array] = []
+        self.scatter = {
+            kind: np.zeros((draws, count)) for kind in ("drag", "thrust", "stretch", "delay", "tilt", "mass")
+        }
+        for number, one in enumerate(some):
+            rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
+            self._one(one, kinds[number], rows, terms, values)
+        known = effects()
+        for name in _background():
+            one_sign = known[name].prior.low >= 0
+            drawn_sizes = rng.normal(0.0, BACKGROUND_SDS["of one sign" if one_sign else "of both signs"], len(some))
+            each = np.abs(drawn_sizes) if one_sign else drawn_sizes
+            terms.append(Term(f"background {name}", known[name], 0.0, 1.0, np.repeat(each, lengths)))
+            values.append(np.ones(draws))
+        flights = tuple(flight for one in some for flight in one.rocket.flights)
+        found = tuple(motor for one in some for motor in one.rocket.found)
+        area = np.concatenate([one.model.area for one in some])
+        self.model = Model(flights, found, area, tuple(terms), tuple(range(count)), some[0].model.hyperprior)
+        self.values = np.stack(values, axis=-1)
+
+    def _one(self, one: _Rocket, kinds: Sequence[_Lacks], rows: slice, terms: list[Term], values: list[Array]) -> None:
+        """Add a rocket's terms and scatter."""
+        rng, prior, width = self.rng, one.model.hyperprior, rows.stop - rows.start
+        scales = {
+            name: scale.median * np.exp(scale.log_sd * np.clip(rng.normal(size=self.draws), -2.2, 2.2))
+            for name, scale in (("scatter", prior.scatter), ("reading", prior.reading))
+        }
+        self.scatter_scale[:, rows], self.reading_scale[:, rows] = (
+            scales["scatter"][:, None],
+            scales["reading"][:, None],
+        )
+        shared = one.shared
+        for term in one.model.terms:
+            mean, sd = term.mean, term.sd * (scales[term.scaled_by] if term.scaled_by else np.ones(self.draws))
+            if shared is not None and term.name in shared.names:
+                place = shared.names.index(term.name)
+                mean, sd = shared.mean[place], np.full(self.draws, float(np.sqrt(shared.covariance[place, place])))
+            self._add(term, rows, terms)
+            values.append(np.clip(mean + sd * rng.normal(size=self.draws), term.low, term.high))
+        for draw, lacks in enumerate(kinds):
+            for candidate in lacks.placed:
+                for term in candidate.terms:
+                    bounds = Prior(term.mean, term.sd, term.low, term.high)
+                    own = np.zeros(self.draws)
+                    own[draw] = drawn(rng, bounds, 1)[0]
+                    self._add(term, rows, terms)
+                    values.append(own)
+            for bends, shift in lacks.pattern.items():
+                self.scatter[bends][draw, rows] += shift
+        for kind in one.model.scatter:
+            tailed = rng.normal(size=(self.draws, width))
+            self.scatter[kind.bends][:, rows] += kind.sd * scales["scatter"][:, None] * tailed
+
+    def _add(self, term: Term, rows: slice, terms: list[Term]) -> None:
+        weight = np.zeros(int(self.ends[-1]))
+        weight[rows] = term.weight
+        terms.append(replace(term, weight=weight))
+
+    def fly(self) -> Float[Array, "draw flight readout"]:
+        """What the altimeter shows, as a fit compares it; nan where a flight would not leave the pad."""
+        rng = self.rng
+        readings = shown(self.model, self.values, self.scatter)
+        flown = compared(np.stack([readings[name] for name in OBSERVED_READOUTS], axis=-1))
+        shape = flown.shape
+        tail = self.model.hyperprior.tail
+        tailed = rng.normal(size=shape) * np.sqrt(tail / rng.chisquare(tail, shape))
+        with np.errstate(over="ignore", invalid="ignore"):
+            raw = np.where(IS_LOGARITHMIC, np.exp(flown), flown)
+        errors = np.concatenate(
+            [
+                reading_sd(raw[:, slice(int(a), int(b))], one.model.hyperprior)
+                for a, b, one in zip(self.ends[:-1], self.ends[1:], self.some, strict=True)
+            ],
+            axis=1,
+        )
+        noise = errors * tailed * self.reading_scale[..., None]
+        noise[..., 0] = errors[..., 0] * rng.normal(size=shape[:2])
+        noise[..., 0] += np.clip(self.own * self.scatter_scale * tailed[..., 0], -1.5, 1.5)
+        wrong = rng.uniform(size=shape[:2]) < MISTAKES
+        noise[..., 0] += np.where(wrong, np.log(rng.uniform(0.4, 0.85, shape[:2])), 0.0)
+        return np.asarray(flown + noise)
+
+    def history(self, readings: Float[Array, "draw flight readout"], number: int, draw: int) -> SimulatedHistory | None:
+        """One history, None where its plan does not fly."""
+        one, lacks = self.some[number], self.kinds[number][draw]
+        rows = slice(int(self.ends[number]), int(self.ends[number + 1]))
+        own, rocket = readings[draw, rows], one.rocket
+        plan = own[-1, 0]
+        if not np.isfinite(plan) or plan < np.log(3.0):
+            return None
+        values = np.where(IS_LOGARITHMIC, np.exp(np.clip(own, -20.0, 20.0)), own)
+        flights = [
+            flight.with_changes(**_shown(rocket.shows[i], values[i])) for i, flight in enumerate(rocket.flights[:-1])
+        ]
+        drag, thrust = (
+            bent(self.model, self.values[draw : draw + 1], kind)[0, rows][-1] for kind in ("drag", "thrust")
+        )
+        return SimulatedHistory(
+            History(
+                (*flights, rocket.flights[-1]), rocket.found, rocket.used_in_fit, certified(), learned(), one.shared
+            ),
+            tuple(sorted(candidate.effect for candidate in lacks.placed)),
+            bool(lacks.pattern),
+            one.selects,
+            float(np.exp(plan)),
+            float(drag),
+            float(thrust),
+        )
+
+
+def _shown(names: Sequence[str], values: Float[Array, "readout"]) -> dict[str, Any]:
+    """The readouts that a flight shows, those that there are."""
+    found = {name: float(values[OBSERVED_READOUTS.index(name)]) for name in names}
+    return {name: value for name, value in found.items() if np.isfinite(value)}

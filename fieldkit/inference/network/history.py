@@ -1,0 +1,113 @@
+"""A whole history answered at once: which effects are there, what the plan will reach, what it flies with."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cache
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.errors import DamagedModel
+from fieldkit.inference.history.features import (
+    Candidates,
+    History,
+    HistorySummary,
+    effect_names,
+    feature_names,
+    summarize,
+)
+from fieldkit.inference.history.response import FlightResponse, respond
+from fieldkit.inference.network.history_parts import LEVELS, OVERALL_OUTPUTS, PARAMETERS, answer, quantile_draws
+from fieldkit.model.rocket_model import reference_area
+from fieldkit.shapes import Array, Float
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+NAME = "history"
+
+
+@dataclass(frozen=True, slots=True)
+class QuickAnswer:
+    """What the network makes of a history and its plan.
+
+    `inclusion` is the probability of each effect that the network knows, `none` that nothing is missing, `unexplained`
+    that something is that no effect stands for; no effect excludes another. `log_apogee` are quantiles of the plan's
+    log apogee [log m] at `levels`; `log_cd` and `log_alpha` mean and standard deviation, `correlation` theirs. [1]
+    """
+
+    inclusion: Mapping[str, float]
+    none: float
+    unexplained: float
+    levels: tuple[float, ...]
+    log_apogee: Float[Array, "level"]
+    log_cd: tuple[float, float]
+    log_alpha: tuple[float, float]
+    correlation: float
+    summary: HistorySummary
+    model: str
+
+    def apogee_at(self, level: float) -> float:
+        """The plan's apogee at one of `levels`. [m]"""
+        return float(np.exp(self.log_apogee[self.levels.index(level)]))
+
+    def apogee_draws(self, count: int) -> Float[Array, "draw"]:
+        """Equally likely apogees of the plan, in order. [m]"""
+        return np.exp(quantile_draws(self.log_apogee, count))
+
+
+@cache
+def load_history() -> "Ensemble":
+    """The shipped network. Raises DamagedModel where it was trained on other features."""
+    from fieldkit.inference.network.ensemble import load
+
+    return checked(load(NAME))
+
+
+def checked(ensemble: "Ensemble") -> "Ensemble":
+    """A history network whose card fits this version of fieldkit. Raises DamagedModel."""
+    known = tuple(ensemble.card.get("effects", ()))
+    outputs = len(known) + OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
+    if ensemble.features != feature_names(known) or list(ensemble.card.get("parts", ()))[-1:] != [outputs]:
+        raise DamagedModel(
+            f"{ensemble.name}: its card has other features than this version of fieldkit; train it again"
+        )
+    return ensemble
+
+
+def response_of(history: History) -> FlightResponse:
+    """What the flights of a history and its plan would show; one batch of simulated flights."""
+    return respond(history.flights, history.found, reference_area(history.flights, len(history.used_in_fit)))
+
+
+def quick_answer(history: History, candidates_of: Candidates, ensemble: "Ensemble | None" = None) -> QuickAnswer:
+    """The network's answer for one history, by default the shipped network's.
+
+    Effects on file that it was not trained with are not in the answer. Raises ImpossibleFlight for a flight without a
+    dry mass, DamagedModel.
+    """
+    network = ensemble or load_history()
+    names = tuple(network.card["effects"])
+    summary = summarize(history, response_of(history), candidates_of, names)
+    said = answer(network.members(summary.features[None]), len(names))
+    base = summary.baseline
+    acting = {candidate.effect for candidate in summary.candidates}
+    middle = (base.cd + base.cd_sd * said.shift[0, 0], base.alpha + base.alpha_sd * said.shift[0, 1])
+    sds = (base.cd_sd * said.scale[0, 0], base.alpha_sd * said.scale[0, 1])
+    return QuickAnswer(
+        {name: float(said.inclusion[0, i]) for i, name in enumerate(names) if name in acting},
+        float(said.none[0]),
+        float(said.unexplained[0]),
+        LEVELS,
+        base.apogee + base.apogee_sd * said.quantiles[0],
+        (float(middle[0]), float(sds[0])),
+        (float(middle[1]), float(sds[1])),
+        float(np.tanh(np.arctanh(np.clip(base.correlation, -0.99, 0.99)) + said.coupling[0])),
+        summary,
+        network.name,
+    )
+
+
+def untrained_effects(ensemble: "Ensemble") -> tuple[str, ...]:
+    """Effects on file that a network was not trained with."""
+    return tuple(name for name in effect_names() if name not in ensemble.card["effects"])

@@ -1,0 +1,228 @@
+"""The history network: trained on simulated histories, features by linear fits, in one resumable command."""
+
+import hashlib
+import json
+import time
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from importlib.metadata import version
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+from torch import nn
+from torch.optim.lr_scheduler import OneCycleLR
+
+from fieldkit.errors import BadValue
+from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS
+from fieldkit.inference.history.features import OF_HISTORY, PER_EFFECT, Candidates, effect_names, feature_names
+from fieldkit.inference.history.shards import HistoryTable, simulate_table
+from fieldkit.inference.history.simulated_histories import NUMBER_ODDS, SELECTION_WORLD, UNEXPLAINED
+from fieldkit.inference.network.ensemble import from_parts
+from fieldkit.inference.network.history_parts import width
+from fieldkit.inference.training.fit import Progress, one_thread
+from fieldkit.inference.training.history_graph import MAX_FEATURE_SDS, history_graph
+from fieldkit.inference.training.history_members import MEMBERS, HistoryMembers, HistoryTargets, loss
+from fieldkit.inference.training.parts import drop_parts
+from fieldkit.inference.training.shipping import claim, ship
+from fieldkit.inference.training.unfinished import load_state, save_state
+from fieldkit.inference.validation.history import judge
+from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.random_effects import priors
+from fieldkit.parallel import workers
+from fieldkit.physics.effect import effects
+from fieldkit.shapes import Array, Float
+
+TEST_SHARE = 0.1
+"""Of the histories, on which the network is judged and never trained. [1]"""
+VALIDATION_SHARE = 0.05
+"""Of the histories, by which the number of epochs is chosen. [1]"""
+HELD_OUT_ROCKETS = 150
+"""Rockets on motors of a maker that the network never saw."""
+SAVE_EPOCHS = 5
+"""Epochs between states that a run that was cut short goes on from."""
+
+
+@dataclass(frozen=True, slots=True)
+class HistoryPlan:
+    """How long and how fast: epochs, batch, peak rate, weight decay."""
+
+    epochs: int
+    batch: int = 256
+    rate: float = 2e-3
+    decay: float = 0.05
+
+
+PLANS = {"quick": HistoryPlan(epochs=2), "published": HistoryPlan(epochs=10)}
+
+
+def train_history(
+    out: Path,
+    *,
+    candidates_of: Candidates,
+    seed: int = 1,
+    n_train: int = 14_000,
+    schedule: str = "published",
+    cluster: str = "",
+    progress: Progress | None = None,
+) -> dict[str, Any]:
+    """Simulate the histories of `n_train` rockets, train, export into a new folder, judge, and say how good it is.
+
+    Shards and the state of training are kept in the folder until the end: a run that was cut short goes on from there.
+    `candidates_of` is what a history's effects are weighed by. Raises BadValue for an unknown schedule or a folder
+    that holds an ensemble already.
+    """
+    if schedule not in PLANS:
+        raise BadValue(f"found the schedule {schedule!r}, expected one of {', '.join(PLANS)}")
+    claim(out)
+    plan, began = PLANS[schedule], time.perf_counter()
+
+    def on_shard(done: int, count: int) -> None:
+        if progress:
+            progress(done, count + plan.epochs, float("nan"))
+
+    with workers(cluster) if cluster else ThreadPoolExecutor(1) as pool:
+        whole = simulate_table(out / "parts", seed, n_train, candidates_of, pool, on_shard)
+        others = simulate_table(out / "parts", seed, HELD_OUT_ROCKETS, candidates_of, pool, held_out=True)
+    simulated = time.perf_counter() - began
+    train, validation, test = split(whole)
+
+    def on_epoch(epoch: int, epochs: int, value: float) -> None:
+        if progress:
+            progress(epoch, epochs, value)
+
+    with one_thread(seed):
+        members, mean, sd, losses = fit_history(train, validation, plan, out / "parts" / "state.npy", on_epoch)
+    graph = history_graph(members, mean, sd)
+    card = _card(seed, n_train, schedule, plan) | {
+        "simulations": len(whole.features),
+        "simulation_seconds": round(simulated, 1),
+        "seconds": round(time.perf_counter() - began, 1),
+        "loss": losses,
+    }
+    ensemble = from_parts(graph, card, out)
+    card["test"] = judge(ensemble, test)
+    card["test_held_out"] = judge(ensemble, others)
+    files = ship(out, graph, card)
+    drop_parts(out)
+    return {
+        "recipe": "history",
+        "cd_mae": card["test"]["parameters"]["cd_mae"],
+        "alpha_mae": card["test"]["parameters"]["alpha_mae"],
+        "n_train": n_train,
+        "seconds": card["seconds"],
+        "files": files,
+    }
+
+
+def split(whole: HistoryTable) -> tuple[HistoryTable, HistoryTable, HistoryTable]:
+    """Histories to train on, to choose the epoch by and to judge by; those of one rocket stay together."""
+    count = len(whole.features)
+    test, validation = (max(int(count * share), 1) for share in (TEST_SHARE, VALIDATION_SHARE))
+    ends = (count - test - validation, count - test)
+    return whole.rows(np.arange(ends[0])), whole.rows(np.arange(*ends)), whole.rows(np.arange(ends[1], count))
+
+
+def fit_history(
+    train: HistoryTable,
+    validation: HistoryTable,
+    plan: HistoryPlan,
+    state: Path,
+    progress: Callable[[int, int, float], None],
+) -> tuple[HistoryMembers, Float[Array, "feature"], Float[Array, "feature"], list[float]]:
+    """Members trained by one cycle of AdamW, each on the histories in another order, those of the epoch with the least
+    loss on validation histories; the mean and standard deviation that scale their features; the losses there.
+
+    `state` is the file of an unfinished run. Runs on a GPU where there is one.
+    """
+    device = "cuda" if torch.cuda.is_available() else "cpu"
+    mean, sd = train.features.mean(axis=0), train.features.std(axis=0) + 1e-3
+
+    def scaled(table: HistoryTable) -> torch.Tensor:
+        values = ((table.features - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS)
+        return torch.from_numpy(values.astype(np.float32)).to(device)
+
+    features, targets = scaled(train), HistoryTargets(train, _acts(train)).to(device)
+    unseen, unseen_targets = scaled(validation), HistoryTargets(validation, _acts(validation)).to(device)
+    members = HistoryMembers(len(OF_HISTORY), len(effect_names()), len(PER_EFFECT)).to(device)
+    count = len(features)
+    batch = min(plan.batch, count)
+    optimizer = torch.optim.AdamW(members.parameters(), lr=plan.rate, weight_decay=plan.decay)
+    rate = OneCycleLR(optimizer, plan.rate, total_steps=plan.epochs * (count // batch), pct_start=0.2)
+    losses: list[float] = []
+    best: dict[str, Any] = {}
+    if state.exists():
+        losses, best = load_state(state, members, optimizer, rate)
+    for epoch in range(len(losses) + 1, plan.epochs + 1):
+        orders = torch.stack([torch.randperm(count, device=device) for _ in range(MEMBERS)])
+        for first in range(0, count - batch + 1, batch):
+            rows = orders[:, first : first + batch]
+            optimizer.zero_grad()
+            loss(members(features[rows]), targets.rows(rows)).backward()
+            nn.utils.clip_grad_norm_(members.parameters(), 5.0)
+            optimizer.step()
+            rate.step()
+        with torch.no_grad():
+            losses.append(float(loss(members(unseen), unseen_targets.rows(_every(len(unseen), device)))))
+        if losses[-1] == min(losses):
+            best = {name: value.detach().clone() for name, value in members.state_dict().items()}
+        if epoch % SAVE_EPOCHS == 0:
+            save_state(state, members, optimizer, rate, losses, best)
+        progress(epoch, plan.epochs, losses[-1])
+    members.load_state_dict(best)
+    return members.cpu(), mean, sd, [round(value, 5) for value in losses]
+
+
+def _every(count: int, device: str) -> torch.Tensor:
+    """Rows of all histories for every member."""
+    return torch.arange(count, device=device).expand(MEMBERS, count)
+
+
+def _acts(table: HistoryTable) -> np.ndarray[tuple[int, int], np.dtype[np.bool_]]:
+    """Whether each effect can act on a history at all."""
+    names = feature_names(effect_names())
+    return table.features[:, [names.index(f"{name}.acts") for name in effect_names()]] > 0.5
+
+
+def _digest(document: object) -> str:
+    """Of the hyperpriors that histories were drawn from: forecasts with another card rest on the features alone."""
+    return hashlib.sha256(json.dumps(document, sort_keys=True, default=dict).encode()).hexdigest()
+
+
+def _card(seed: int, n_train: int, schedule: str, plan: HistoryPlan) -> dict[str, Any]:
+    """What is known before training."""
+    names = effect_names()
+    return {
+        "name": "history",
+        "recipe": "history",
+        "physics": "field",
+        "command": (
+            f"fieldkit train --recipe history --schedule {schedule} --seed {seed} --n-train {n_train} --out DIR"
+        ),
+        "seed": seed,
+        "n_train": n_train,
+        "effects": list(names),
+        "effect_priors": priors(list(effects())),
+        "priors": {
+            "flights": f"1 to {MAX_FLIGHTS}, log-uniform",
+            "effects": f"none, one, two, three: {', '.join(map(str, NUMBER_ODDS))}; each as likely as any other",
+            "unexplained": f"{UNEXPLAINED}, whatever effects there are",
+            "hyperprior": f"certified in {SELECTION_WORLD:.0%}, on which inclusion is trained; else the learned one",
+        },
+        "hyperpriors": {one.kind: _digest(one.json()) for one in (certified(), learned())},
+        "features": list(feature_names(names)),
+        "outputs": ["inclusion", "none", "unexplained", "log_apogee", "log_cd", "log_alpha"],
+        "parts": [MEMBERS, width(len(names))],
+        "network": {"members": MEMBERS},
+        "training": {
+            "schedule": schedule,
+            "optimizer": "AdamW, one cycle",
+            "epochs": plan.epochs,
+            "batch": plan.batch,
+            "rate": plan.rate,
+            "weight_decay": plan.decay,
+        },
+        "made_with": {name: version(name) for name in ("torch", "onnx", "numpy")},
+    }

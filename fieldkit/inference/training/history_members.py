@@ -1,0 +1,149 @@
+"""All members of the history network as one: every layer is one batched product.
+
+A part that sees one effect beside the history, the same for every effect but for a bias, gives its inclusion; a part
+that sees everything gives the rest.
+"""
+
+from itertools import pairwise
+
+import numpy as np
+import torch
+from torch import Tensor, nn
+
+from fieldkit.inference.history.shards import HistoryTable
+from fieldkit.inference.network.history_parts import (
+    LEVELS,
+    LOG_SD_RANGE,
+    MEDIAN,
+    OVERALL_OUTPUTS,
+    PARAMETERS,
+    quantile_steps,
+)
+
+MEMBERS = 5
+EFFECT_UNITS = 64
+UNITS = 96
+FIRST_LOGIT = -2.5
+"""Log odds of an effect before training, near those of the prior. [1]"""
+FORECAST_WEIGHT, PARAMETER_WEIGHT = 2.0, 0.5
+"""Weights of the losses of the forecast (pinball) and of drag and thrust beside that of inclusion. [1]"""
+MAX_TARGET_SDS = 8.0
+"""Standard deviations of the linear fit to which a target is limited. [1]"""
+
+
+class HistoryMembers(nn.Module):  # type: ignore[misc]
+    """Members that each map standardized features to their parts; the first axis is the member."""
+
+    def __init__(self, of_history: int, effects: int, per_effect: int, members: int = MEMBERS) -> None:
+        super().__init__()
+        self.of_history, self.effects, self.per_effect = of_history, effects, per_effect
+        rest = OVERALL_OUTPUTS + len(LEVELS) + len(PARAMETERS)
+
+        def weight(*shape: int, inputs: int, gain: float = 1.0) -> nn.Parameter:
+            return nn.Parameter(torch.randn(*shape) * gain * (1.5 / inputs) ** 0.5)
+
+        both = of_history + per_effect
+        self.own = weight(members, 1, per_effect, EFFECT_UNITS, inputs=both)
+        self.beside = weight(members, of_history, EFFECT_UNITS, inputs=both)
+        self.which = nn.Parameter(torch.zeros(members, 1, effects, EFFECT_UNITS))
+        self.second = weight(members, 1, EFFECT_UNITS, EFFECT_UNITS, inputs=EFFECT_UNITS)
+        self.second_bias = nn.Parameter(torch.zeros(members, 1, 1, EFFECT_UNITS))
+        self.last = weight(members, 1, EFFECT_UNITS, 1, inputs=EFFECT_UNITS, gain=0.1)
+        self.skip = nn.Parameter(torch.zeros(members, 1, per_effect, 1))
+        self.level = nn.Parameter(torch.full((members, 1, effects), FIRST_LOGIT))
+        sizes = (of_history + effects * per_effect, UNITS, UNITS, rest)
+        self.weights = nn.ParameterList(
+            weight(members, a, b, inputs=a, gain=0.1 if i == 2 else 1.0) for i, (a, b) in enumerate(pairwise(sizes))
+        )
+        self.biases = nn.ParameterList(nn.Parameter(torch.zeros(members, 1, b)) for b in sizes[1:])
+
+    def forward(self, features: Tensor) -> Tensor:
+        """Parts [member history part] of features [history feature] or [member history feature]."""
+        values = features.expand(self.beside.shape[0], *features.shape[-2:])
+        whole = values[..., : self.of_history]
+        each = values[..., self.of_history :].unflatten(-1, (self.effects, self.per_effect))
+        hidden = each @ self.own + (whole @ self.beside)[:, :, None] + self.which
+        hidden = nn.functional.silu(hidden)
+        hidden = nn.functional.silu(hidden @ self.second + self.second_bias)
+        logits = (hidden @ self.last + each @ self.skip)[..., 0] + self.level
+        for number, (weight, bias) in enumerate(zip(self.weights, self.biases, strict=True)):
+            values = values @ weight + bias
+            if number < len(self.weights) - 1:
+                values = nn.functional.silu(values)
+        return torch.cat([logits, values], dim=-1)
+
+
+class HistoryTargets:
+    """What members are trained on: presence, and where the truth lies by the linear fit; all as tensors."""
+
+    def __init__(self, table: HistoryTable, acts: np.ndarray[tuple[int, int], np.dtype[np.bool_]]) -> None:
+        nothing = (table.effects.sum(axis=1) + table.truth("unexplained") == 0).astype(float)
+        present = np.column_stack([table.effects, nothing, table.truth("unexplained")])
+        counts = np.column_stack([acts, np.ones((len(acts), OVERALL_OUTPUTS))]).astype(float)
+        counts *= table.truth("selects")[:, None]
+        self.present, self.counts = _tensor(present), _tensor(counts)
+        self.apogee = _tensor(standardized(table, "log_apogee", "mean", "sd"))
+        self.parameters = _tensor(
+            np.column_stack(
+                [standardized(table, f"log_{name}", f"{name}_mean", f"{name}_sd") for name in ("cd", "alpha")]
+            )
+        )
+        self.coupling = _tensor(np.arctanh(np.clip(table.truth("correlation"), -0.99, 0.99)))
+
+    def rows(self, which: Tensor) -> "HistoryTargets":
+        """Some of the histories, of any shape."""
+        part = object.__new__(HistoryTargets)
+        for name, values in vars(self).items():
+            setattr(part, name, values[which])
+        return part
+
+    def to(self, device: str) -> "HistoryTargets":
+        """The same on a device."""
+        for name, values in list(vars(self).items()):
+            setattr(self, name, values.to(device))
+        return self
+
+
+def standardized(table: HistoryTable, truth: str, mean: str, sd: str) -> np.ndarray[tuple[int], np.dtype[np.float64]]:
+    """Where a truth lies in the linear fit's answer, in its standard deviations, limited."""
+    z = (table.truth(truth) - table.truth(mean)) / table.truth(sd)
+    return np.asarray(np.clip(z, -MAX_TARGET_SDS, MAX_TARGET_SDS))
+
+
+def _tensor(values: object) -> Tensor:
+    return torch.from_numpy(np.asarray(values, np.float32))
+
+
+def loss(parts: Tensor, targets: HistoryTargets) -> Tensor:
+    """Cross entropy of inclusion, pinball loss of the forecast, negative log density of drag and thrust; in nats."""
+    effects = parts.shape[-1] - OVERALL_OUTPUTS - len(LEVELS) - len(PARAMETERS)
+    first = effects + OVERALL_OUTPUTS
+    entropy = nn.functional.binary_cross_entropy_with_logits(parts[..., :first], targets.present, reduction="none")
+    inclusion = (entropy * targets.counts).sum() / targets.counts[..., -1].sum().clamp(min=1.0)
+    found = quantiles(parts[..., first : first + len(LEVELS)])
+    levels = torch.tensor(LEVELS, device=parts.device)
+    miss = targets.apogee[..., None] - found
+    pinball = torch.maximum(levels * miss, (levels - 1) * miss).mean()
+    return (
+        inclusion + FORECAST_WEIGHT * pinball + PARAMETER_WEIGHT * _density(parts[..., first + len(LEVELS) :], targets)
+    )
+
+
+def quantiles(raw: Tensor) -> Tensor:
+    """As `history_parts.monotone`."""
+    offsets = torch.tensor(quantile_steps(), dtype=raw.dtype, device=raw.device)
+    middle = raw[..., MEDIAN : MEDIAN + 1]
+    inner = torch.cat([raw[..., :MEDIAN], raw[..., MEDIAN + 1 :]], dim=-1) + offsets
+    steps = nn.functional.softplus(inner)
+    below = middle - steps[..., :MEDIAN].flip(-1).cumsum(-1).flip(-1)
+    above = middle + steps[..., MEDIAN:].cumsum(-1)
+    return torch.cat([below, middle, above], dim=-1)
+
+
+def _density(parts: Tensor, targets: HistoryTargets) -> Tensor:
+    """Negative log density of log Cd and log alpha in a normal distribution."""
+    log_sd = parts[..., 2:4].clamp(*LOG_SD_RANGE)
+    z = (targets.parameters - parts[..., :2]) * torch.exp(-log_sd)
+    rho = torch.tanh(targets.coupling + parts[..., 4]).clamp(-0.995, 0.995)
+    square = (z[..., 0] ** 2 + z[..., 1] ** 2 - 2 * rho * z[..., 0] * z[..., 1]) / (1 - rho**2)
+    return (log_sd.sum(-1) + 0.5 * torch.log(1 - rho**2) + 0.5 * square.clamp(max=200.0)).mean()

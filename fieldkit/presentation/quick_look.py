@@ -1,0 +1,99 @@
+"""A quick look as JSON under the contract's keys, and as lines for a flyer."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from fieldkit.presentation.json_documents import finite
+from fieldkit.selection.quick_look import QuickLook
+from fieldkit.services.quick_look import QuickForecast
+
+EVALUATION = "amortized"
+DRAWS = 1000
+"""Equally likely apogees that mean and standard deviation are taken of. [1]"""
+
+
+def quick_document(found: QuickLook) -> dict[str, Any]:
+    """The keys of a closed loop, with probabilities in place of a search."""
+    before, said = finite(found.before.json()), found.answer
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    return {
+        "rocket": found.rocket,
+        "n_flights": found.flights,
+        "base_model": "field",
+        "model": said.model,
+        "residual": {"before": before, "pattern": []},
+        "probabilities": {"none": said.none, "unexplained": said.unexplained, **said.inclusion},
+        "candidates": [
+            {
+                "effect": one.effect,
+                "probability": one.probability,
+                "evidence": one.log_bayes,
+                "parameters": {one.place: {"mean": one.mean, "sd": one.sd, "unit": one.unit}},
+                "after": {key: finite(one.after.json())[key] for key in ("mae_m", "rmse_m", "bias_m")},
+            }
+            for one in found.candidates
+        ],
+        "verdict": {
+            "effect": found.effect,
+            "confidence": found.confidence,
+            "why": found.why,
+            "also": list(found.also),
+        },
+        "before": before,
+        "after": finite(found.after.json()),
+        "same_flight_again": {"apogee_m": {"p05": low, "p50": middle, "p95": high}},
+        "untrained": list(found.untrained),
+        "evaluation": EVALUATION,
+    }
+
+
+def quick_lines(found: QuickLook) -> Iterator[str]:
+    """Probabilities, the likeliest first, and the verdict."""
+    said = found.answer
+    yield f"{found.rocket}: {found.flights} clean flights, at a glance of the network; nothing is kept"
+    yield f"  error of the plain model on flights left out {found.before.mae:.1f} m in the mean"
+    yield ""
+    yield "  could be missing                  probability  evidence   strength"
+    yield f"  {'none':34.34}{said.none:11.0%}"
+    yield f"  {'unexplained':34.34}{said.unexplained:11.0%}"
+    for one in found.candidates:
+        strength = f"{one.mean:.3g} +/- {one.sd:.2g} {one.unit}"
+        yield f"  {one.place:34.34}{one.probability:11.0%}{one.log_bayes:+10.1f}   {strength}"
+    yield ""
+    yield f"  verdict: {found.effect} ({found.confidence:.0%}): {found.why}"
+    if found.also:
+        yield f"  or {', '.join(found.also)}, which these flights do not rule out"
+    if found.untrained:
+        yield f"  the network was not trained with {', '.join(found.untrained)}"
+    yield f"  `fieldkit loop --rocket {found.rocket}` makes sure and keeps what it finds"
+
+
+def forecast_document(found: QuickForecast) -> dict[str, Any]:
+    """A forecast under the contract's keys; `cd` is on the body's frontal area, or that assumed for its mass."""
+    said, draws = found.answer, found.answer.apogee_draws(DRAWS)
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    return {
+        "flight_id": found.plan.flight_id,
+        "motor": found.plan.motor,
+        "config": found.plan.config,
+        "apogee_m": {"mean": float(draws.mean()), "sd": float(draws.std()), "p05": low, "p50": middle, "p95": high},
+        "ejection_s": None,
+        "cd": {"median": float(np.exp(said.log_cd[0])), "log_sd": said.log_cd[1]},
+        "alpha": {"median": float(np.exp(said.log_alpha[0])), "log_sd": said.log_alpha[1]},
+        "rests_on": int(said.summary.data.seen.any(axis=1).sum()),
+        "model": said.model,
+        "evaluation": EVALUATION,
+    }
+
+
+def forecast_line(found: QuickForecast) -> str:
+    """A forecast in a line."""
+    said = found.answer
+    low, middle, high = (said.apogee_at(level) for level in (0.05, 0.5, 0.95))
+    name = f"{found.plan.flight_id}: " if found.plan.flight_id else ""
+    return (
+        f"{name}{found.plan.motor}: {middle:.0f} m, 90 % from {low:.0f} to {high:.0f} m, by the network; "
+        f"Cd {np.exp(said.log_cd[0]):.2f}, thrust {np.exp(said.log_alpha[0]):.2f} of the certificate's"
+    )

@@ -1,0 +1,34 @@
+"""What a quick look weighs: every effect in every place it may act in, and patterns in drag or in mass."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldkit.model.rocket_model import Model, Term
+from fieldkit.selection.candidates import Candidate, Place, effect_candidates
+from fieldkit.selection.patterns import known_patterns
+
+PATTERN_SDS = {"drag": 0.2, "mass": 0.1}
+"""Standard deviation of the drag (by logarithm) or mass (by ratio) that a pattern may shift. [1]"""
+
+
+def quick_candidates(model: Model, used_in_fit: Sequence[bool]) -> list[Candidate]:
+    """Candidates of a model whose first flights have flown, those of `used_in_fit`; the rest are plans.
+
+    Each acts on plans as it would if they flew next. Patterns of several components are left to the loop.
+    """
+    flown = len(used_in_fit)
+    past = np.array([*used_in_fit, *[False] * (len(model.flights) - flown)], bool)
+    found = list(effect_candidates(model, past))
+    weighed = [
+        {where: weigh(model.flights) for where, weigh in kind.items()} for kind in known_patterns(model.flights[:flown])
+    ]
+    simple = [{where: weight for where, weight in kind.items() if weight.ndim == 1} for kind in weighed]
+    kinds = [kind for kind in simple if kind]
+    for kind in kinds:
+        share = float(-np.log(len(kind) * len(kinds) * len(PATTERN_SDS)))
+        for where, weight in kind.items():
+            for bends, sd in PATTERN_SDS.items():
+                term = Term(f"{bends} with {where}", bends, 0.0, sd, weight)
+                found.append(Candidate(Place("", where), (term,), log_share=share))
+    return found

@@ -1,0 +1,191 @@
+"""A quick look at a rocket: what its model may lack, by the network of whole histories and no search.
+
+The probabilities are the network's. Strengths, evidence and errors on flights left out are those of one linear fit,
+with each effect where it is most at home.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from datetime import timedelta
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.inference.history.evidence import Trials, used_readouts
+from fieldkit.inference.history.features import History, HistorySummary, families
+from fieldkit.inference.laplace.leave_one_out import leave_one_out
+from fieldkit.inference.laplace.posterior import solve
+from fieldkit.inference.network.history import QuickAnswer, load_history, quick_answer, untrained_effects
+from fieldkit.model.hyperprior import certified, learned
+from fieldkit.motors import Found
+from fieldkit.physics.effect import Effect
+from fieldkit.scoring.score import Score, forecasts_of, score
+from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.quick_candidates import quick_candidates
+
+if TYPE_CHECKING:
+    from fieldkit.inference.network.ensemble import Ensemble
+
+MIN_PROBABILITY = 0.5
+"""Probability from which on an effect is in the verdict: it is then likelier there than not. [1]"""
+SIMILAR_ODDS = 0.5
+"""Probability over that of the verdict's effect from which on another is named beside it. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class QuickCandidate:
+    """An effect with its probability, its log Bayes factor by a linear fit, its likeliest place and strength there, and
+    errors of flights left out with it."""
+
+    effect: str
+    probability: float
+    log_bayes: float
+    place: str
+    mean: float
+    sd: float
+    unit: str
+    after: Score
+
+
+@dataclass(frozen=True, slots=True)
+class QuickLook:
+    """What the network says of a rocket; `candidates` are the likeliest first.
+
+    `effect`, `confidence`, `why` and `also` as in a verdict of the loop. `before` are errors of flights left out by
+    the plain model. `untrained` are effects on file that the network was not trained with.
+    """
+
+    rocket: str
+    flights: int
+    answer: QuickAnswer
+    candidates: tuple[QuickCandidate, ...]
+    effect: str
+    confidence: float
+    why: str
+    also: tuple[str, ...]
+    before: Score
+    untrained: tuple[str, ...]
+
+    @property
+    def after(self) -> Score:
+        """Errors of flights left out with the verdict's likeliest effect, else those before."""
+        first = self.effect.split("+")[0]
+        return next((one.after for one in self.candidates if one.effect == first), self.before)
+
+
+def repeated(flight: Flight) -> Flight:
+    """The plan to fly the same again a week later."""
+    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id="", sd={}, source={}, tags=())
+    return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
+
+
+def quick_look(
+    rocket: str,
+    flown: Sequence[tuple[Flight, Found]],
+    used_in_fit: Sequence[bool],
+    ensemble: "Ensemble | None" = None,
+) -> QuickLook:
+    """What the network makes of the flights of a rocket, in the order flown."""
+    network = ensemble or load_history()
+    last, motor = flown[-1]
+    history = History(
+        (*(flight for flight, _ in flown), repeated(last)),
+        (*(found for _, found in flown), motor),
+        tuple(bool(used) for used in used_in_fit),
+        certified(),
+        learned(),
+    )
+    said = quick_answer(history, quick_candidates, network)
+    truth, seen = said.summary.data.values[:, 0], said.summary.data.seen[:, 0]
+    before = score(forecasts_of(said.summary.left_out), truth, seen)
+    candidates = _candidates(said)
+    effect, confidence = _verdict(said)
+    named = [one for one in candidates if one.effect in effect.split("+")]
+    also = [
+        one.effect
+        for one in candidates
+        if named and one not in named and one.probability > SIMILAR_ODDS * named[-1].probability
+    ]
+    return QuickLook(
+        rocket,
+        int(seen.sum()),
+        said,
+        candidates,
+        effect,
+        confidence,
+        _because(effect, named),
+        tuple(also),
+        before,
+        untrained_effects(network),
+    )
+
+
+def _verdict(said: QuickAnswer) -> tuple[str, float]:
+    """Effects that are likelier there than not, else what is likeliest; and its probability."""
+    ranked = sorted(said.inclusion, key=lambda name: -said.inclusion[name])
+    likely = [name for name in ranked if said.inclusion[name] >= MIN_PROBABILITY]
+    if likely:
+        return "+".join(likely), min(said.inclusion[name] for name in likely)
+    options = {"none": said.none, "unexplained": said.unexplained} | {name: said.inclusion[name] for name in ranked[:1]}
+    best = max(options, key=lambda name: options[name])
+    return best, options[best]
+
+
+def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
+    if effect == "none":
+        return "the flights differ from the model by no more than their own scatter, as the network sees them"
+    if effect == "unexplained":
+        return "the flights differ from the model in a way that no known effect makes, as the network sees them"
+    return "; ".join(f"{one.place}: {one.mean:.3g} +/- {one.sd:.2g} {one.unit}" for one in named)
+
+
+def _candidates(said: QuickAnswer) -> tuple[QuickCandidate, ...]:
+    """Every effect that may act, the likeliest first."""
+    trials = said.summary.trials
+    found = [_candidate(said, name, rows) for name, rows in families(trials).items() if name and name in said.inclusion]
+    return tuple(sorted(found, key=lambda one: -one.probability))
+
+
+def _candidate(said: QuickAnswer, name: str, rows: Sequence[int]) -> QuickCandidate:
+    summary, trials = said.summary, said.summary.trials
+    leader = max(rows, key=lambda row: float(trials.weight[row]))
+    own = summary.candidates[trials.candidate[leader]]
+    assert isinstance(own, Candidate)
+    bends = own.terms[0].bends
+    assert isinstance(bends, Effect)
+    mean, sd = float(trials.mean[leader] * trials.unit[leader]), float(trials.sd[leader] * trials.unit[leader])
+    if bends.squared:
+        mean, sd = _root(mean, sd)
+    log_bayes = float(np.logaddexp.reduce(trials.log_bayes[rows] + trials.log_share[rows]))
+    after = _left_out_with(summary, trials, leader)
+    return QuickCandidate(name, said.inclusion[name], log_bayes, str(own.place), mean, sd, bends.unit, after)
+
+
+def _root(mean: float, sd: float) -> tuple[float, float]:
+    """Mean and standard deviation of a strength whose square is fitted."""
+    fitted = max(mean, sd / 10, 1e-12)
+    return float(np.sqrt(fitted)), float(sd / (2 * np.sqrt(fitted)))
+
+
+def _left_out_with(summary: HistorySummary, trials: Trials, row: int) -> Score:
+    """Errors of flights left out, one trial's direction in the model beside the other terms."""
+    linear, data = summary.selection, summary.data
+    model = linear.fit.model
+    own = summary.candidates[trials.candidate[row]].terms[0]
+    term = replace(
+        own,
+        mean=float(trials.prior_mean[row]),
+        sd=float(trials.prior_sd[row]),
+        weight=own.weight[: linear.flown],
+        low=-np.inf,
+        high=np.inf,
+    )
+    used = len(trials.shift) // linear.flown
+    shift = np.zeros((linear.flown, data.values.shape[1]))
+    columns = used_readouts(data.seen)
+    shift[:, columns] = trials.shift[:, row].reshape(linear.flown, used)
+    near = linear.fit.tangent
+    wider = replace(near, at=np.r_[near.at, 0.0], slope=np.concatenate([near.slope, shift[..., None]], axis=-1))
+    fitted = solve(model.with_terms(term), data, wider)
+    return score(forecasts_of(leave_one_out(fitted)), data.values[:, 0], data.seen[:, 0])

@@ -1,0 +1,63 @@
+"""Quick answers from a ledger by the network: what a model may lack, and forecasts; nothing is kept."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.errors import NoFlights
+from fieldkit.flight import Flight
+from fieldkit.flight.start import completed, start_among
+from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.inference.network.history import QuickAnswer
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue, Found
+from fieldkit.progress import ReportProgress, no_op
+from fieldkit.selection.quick_look import QuickLook, quick_look
+from fieldkit.services.fleet import fleet_prior
+from fieldkit.services.forecasts import flown
+
+MIN_FLIGHTS = 4
+"""Clean flights with an apogee that a look needs, as closing the loop does. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class QuickForecast:
+    """A plan, completed from what was last flown, and the network's answer for it."""
+
+    plan: Flight
+    found: Found
+    answer: QuickAnswer
+
+
+def look_quickly(ledger: Ledger, motors: Catalogue, rocket: str) -> QuickLook:
+    """What the network of whole histories makes of a rocket's flights; the model in use stays as it is.
+
+    Raises NoFlights for fewer than four clean flights with an apogee, DamagedModel.
+    """
+    history = flown(ledger, motors, rocket)
+    used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
+    if sum(used_in_fit) < MIN_FLIGHTS:
+        raise NoFlights(
+            f"{rocket}: found {sum(used_in_fit)} clean flights with an apogee, expected at least {MIN_FLIGHTS}"
+        )
+    return quick_look(rocket, history, used_in_fit)
+
+
+def predict_quickly(
+    ledger: Ledger, motors: Catalogue, plans: Sequence[Flight], on_progress: ReportProgress = no_op
+) -> list[QuickForecast]:
+    """The network's forecasts of planned flights, each as if it flew next; nothing is kept.
+
+    Effects that the loop accepted and Cds of designs are not in it: the network weighs effects itself. Raises NoFlights
+    for a rocket that never flew, UnknownMotor, ImpossibleFlight for a plan without a mass.
+    """
+    made: list[QuickForecast] = []
+    for plan in plans:
+        history = flown(ledger, motors, plan.rocket)
+        if not history:
+            raise NoFlights(f"{plan.rocket}: found no flights, expected at least one for a quick forecast")
+        before = [flight for flight, _ in history]
+        whole = completed(plan, before, start_among(ledger.starts(plan.rocket), plan))
+        found = motors.resolve(plan.motor)
+        shared = fleet_prior(ledger, motors, plan.rocket, on_progress)
+        made.append(QuickForecast(whole, found, forecast_at_once(history, (whole, found), shared=shared)))
+    return made

@@ -1,0 +1,67 @@
+"""What the network of whole histories takes beside the fit, on twenty flights:
+`pytest -o addopts= --benchmark-only -s tests/benchmarks/bench_history.py`.
+
+Processor time on one core from flights that were read: what the model lacks beside the search of the loop, the next
+apogee beside the fit, and of either the network alone.
+"""
+
+import time
+
+import numpy as np
+import pytest
+from pytest_benchmark.fixture import BenchmarkFixture
+
+from fieldkit.flight import Flight
+from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.forecast.predict import predict
+from fieldkit.inference.network.history import load_history
+from fieldkit.model.readout_data import observe
+from fieldkit.motors import Found
+from fieldkit.selection.diagnose import diagnose
+from fieldkit.selection.extended_model import rocket_model
+from fieldkit.selection.quick_look import quick_look
+from tests.benchmarks.timing import beside, measured
+from tests.seasons import season
+
+pytestmark = pytest.mark.benchmark(timer=time.process_time)
+FLIGHTS = 20
+KEPT = ("apogee", "top_speed", "coast_to_apogee")
+
+
+@pytest.fixture(scope="module")
+def flown() -> list[tuple[Flight, Found]]:
+    return season(np.random.default_rng(7), KEPT, FLIGHTS, 3.0)
+
+
+def test_what_a_model_lacks_beside_the_loop(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
+    used = [True] * FLIGHTS
+    took = measured(benchmark, lambda: quick_look("Test", flown, used))
+    flights = [flight for flight, _ in flown]
+    began = time.process_time()
+    diagnose(rocket_model(flights, [found for _, found in flown]), observe(flights, used))
+    beside(benchmark, took, time.process_time() - began, "the search of the loop")
+
+
+def test_the_next_apogee_beside_the_fit(benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]) -> None:
+    flight, found = flown[0]
+    plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
+    took = measured(benchmark, lambda: forecast_at_once(flown, plan))
+    spent = []
+    for _ in range(3):
+        began = time.process_time()
+        predict(flown, [plan])
+        spent.append(time.process_time() - began)
+    beside(benchmark, took, min(spent), "the forecast of the fit")
+
+
+def test_the_network_alone_beside_what_is_shown_to_it(
+    benchmark: BenchmarkFixture, flown: list[tuple[Flight, Found]]
+) -> None:
+    flight, found = flown[0]
+    plan = flight.with_changes(flight_id="next", **dict.fromkeys(KEPT)), found
+    began = time.process_time()
+    features = forecast_at_once(flown, plan).summary.features[None]
+    whole = time.process_time() - began
+    beside(
+        benchmark, measured(benchmark, lambda: load_history().members(features)), whole, "its answer with all before"
+    )

@@ -1,0 +1,88 @@
+"""`loop --quick` and `predict --quick`: the contract's keys, probabilities of everything, and nothing kept."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.cli.main import main
+from fieldkit.inference.history.features import effect_names
+from fieldkit.ledger import Ledger
+
+CHECK_SHAPES = False
+
+
+@pytest.fixture
+def ledger(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """A ledger of twelve flights on two days."""
+    monkeypatch.setenv("FIELDKIT_HOME", str(tmp_path / "home"))
+    rng = np.random.default_rng(0)
+    rows = [
+        f"{i},2025-05-{1 + i // 6:02d}T{10 + i % 6}:00,Astra,A,322,66,F24-4W,{250 * np.exp(0.02 * rng.normal()):.1f}"
+        for i in range(12)
+    ]
+    table = tmp_path / "flights.csv"
+    table.write_text("\n".join(["flight_id,date_time,rocket,config,dry_mass_g,diameter_mm,motor,apogee_m", *rows]))
+    path = str(tmp_path / "ledger.db")
+    assert main(["--ledger", path, "import", str(table)]) == 0
+    return path
+
+
+def test_every_effect_has_a_probability_and_nothing_is_kept(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "loop", "--rocket", "Astra", "--quick", "--json"]) == 0
+    said = json.loads(capsys.readouterr().out)
+    assert said["evaluation"] == "amortized"
+    assert said["n_flights"] == 12
+    chances = said["probabilities"]
+    assert {"none", "unexplained"} < set(chances) <= {"none", "unexplained", *effect_names()}
+    assert all(0 <= chance <= 1 for chance in chances.values())
+    ranked = [one["probability"] for one in said["candidates"]]
+    assert ranked == sorted(ranked, reverse=True)
+    assert len(ranked) == len(chances) - 2
+    assert said["verdict"]["effect"]
+    assert 0 < said["verdict"]["confidence"] <= 1
+    assert said["before"]["mae_m"] > 0
+    assert {"mae_m", "rmse_m", "bias_m"} <= set(said["candidates"][0]["after"])
+    with Ledger.open(ledger) as book:
+        assert not book.versions("Astra")
+        assert not book.predictions()
+
+
+def test_lines_for_a_flyer_name_the_verdict(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "loop", "--quick"]) == 0
+    out = capsys.readouterr().out
+    assert "verdict:" in out
+    assert "none" in out
+    assert "unexplained" in out
+
+
+def test_too_few_flights_and_options_of_a_search_are_refused(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["--ledger", ledger, "loop", "--quick", "--effect", "wind"]) == 1
+    assert "--quick" in capsys.readouterr().err
+    with Ledger.open(ledger) as book:
+        ids = [flight.flight_id for flight in book.flights()]
+    for id in ids[:9]:
+        assert main(["--ledger", ledger, "tag", id, "weak_launch"]) == 0
+    capsys.readouterr()
+    assert main(["--ledger", ledger, "loop", "--quick"]) == 1
+    assert "expected at least 4" in capsys.readouterr().err
+
+
+def test_a_quick_forecast_is_near_the_fits_and_is_not_kept(ledger: str, capsys: pytest.CaptureFixture[str]) -> None:
+    capsys.readouterr()
+    command = ["--ledger", ledger, "predict", "--motor", "F24-4W", "--rocket", "Astra", "--json"]
+    assert main([*command, "--quick"]) == 0
+    (quick,) = json.loads(capsys.readouterr().out)["predictions"]
+    with Ledger.open(ledger) as book:
+        assert not book.predictions()
+    assert main(command) == 0
+    (fit,) = json.loads(capsys.readouterr().out)["predictions"]
+    assert quick["apogee_m"]["p50"] == pytest.approx(fit["apogee_m"]["p50"], rel=0.05)
+    assert quick["apogee_m"]["p05"] < quick["apogee_m"]["p50"] < quick["apogee_m"]["p95"]
+    assert quick["evaluation"] == "amortized"
+    assert quick["rests_on"] == 12
+    assert main([*command[:-1], "--quick"]) == 0
+    assert "by the network" in capsys.readouterr().out

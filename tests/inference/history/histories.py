@@ -1,0 +1,44 @@
+"""Histories of one rocket for tests: what its flights show, simulated without luck, times what a test puts in."""
+
+from datetime import datetime, timedelta
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.inference.history.features import History
+from fieldkit.model.hyperprior import certified, learned
+from fieldkit.model.rocket_model import base_model, shown
+from fieldkit.motors import catalogue
+
+MOTORS = ("F24-4W", "E35-5W")
+READOUTS = ("apogee", "top_speed", "coast_to_apogee")
+
+
+def history(
+    count: int, *, wear: float = 0.0, scatter: float = 0.02, seed: int = 0, kept: tuple[str, ...] = READOUTS
+) -> History:
+    """A rocket on two motors and the plan to fly the first again; drag grows by `wear` of itself a flight, single
+    flights differ by `scatter` in drag and in thrust."""
+    rng = np.random.default_rng(seed)
+    plans = [
+        Flight(
+            flight_id=str(number),
+            rocket="Test",
+            config="A",
+            motor=MOTORS[number % 2],
+            dry_mass=0.322,
+            diameter=0.066,
+            date_time=datetime(2025, 4, 1, 10) + timedelta(days=7 * (number // 3), hours=number % 3),
+        )
+        for number in range(count + 1)
+    ]
+    found = [catalogue().resolve(plan.motor) for plan in plans]
+    model = base_model(plans, found, certified(), count)
+    truth = np.array([[term.mean for term in model.terms]])
+    drag = np.log1p(wear * np.arange(count + 1)) + scatter * rng.normal(size=count + 1)
+    readings = shown(model, truth, {"drag": drag[None], "thrust": scatter * rng.normal(size=(1, count + 1))})
+    flown = [
+        plan.with_changes(**{name: float(readings[name][0, number]) for name in kept})
+        for number, plan in enumerate(plans[:-1])
+    ]
+    return History((*flown, plans[-1]), tuple(found), (True,) * count, certified(), learned())

@@ -1,0 +1,120 @@
+"""The response of flights, the fit in one pass, and evidence in closed form: against the simulator and against whole
+fits with the effect in them.
+
+Evidence agrees to a hundredth of a nat: the bound of the parachute's opening time is a term's own business there.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.inference.history.evidence import conditional, weigh
+from fieldkit.inference.history.linear_fit import LinearFit, history_data, history_model, linear_fit
+from fieldkit.inference.history.response import (
+    DRAG_OFFSETS,
+    REFERENCE_LOG_DRAG,
+    REFERENCE_OPENING,
+    FlightResponse,
+    moved_at,
+    part_of,
+    tangent,
+)
+from fieldkit.inference.laplace.posterior import solve
+from fieldkit.inference.network.history import response_of
+from fieldkit.model.rocket_model import Model, Term, shown
+from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.quick_candidates import quick_candidates
+from tests.inference.history.histories import history
+
+COUNT = 8
+WORN = history(COUNT, wear=0.05)
+
+
+@pytest.fixture(scope="module")
+def response() -> FlightResponse:
+    return response_of(WORN)
+
+
+@pytest.fixture(scope="module")
+def linear(response: FlightResponse) -> LinearFit:
+    model = history_model(WORN.flights, WORN.found, COUNT, WORN.selection, declared=False)
+    return linear_fit(model, history_data(WORN.flights[:COUNT], WORN.used_in_fit, WORN.selection), response)
+
+
+def test_between_the_drags_that_were_flown_the_response_is_the_simulators(
+    response: FlightResponse, linear: LinearFit
+) -> None:
+    at = np.array([[0.0] * len(linear.model.terms)])
+    for offset, most in ((DRAG_OFFSETS[0], 1e-4), (-0.2, 2e-3), (0.3, 2e-3)):
+        bends = {"drag": np.full((1, COUNT + 1), REFERENCE_LOG_DRAG + offset)}
+        bends["opening"] = np.full((1, COUNT + 1), REFERENCE_OPENING)
+        flown = shown(_coarse(linear), at, bends)["apogee"][0]
+        assert moved_at(response, offset)[""][:, 0] == pytest.approx(np.log(flown), abs=most)
+
+
+def _coarse(linear: LinearFit) -> Model:
+    return replace(linear.model, coarse=True)
+
+
+def test_the_drag_slope_is_that_of_differences(response: FlightResponse) -> None:
+    step = 1e-4
+    higher, lower = (moved_at(response, 0.1 + side * step)[""][:, :3] for side in (1, -1))
+    assert moved_at(response, 0.1)["drag"][:, :3] == pytest.approx((higher - lower) / (2 * step), abs=1e-6)
+
+
+def _without_bounds(candidate: Candidate) -> Candidate:
+    terms = tuple(replace(term, low=-np.inf, high=np.inf) for term in candidate.terms)
+    return replace(candidate, terms=terms)
+
+
+def test_the_evidence_is_that_of_a_fit_with_the_effect_in_it(linear: LinearFit) -> None:
+    found = [
+        _without_bounds(one)
+        for one in quick_candidates(linear.model, WORN.used_in_fit)
+        if one.place.effect in ("wear", "mass_offset", "thrust_curve", "") and not one.place.since
+    ]
+    trials = weigh(linear, found)
+    flown = slice(COUNT)
+    for row, number in enumerate(trials.candidate):
+        wider = linear.fit.model.with_terms(*(_part(term, flown) for term in found[number].terms))
+        near = part_of(tangent(linear.model.with_terms(*found[number].terms), linear.moved, linear.offset), flown)
+        gained = solve(wider, linear.fit.data, near).log_evidence - linear.fit.log_evidence
+        assert trials.log_bayes[row] == pytest.approx(gained, abs=0.01), found[number].place
+
+
+def _part(term: Term, rows: slice) -> Term:
+    return replace(term, weight=term.weight[rows])
+
+
+def test_the_evidence_beside_an_accepted_effect_is_that_of_both_less_that_of_one(linear: LinearFit) -> None:
+    found = [
+        _without_bounds(one)
+        for one in quick_candidates(linear.model, WORN.used_in_fit)
+        if str(one.place) in ("wear", "mass_offset", "altimeter_scale")
+    ]
+    best = int(np.argmax(linear.fit.log_weight))
+    single = replace(linear.fit.model.hyperprior.scatter, grid=(float(linear.fit.model.hyperprior.scales()[0][best]),))
+    reading = replace(linear.fit.model.hyperprior.reading, grid=(float(linear.fit.model.hyperprior.scales()[1][best]),))
+    prior = replace(linear.fit.model.hyperprior, scatter=single, reading=reading)
+    model = replace(linear.model, hyperprior=prior)
+    past = replace(linear.fit.model, hyperprior=prior)
+    fixed = replace(linear, model=model, fit=solve(past, linear.fit.data, linear.fit.tangent))
+    trials = weigh(fixed, found)
+    beside = conditional(trials, [0, 1])
+    flown = slice(COUNT)
+
+    def evidence(rows: list[int]) -> float:
+        terms = [term for row in rows for term in found[trials.candidate[row]].terms]
+        near = part_of(tangent(model.with_terms(*terms), fixed.moved, fixed.offset), flown)
+        return solve(past.with_terms(*(_part(term, flown) for term in terms)), fixed.fit.data, near).log_evidence
+
+    assert beside[0, 1] == pytest.approx(evidence([0, 1]) - evidence([1]), abs=0.01)
+    assert beside[1, 1] == pytest.approx(evidence([1]) - fixed.fit.log_evidence, abs=0.01)
+
+
+def test_what_one_flight_says_is_no_robust_evidence(linear: LinearFit) -> None:
+    trials = weigh(linear, quick_candidates(linear.model, WORN.used_in_fit))
+    assert (trials.robust <= trials.log_bayes + 1e-12).all()
+    days = [row for row, number in enumerate(trials.candidate) if trials.family[row] == ""]
+    assert (trials.robust[days] < trials.log_bayes[days] - 0.01).any()

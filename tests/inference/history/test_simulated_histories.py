@@ -1,0 +1,64 @@
+"""Simulated histories: what a seed draws, what their flyers wrote down, and shards that go on."""
+
+from concurrent.futures import ThreadPoolExecutor
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from fieldkit.inference.history import shards
+from fieldkit.inference.history.drawn_rockets import MAX_FLIGHTS, READOUT_SETS, draw_rocket, stock
+from fieldkit.inference.history.features import effect_names, feature_names
+from fieldkit.inference.history.simulated_histories import simulated_histories
+from fieldkit.model.prior_predictive import split_motors
+from fieldkit.selection.quick_candidates import quick_candidates
+
+KNOWN = stock(split_motors()[0])
+
+
+def test_rockets_are_drawn_as_long_and_with_as_many_motors_as_said() -> None:
+    rng = np.random.default_rng(0)
+    drawn = [draw_rocket(rng, KNOWN) for _ in range(200)]
+    lengths = np.array([len(one.used_in_fit) for one in drawn])
+    assert lengths.min() == 1
+    assert lengths.max() > MAX_FLIGHTS / 2
+    assert lengths.max() <= MAX_FLIGHTS
+    assert all(len(one.flights) == len(one.found) == len(one.used_in_fit) + 1 == len(one.shows) + 1 for one in drawn)
+    motors = [len({motor.motor.designation for motor in one.found[:-1]}) for one in drawn]
+    assert max(motors) >= 5
+    assert min(motors) == 1
+    assert {name for one in drawn for row in one.shows for name in row} == set(READOUT_SETS[2])
+
+
+def test_a_history_says_what_acts_in_it_and_shows_what_its_rocket_shows() -> None:
+    found = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, 8, 2)
+    assert len({one.effects for one in found}) > 2
+    for one in found:
+        assert set(one.effects) <= set(effect_names())
+        assert one.apogee > 3.0
+        assert not one.history.flights[-1].readouts()
+    again = simulated_histories(np.random.default_rng(1), KNOWN, quick_candidates, 8, 2)
+    assert [one.apogee for one in again] == [one.apogee for one in found]
+
+
+def test_features_are_finite_and_named() -> None:
+    found = simulated_histories(np.random.default_rng(2), KNOWN, quick_candidates, 6, 1)
+    names = effect_names()
+    for made in shards.summarized(found, quick_candidates, names):
+        assert made.features.shape == (len(feature_names(names)),)
+        assert np.isfinite(made.features).all()
+        assert made.baseline.apogee_sd > made.baseline.parameter_sd > 0
+
+
+def test_shards_that_are_there_are_taken_and_the_rest_made(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(shards, "ROCKETS_PER_SHARD", 3)
+    with ThreadPoolExecutor(1) as pool:
+        whole = shards.simulate_table(tmp_path, 5, 6, quick_candidates, pool)
+        first = sorted(tmp_path.glob("*/*.npy"))
+        first[1].unlink()
+        kept = first[0].stat().st_mtime_ns
+        again = shards.simulate_table(tmp_path, 5, 6, quick_candidates, pool)
+    assert len(first) == 2
+    assert first[0].stat().st_mtime_ns == kept
+    assert np.array_equal(whole.features, again.features)
+    assert np.array_equal(whole.truths, again.truths)

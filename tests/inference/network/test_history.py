@@ -1,0 +1,98 @@
+"""The shipped history network: laws that any answer keeps, and stories that it has to get right."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.errors import DamagedModel
+from fieldkit.inference.history.features import History
+from fieldkit.inference.network.history import checked, load_history, quick_answer
+from fieldkit.inference.network.history_parts import LEVELS, MEDIAN, STANDARD, answer, monotone, quantile_draws, width
+from fieldkit.selection.quick_candidates import quick_candidates
+from tests.inference.history.histories import history
+
+
+def ends(of: History) -> tuple[float, float]:
+    """The median apogee [m] and the width of the 90 % interval over it. [1]"""
+    said = quick_answer(of, quick_candidates)
+    low, high = (float(said.log_apogee[LEVELS.index(level)]) for level in (0.05, 0.95))
+    return float(np.exp(said.log_apogee[MEDIAN])), high - low
+
+
+def test_strong_wear_is_found_and_likelier_than_anything_else() -> None:
+    said = quick_answer(history(24, wear=0.05), quick_candidates)
+    assert said.inclusion["wear"] > 0.8
+    assert said.none < 0.2
+    assert max(said.inclusion, key=lambda name: said.inclusion[name]) == "wear"
+
+
+def test_nothing_is_found_in_a_clean_history() -> None:
+    for seed in range(3):
+        said = quick_answer(history(24, seed=seed), quick_candidates)
+        assert said.none > 0.5, seed
+        assert max(said.inclusion.values()) < 0.5, seed
+
+
+def test_more_flights_narrow_the_forecast_and_the_drag() -> None:
+    few, many = (history(count, seed=3) for count in (2, 30))
+    assert ends(many)[1] < ends(few)[1]
+    assert quick_answer(many, quick_candidates).log_cd[1] < quick_answer(few, quick_candidates).log_cd[1]
+
+
+def test_a_rocket_that_flew_lower_is_forecast_lower() -> None:
+    whole = history(10)
+    lower = [
+        flight.with_changes(apogee=0.8 * flight.apogee if flight.apogee else None, top_speed=None, coast_to_apogee=None)
+        for flight in whole.flights
+    ]
+    same = [flight.with_changes(top_speed=None, coast_to_apogee=None) for flight in whole.flights]
+    ratio = ends(replace(whole, flights=tuple(lower)))[0] / ends(replace(whole, flights=tuple(same)))[0]
+    assert 0.75 < ratio < 0.9
+
+
+def test_names_of_flights_rockets_and_configurations_change_nothing() -> None:
+    whole = history(9, wear=0.03)
+    renamed = [
+        flight.with_changes(flight_id=f"x{number}", rocket="Other", config="Z")
+        for number, flight in enumerate(whole.flights)
+    ]
+    one, other = (quick_answer(of, quick_candidates) for of in (whole, replace(whole, flights=tuple(renamed))))
+    assert one.inclusion == pytest.approx(other.inclusion, abs=1e-6)
+    assert one.log_apogee == pytest.approx(other.log_apogee, abs=1e-6)
+
+
+def test_the_order_of_one_moments_flights_changes_nothing_that_does_not_grow() -> None:
+    """Two flights of one day with the same set-up trade their readouts."""
+    whole = history(10)
+    flights = list(whole.flights)
+    first, second = flights[0], flights[2]
+    shown = ("apogee", "top_speed", "coast_to_apogee")
+    flights[0] = first.with_changes(**{name: second.number(name) for name in shown})
+    flights[2] = second.with_changes(**{name: first.number(name) for name in shown})
+    one, other = (quick_answer(of, quick_candidates) for of in (whole, replace(whole, flights=tuple(flights))))
+    assert one.summary.baseline.apogee == pytest.approx(other.summary.baseline.apogee, abs=1e-6)
+    assert one.log_apogee == pytest.approx(other.log_apogee, abs=0.02)
+    assert one.inclusion["mass_offset"] == pytest.approx(other.inclusion["mass_offset"], abs=0.1)
+
+
+def test_probabilities_are_probabilities_and_quantiles_in_order() -> None:
+    rng = np.random.default_rng(0)
+    said = answer(3 * rng.normal(size=(50, 5, width(12))), 12)
+    for chances in (said.inclusion, said.none, said.unexplained):
+        assert ((chances >= 0) & (chances <= 1)).all()
+    assert (np.diff(said.quantiles, axis=1) > 0).all()
+    assert (said.scale > 0).all()
+
+
+def test_an_untrained_member_says_what_the_linear_fit_says() -> None:
+    assert monotone(np.zeros(len(LEVELS))) == pytest.approx(STANDARD)
+    draws = quantile_draws(STANDARD, 4000)
+    assert draws.mean() == pytest.approx(0.0, abs=1e-3)
+    assert draws.std() == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_card_with_other_features_is_refused() -> None:
+    shipped = load_history()
+    with pytest.raises(DamagedModel, match="other features"):
+        checked(replace(shipped, features=shipped.features[:-1]))
