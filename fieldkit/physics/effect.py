@@ -15,6 +15,9 @@ from fieldkit.physics.state import Force, Setup
 from fieldkit.plugins import plugins
 from fieldkit.shapes import Array, Float
 
+Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "wear", "device"]
+"""What an effect is about: the path through wind, leaving the rail, the delay and parachute, the air, the mass, the
+motor, the law of drag, change with use, or the instrument. Prior probability is shared equally between families."""
 Strength = Float[Array, "*#draw"]
 BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
 Readings = Mapping[str, Float[Array, "*#draw"]]
@@ -62,7 +65,7 @@ class LoggedForce:
 class Effect:
     """One bend of the flight model.
 
-    `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
+    `family` is what it is about. `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
     (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of group of flights may
     have a strength of its own, `everywhere` whether it may also act on all flights alike, `each` whether
     every group has its own at once. `needs` is the column without which the effect cannot act, `lacks` one that
@@ -77,6 +80,7 @@ class Effect:
     """
 
     title: str
+    family: Family
     explains: str
     unit: str
     prior: Prior
