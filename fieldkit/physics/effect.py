@@ -65,8 +65,8 @@ class LoggedForce:
 class Effect:
     """One bend of the flight model.
 
-    `family` is what it is about. `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
-    (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of group of flights may
+    `family` is what it is about. `prior` and the strength are in `unit`; where what the effect does grows with the
+    square of its strength (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of group of flights may
     have a strength of its own, `everywhere` whether it may also act on all flights alike, `each` whether
     every group has its own at once. `needs` is the column without which the effect cannot act, `lacks` one that
     a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one

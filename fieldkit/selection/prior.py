@@ -37,7 +37,7 @@ def inclusion_probabilities(catalogue: Mapping[str, Effect] | None = None) -> di
 
 
 def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None = None) -> float:
-    """Log of the prior probability of a set over that of nothing; does not depend on effects of other families. [nat]"""
+    """Log of the prior probability of a set over that of nothing, whatever other families hold. [nat]"""
     known = inclusion_probabilities(catalogue)
     return sum(log(known[name]) - log1p(-known[name]) for name in names)
 
