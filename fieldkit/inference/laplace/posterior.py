@@ -5,7 +5,7 @@ and Machine Learning, 2006, chapters 3 and 4). How large scatter and reading err
 are scaled by factors on a grid, weighted by the evidence for each.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import erf, log, sqrt
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.odd_flights import log_tail, readouts_used
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float
@@ -79,7 +80,8 @@ class Fit:
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
     posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
-    of the terms, `precision` its inverse.
+    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None where flights are taken to be normal; the
+    log evidence is a lower bound then.
     """
 
     model: Model
@@ -90,6 +92,7 @@ class Fit:
     precision: Float[Array, "scale term term"]
     covariance: Float[Array, "scale term term"]
     log_weight: Float[Array, "scale"]
+    flight_weight: Float[Array, "flight"] | None = None
 
     @property
     def log_evidence(self) -> float:
@@ -108,14 +111,22 @@ class Fit:
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 
 
-def solve(model: Model, data: Data, near: Tangent) -> Fit:
-    """The normal posterior for every pair of scales, the readouts linear about a point."""
-    told = _told(model, data, near)
+def solve(model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "flight"] | None = None) -> Fit:
+    """The normal posterior for every pair of scales, the readouts linear about a point.
+
+    `flight_weight` is the expected precision of each flight as a whole over that of an ordinary one (see
+    `fieldkit.inference.laplace.odd_flights`).
+    """
+    told = flight_evidence(model, data, near, flight_weight)
     scales, terms = len(told.noise), len(model.terms)
     slope, miss = told.slope.reshape(told.miss.size, terms), told.miss.ravel()
     weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
     missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
-    return _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
+    found = _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
+    if flight_weight is None:
+        return found
+    tail = log_tail(flight_weight, readouts_used(found), model.hyperprior.tail)
+    return replace(found, log_weight=found.log_weight + tail, flight_weight=flight_weight)
 
 
 def _concluded(
@@ -142,12 +153,18 @@ def _concluded(
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
 
 
-def _told(model: Model, data: Data, near: Tangent) -> FlightEvidence:
+def flight_evidence(
+    model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "flight"] | None = None
+) -> FlightEvidence:
+    """The information in each flight's readouts, linear about a point; `flight_weight` as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
     usable = data.seen & np.isfinite(near.values)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     noise = _noise(model, data, near, usable)
+    if flight_weight is not None:
+        wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
+        noise = noise * wider[:, :, None] * wider[:, None, :]
     return FlightEvidence(slope, miss, noise, *_inverses(noise, usable))
 
 
@@ -185,6 +202,11 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
             pairs = zip(middle[near].tolist(), sd[near].tolist(), strict=True)
             total[near] += [log(max(_mass(term.low, term.high, m, s), 1e-12)) for m, s in pairs]
     return total
+
+
+def bounds_log_mass(model: Model) -> float:
+    """Log prior mass inside the bounds of all terms together."""
+    return sum(log(_mass(term.low, term.high, term.mean, term.sd)) for term in model.terms)
 
 
 @lru_cache(maxsize=4096)
