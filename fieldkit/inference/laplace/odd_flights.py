@@ -34,12 +34,14 @@ def flight_weights(fit: "Fit") -> Float[Array, "flight"]:
     return np.asarray((nu + count) / (nu + expected))
 
 
-def log_tail(weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float) -> float:
-    """What the lower bound of the log evidence has beside the evidence of normal flights with these weights. [nat]"""
+def log_tail(
+    weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float
+) -> Float[Array, "flight"]:
+    """What the lower bound of the log evidence has for each flight beside that of a normal one of this weight. [nat]"""
     from scipy.special import digamma, gammaln
 
     a, a0 = (nu + count) / 2, nu / 2
     b = a / weight
     jensen = count / 2 * (digamma(a) - np.log(b) - np.log(weight))
     divergence = (a - a0) * digamma(a) - gammaln(a) + gammaln(a0) + a0 * (np.log(b) - np.log(a0)) + a * (a0 - b) / b
-    return float((jensen - divergence)[count > 0].sum())
+    return np.where(count > 0, jensen - divergence, 0.0)
