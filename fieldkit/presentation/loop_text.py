@@ -14,12 +14,12 @@ def report(found: Findings) -> Iterator[str]:
     yield ""
     yield from _fingerprints(found)
     yield ""
-    yield "  could be missing                  evidence  steady   strength"
+    yield "  could be missing                  evidence  chance   strength"
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
-            yield f"  {place:34.34}{item.log_bayes:+8.1f}{item.steady:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            yield f"  {place:34.34}{item.log_bayes:+8.1f}{_chance(item.probability):>8}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield from _verdict(found)
     for line in climbs_in_words(found.testimony):
@@ -55,10 +55,9 @@ def _verdict(found: Findings) -> Iterator[str]:
     yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
     if found.unexplained is not None:
         yield f"  {found.unexplained.in_words}"
-        yield f"  forecasts are given intervals {found.unexplained.widened:.2f} times as wide"
     if diagnosis.effect == "none":
         chance = _chance(1 - diagnosis.confidence)
-        yield f"  (the chance that something is missing is put at {chance}, before unseen flights have their say)"
+        yield f"  (the chance that something is missing is put at {chance})"
     else:
         what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
         yield f"  (the chance that {what} is put at {_chance(diagnosis.confidence)})"
@@ -70,7 +69,7 @@ def _verdict(found: Findings) -> Iterator[str]:
 
 def _chance(share: float) -> str:
     """A probability in per cent; of none it is said that it is certain."""
-    return f"{share:.0%}" if 0.01 <= share <= 0.99 else "more than 99%" if share > 0.5 else "less than 1%"
+    return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
 
 
 def _errors(found: Findings) -> Iterator[str]:

@@ -6,21 +6,21 @@ with all of them.
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
+from math import log
 
 import numpy as np
 
-from fieldkit.inference.laplace.fit import Lane, fit_lanes
+from fieldkit.inference.laplace.fit import refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
 from fieldkit.inference.laplace.leave_one_out import own_variance
-from fieldkit.inference.laplace.posterior import growing
+from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing
+from fieldkit.model.readout_data import OBSERVED_READOUTS
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
 from fieldkit.shapes import Array, Flags, Float
 
-REFIT_ROUNDS = 3
-"""Times the point of a fit without a flight is moved, from that of the fit with it. [1]"""
 NEGLIGIBLE_PROBABILITY = 0.01
 """Probability without a flight below which a hypothesis is not fitted again. [1]"""
 TAIL_PARTS = 4
@@ -81,9 +81,10 @@ def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Le
         on_progress("flights left out", number / len(some))
         assert one.sampled is not None
         unsure = (one.sampled.pareto_k_without > RELIABLE_PARETO_K) & one.fit.data.seen.any(axis=1)
-        for row in np.flatnonzero(unsure & (chance[number] > NEGLIGIBLE_PROBABILITY)):
-            said[number] = own = _refitted(one, own, int(row))
-            refits += 1
+        rows = np.flatnonzero(unsure & (chance[number] > NEGLIGIBLE_PROBABILITY))
+        if len(rows):
+            said[number] = _refitted(one, own, rows.tolist())
+        refits += len(rows)
     log_weight = np.stack([one.log_weight for one in said])
     chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
     by_set: dict[Members, Array] = {}
@@ -99,27 +100,22 @@ def _sampled(one: Hypothesis) -> _Said:
     return _Said(drawn.mean, drawn.known, drawn.own, drawn.weight, one.log_prior + drawn.log_without)
 
 
-def _refitted(one: Hypothesis, said: _Said, row: int) -> _Said:
-    """What a hypothesis says of one flight when it is fitted again without it."""
-    fit = one.fit
-    seen = fit.data.seen.copy()
-    seen[row] = False
-    lane = Lane(tuple(range(len(fit.model.terms))), fit.tangent.at)
-    data = replace(fit.data, seen=seen)
-    slope = fit.tangent.scatter_slope[..., -1]
-    (again,) = fit_lanes(fit.model, data, [lane], slope, REFIT_ROUNDS, flight_weight=fit.flight_weight)
-    apogee = again.tangent.slope[row, 0]
-    parts = (
-        again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee,
-        np.einsum("t,stu,u->s", apogee, again.covariance, apogee),
-        own_variance(again)[:, row],
-        again.weights,
-    )
+def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
+    """What a hypothesis says of some flights when it is fitted again without each of them."""
     columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
-    for column, part in zip(columns, parts, strict=True):
-        column[:, row] = part
     log_weight = said.log_weight.copy()
-    log_weight[row] = one.log_prior + one.correction + again.log_evidence
+    for row, again in zip(rows, refits_without(one.fit, rows), strict=True):
+        apogee = again.tangent.slope[row, 0]
+        parts = (
+            again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee,
+            np.einsum("t,stu,u->s", apogee, again.covariance, apogee),
+            own_variance(again)[:, row],
+            again.weights,
+        )
+        for column, part in zip(columns, parts, strict=True):
+            column[:, row] = part
+        unseen = len(OBSERVED_READOUTS) * log(UNOBSERVED_SD)  # what a flight without readouts has in the evidence
+        log_weight[row] = one.log_prior + one.correction + again.log_evidence + unseen
     return _Said(*columns, log_weight)
 
 
@@ -187,4 +183,3 @@ def _most_probable(some: Sequence[Hypothesis], said: Sequence[_Said]) -> tuple[s
         by_set[one.members] = np.logaddexp(by_set.get(one.members, -np.inf), own.log_weight)
     names = ["+".join(sorted(members)) for members in by_set]
     return tuple(names[row] for row in np.argmax(np.stack(list(by_set.values())), axis=0))
-

@@ -14,7 +14,7 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.scoring.score import Forecasts, Score, forecasts_of, score
 from fieldkit.selection.averaged import LeftOut, left_out
-from fieldkit.selection.candidates import Place, effect_candidates
+from fieldkit.selection.candidates import Averaged, Place, effect_candidates
 from fieldkit.selection.hypotheses import SetPosterior
 from fieldkit.selection.patterns import pattern_candidates
 from fieldkit.selection.prior import UNEXPLAINED
@@ -56,10 +56,6 @@ class Plain:
 
     fit: Fit
     left_out: LeaveOneOut
-
-
-Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
-"""Hypotheses by their places that a forecast is averaged over, with their probabilities, which add up to one."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,9 +176,7 @@ def _ranking(
     found = []
     for effect in families:
         name = effect or UNEXPLAINED
-        own = sorted(
-            (one for one in posterior.hypotheses if one.members == {name}), key=lambda one: -one.log_weight
-        )
+        own = sorted((one for one in posterior.hypotheses if one.members == {name}), key=lambda one: -one.log_weight)
         if not own:
             continue
         judged = score(forecasts_of(leave_one_out(own[0].fit)), truth, seen)

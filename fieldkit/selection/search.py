@@ -18,7 +18,8 @@ from fieldkit.model.rocket_model import Model
 from fieldkit.progress import ReportProgress, no_op, part
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior, members_of, prior_of
-from fieldkit.selection.prior import UNEXPLAINED, inclusion_probabilities
+from fieldkit.selection.prior import UNEXPLAINED, log_prior_odds
+from fieldkit.selection.screen import screened
 from fieldkit.selection.trial import Trial, fitted_again, try_all
 
 Families = Mapping[str, Sequence[Candidate]]
@@ -26,20 +27,20 @@ Families = Mapping[str, Sequence[Candidate]]
 
 MAX_EFFECTS = 4
 """Effects in a set, as far as it is looked at. [1]"""
-MAX_EXPANSIONS = 6
+MAX_EXPANSIONS = 8
 """Sets beside which others are tried. [1]"""
 WINDOW = log(50.0)
 """Log odds behind the most probable set from which on others are not tried beside a set: of those it would be part of
 what is probable at most in one case of fifty. [nat]"""
-FIRST_SIGHT_ERROR = 3.0
-"""By how much the evidence about the first point of a fit may be too low. [nat]"""
+SCREENING_ERROR = 3.0
+"""By how much the log evidence of a linear model may be too low. [nat]"""
 MAX_SEARCHES = 2
 """Number of times all effects are tried, if trying them shows that the plain model had not found its best fit. [1]"""
 SETTLED = 0.3
 """Change of log evidence of the plain model below which it had. [nat]"""
-SAMPLED_WINDOW = log(100.0)
+SAMPLED_WINDOW = log(50.0)
 """Log odds behind the most probable hypothesis up to which one is checked by importance sampling. [nat]"""
-MAX_SAMPLED = 12
+MAX_SAMPLED = 10
 """Hypotheses that are. [1]"""
 SEED = 19
 """Of the draws, the same for every hypothesis."""
@@ -54,6 +55,8 @@ def explore(
     for name in families:
         members = frozenset({name or UNEXPLAINED})
         own = [trial for trial in singles if trial.candidate.effect == name]
+        if not own:
+            continue
         sets[members] = [Hypothesis((t.candidate,), t.fit, prior_of([t.candidate])) for t in own]
     done: set[Members] = set()
     for number in range(MAX_EXPANSIONS if pairs else 0):
@@ -104,9 +107,7 @@ def checked(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Set
     )
 
 
-def _singles(
-    model: Model, data: Data, families: Families, on_progress: ReportProgress
-) -> tuple[Fit, list[Trial]]:
+def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:
     """The plain fit, which the trials help to find, and every candidate tried beside it."""
     plain = fit(model, data, odd_flights=True)
     count = sum(len(family) for family in families.values())
@@ -115,7 +116,7 @@ def _singles(
         def report(share: float, turn: int = turn) -> None:
             on_progress(f"{count} candidates", (turn + share) / MAX_SEARCHES)
 
-        trials = try_all(model, data, families, plain, on_progress=report)
+        trials = try_all(model, data, screened(families, plain), plain, on_progress=report)
         better = fitted_again(model, data, plain, trials)
         settled = better.log_evidence < plain.log_evidence + SETTLED
         plain = better
@@ -149,9 +150,9 @@ def _expanded(
     """
     parent = max(parents, key=lambda one: one.log_weight)
     elsewhere = _weight(parents) - parent.log_weight
-    likeliest = max(np.log(list(inclusion_probabilities().values())))
-    worth = best - WINDOW - FIRST_SIGHT_ERROR - parent.log_prior - elsewhere - likeliest
-    trials = try_all(parent.fit.model, data, others, parent.fit, worth)
+    least = best - WINDOW - SCREENING_ERROR - _weight(parents)
+    worth = {name: least - log_prior_odds([name or UNEXPLAINED]) for name in others}
+    trials = try_all(parent.fit.model, data, screened(others, parent.fit, worth), parent.fit)
     found: dict[Members, list[Hypothesis]] = {}
     for trial in trials:
         candidates = (*parent.candidates, trial.candidate)

@@ -59,6 +59,8 @@ def try_all(
 
     Those whose evidence leaves them no say beside the best of their effect are dropped; `worth` as in `fit_lanes`.
     """
+    if not families:
+        return []
     wide, lanes, owners = model, [], []
     base = tuple(range(len(model.terms)))
     for name, family in families.items():
@@ -99,9 +101,7 @@ def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) 
     best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.fit.log_evidence)}
     likely = sorted(best.values(), key=lambda trial: -trial.fit.log_evidence)[:MAX_RESTARTS]
     lanes = [Lane(tuple(range(count)), trial.fit.tangent.at[:count]) for trial in likely]
-    fits = fit_lanes(
-        model, data, lanes, known.tangent.scatter_slope[..., -1], flight_weight=known.flight_weight
-    )
+    fits = fit_lanes(model, data, lanes, known.tangent.scatter_slope[..., -1], flight_weight=known.flight_weight)
     return max([known, *fits], key=lambda result: result.log_evidence)
 
 

@@ -48,7 +48,7 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
     """What the apogees' residuals go with most: the strongest pattern, else the most telling column."""
     error = _shares(diagnosis)
     pattern = next((item for item in diagnosis.ranking if not item.effect), None)
-    if pattern is not None and pattern.weight > 0:
+    if pattern is not None and pattern.probability > 0.5:
         place, weight = pattern.best.candidate.place.where, pattern.best.candidate.terms[0].weight
         sorts = set(np.unique(weight)) <= {0.0, 1.0}
         name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its middle"

@@ -84,9 +84,7 @@ def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, .
     return tuple(dict.fromkeys([*singles, *joined]))
 
 
-def _named(
-    posterior: SetPosterior, named: Sequence[str], also: tuple[str, ...], confidence: float
-) -> Verdict:
+def _named(posterior: SetPosterior, named: Sequence[str], also: tuple[str, ...], confidence: float) -> Verdict:
     best = best_with(posterior, named)
     order = {candidate.effect: place for place, candidate in enumerate(best.candidates)}
     accepted = sorted((t for t in best.trials if t.candidate.effect in named), key=lambda t: order[t.candidate.effect])

@@ -4,22 +4,26 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fieldkit.analysis import Recorded
-from fieldkit.forecast.widen import widened_leftover
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
+from fieldkit.selection.averaged import Ahead, ahead
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
 from fieldkit.selection.force.log_evidence import LogEvidence, compare_with_logs
-from fieldkit.selection.forward_choice import Ahead, ahead
 from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
 from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
-from fieldkit.selection.unexplained import Leftover
+from fieldkit.selection.unexplained import Leftover, leftover
+from fieldkit.selection.verdict import best_with
 
-EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
+EVALUATION = (
+    "leave-one-flight-out, effects weighed anew inside every fold "
+    "(Pareto-smoothed importance sampling, fitted again without the flight where that is unsure; "
+    "which effects are averaged over was found with all flights)"
+)
 FORWARD_METHOD = (
-    "each flight forecast from the flights before it, effect chosen anew from those at every flight "
-    "(readouts linear about the fit to all flights)"
+    "each flight forecast from the flights before it, effects weighed anew by those at every flight "
+    "(readouts linear about the fits to all flights, which found the effects averaged over)"
 )
 MAX_SHOWN_EFFECTS = 3
 """Effects whose fingerprint is shown, and tests that are advised. [1]"""
@@ -68,7 +72,7 @@ def findings(
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
-    forward = ahead(diagnosis, on_progress)
+    forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
     return Findings(
         rocket=rocket,
@@ -88,7 +92,7 @@ def findings(
         spreads=tuple(spreads(diagnosis)),
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
-        unexplained=widened_leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
+        unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
         testimony=compare_with_logs(diagnosis, logs or {}),
     )
 
@@ -104,10 +108,10 @@ def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
     """What would tell the accepted effect from the likeliest of those it cannot be told from."""
     if not diagnosis.accepted or not diagnosis.also:
         return ()
-    places = tuple(trial.candidate.place for trial in diagnosis.accepted)
-    accepted = Explanation(places, diagnosis.accepted[-1].fit)
-    rival = next(item.best for item in diagnosis.ranking if item.effect == diagnosis.also[0])
-    return distinct(informative_readouts(diagnosis.model, accepted, Explanation((rival.candidate.place,), rival.fit)))
+    accepted = best_with(diagnosis.posterior, diagnosis.effect.split("+"))
+    rival = best_with(diagnosis.posterior, diagnosis.also[0].split("+"))
+    sides = [Explanation(one.places, one.fit) for one in (accepted, rival)]
+    return distinct(informative_readouts(diagnosis.model, *sides))
 
 
 def distinct(tests: list[Advice]) -> tuple[Advice, ...]:

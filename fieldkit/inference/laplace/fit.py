@@ -32,6 +32,8 @@ ROBUST_ROUNDS = 2
 """Times the point is moved after the weights of outliers have settled."""
 TRUST_ROUNDS = 4
 """Times the weights of outliers are updated about one point."""
+REFIT_ROUNDS = 4
+"""Times the point of a fit without a flight is moved from that of the fit with it."""
 FLIGHT_WEIGHT_ROUNDS = 1
 """Times the weights of odd flights are updated about the first point."""
 FLIGHT_WEIGHT_TOLERANCE = 0.1
@@ -200,6 +202,34 @@ class _Walk:
             return False
         self.at = self.at + move
         return True
+
+
+def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
+    """A fit made again without each of some flights, all side by side, from where it ended with all of them."""
+    every = tuple(range(len(whole.model.terms)))
+    angle_slope = whole.tangent.scatter_slope[..., -1]
+    found = [
+        _settled(_solved(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, 0)) for row in rows
+    ]
+    walks = [_Walk(whole.tangent.at) for _ in rows]
+    moving = list(range(len(rows)))
+    for _ in range(rounds):
+        moving = [i for i in moving if walks[i].goes_on(found[i])]
+        if not moving:
+            break
+        for i, tangent in zip(
+            moving, tangents(whole.model, [(every, walks[i].at) for i in moving], angle_slope), strict=True
+        ):
+            weight = flight_weights(found[i]) if whole.flight_weight is not None else None
+            found[i] = solve(whole.model, found[i].data, tangent, weight)
+    return [_settled(one) for one in found]
+
+
+def _unseen(data: Data, row: int) -> Data:
+    """Data without a flight."""
+    seen = data.seen.copy()
+    seen[row] = False
+    return replace(data, seen=seen)
 
 
 def fit_robustly(model: Model, data: Data) -> Fit:

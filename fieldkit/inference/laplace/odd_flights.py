@@ -34,9 +34,7 @@ def flight_weights(fit: "Fit") -> Float[Array, "flight"]:
     return np.asarray((nu + count) / (nu + expected))
 
 
-def log_tail(
-    weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float
-) -> Float[Array, "flight"]:
+def log_tail(weight: Float[Array, "flight"], count: Int[Integers, "flight"], nu: float) -> Float[Array, "flight"]:
     """What the lower bound of the log evidence has for each flight beside that of a normal one of this weight. [nat]"""
     from scipy.special import digamma, gammaln
 

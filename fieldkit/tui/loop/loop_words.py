@@ -30,9 +30,7 @@ def verdict(found: "Findings", system: str) -> Content:
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
     if found.unexplained is not None:
-        parts.append(
-            printable(f"{found.unexplained.in_words}; intervals {found.unexplained.widened:.2f} times as wide\n")
-        )
+        parts.append(printable(f"{found.unexplained.in_words}\n"))
     parts.append(_chance(found))
     if diagnosis.also:
         parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
@@ -50,7 +48,7 @@ def _chance(found: "Findings") -> str:
     """How sure the verdict is."""
     effect, confidence = found.diagnosis.effect, found.diagnosis.confidence
     if effect == "none":
-        return f"chance that something is missing: {1 - confidence:.0%}, before the test on unseen flights\n"
+        return f"chance that something is missing: {1 - confidence:.0%}\n"
     return f"chance that {'something is missing' if effect == 'unexplained' else 'it is this'}: {confidence:.0%}\n"
 
 

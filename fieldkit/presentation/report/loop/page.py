@@ -82,7 +82,6 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "why": _begun(diagnosis.why),
         "also": ", ".join(diagnosis.also),
         "goes_with": _begun(found.unexplained.in_words) if found.unexplained else "",
-        "widened": f"{found.unexplained.widened:.2f}" if found.unexplained else "",
     }
 
 
