@@ -165,7 +165,7 @@ def learn(
 def _allotted(chances: Sequence[float], draws: int) -> list[int]:
     """Draws of each part of a mixture, all of them together, as near to their probabilities as whole numbers are."""
     ends = np.round(np.cumsum(chances) / np.sum(chances) * draws).astype(int)
-    return np.diff(ends, prepend=0).tolist()
+    return [int(count) for count in np.diff(ends, prepend=0)]
 
 
 def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
@@ -276,7 +276,7 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
     return [
         Place(name)
         for name, effect in effects().items()
-        if effect.needs and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+        if effect.declared and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
 
 

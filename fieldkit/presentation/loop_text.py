@@ -19,7 +19,8 @@ def report(found: Findings) -> Iterator[str]:
         if item.effect:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
-            yield f"  {place:34.34}{item.log_bayes:+8.1f}{_chance(item.probability):>8}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
+            yield f"  {place:34.34}{how_sure}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield from _verdict(found)
     for line in climbs_in_words(found.testimony):

@@ -116,7 +116,8 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
             column[:, row] = part
         unseen = len(OBSERVED_READOUTS) * log(UNOBSERVED_SD)  # what a flight without readouts has in the evidence
         log_weight[row] = one.log_prior + one.correction + again.log_evidence + unseen
-    return _Said(*columns, log_weight)
+    mean, known, own, weight = columns
+    return _Said(mean, known, own, weight, log_weight)
 
 
 def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:

@@ -115,7 +115,7 @@ class SetPosterior:
         return max(found, key=lambda one: one.log_weight)
 
     def log_bayes(self, name: str) -> float:
-        """Log Bayes factor of an effect alone, its places together, against the plain model; -inf if not tried. [nat]"""
+        """Log Bayes factor of an effect alone, its places together, against the plain model. [nat]"""
         plain = self.best(frozenset())
         alone = [one.log_weight for one in self.hypotheses if one.members == {name}]
         if not alone:

@@ -1,9 +1,9 @@
 """Which places of an effect are worth a fit, by what the readouts that are linear about a smaller model say of each.
 
-An effect is flown once for each start, acting on every flight. In a place it acts on some of them, by their weights, and
-what adding it there does to the evidence follows in closed form from the smaller model's fit (a normal linear model with
-a few more unknowns; Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5). So the cost of many places is
-that of multiplications, not of flights.
+An effect is flown once for each start, acting on every flight. In a place it acts on some of them, by their weights,
+and what adding it there does to the evidence follows in closed form from the smaller model's fit (a normal linear model
+with a few more unknowns; Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5). So the cost of many
+places is that of multiplications, not of flights.
 """
 
 from collections.abc import Mapping, Sequence
@@ -58,7 +58,7 @@ def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
     """Every effect flown from each of its starts, acting fully on every flight."""
     model, base = near.model, tuple(range(len(near.model.terms)))
     wide, lanes, keys = model, [], []
-    wanted = {}
+    wanted: dict[int, tuple[Term, tuple[float, ...]]] = {}
     for family in families.values():
         for one in family:
             if isinstance(bends := one.terms[0].bends, Effect):

@@ -60,13 +60,13 @@ def explore(
         sets[members] = [Hypothesis((t.candidate,), t.fit, prior_of([t.candidate])) for t in own]
     done: set[Members] = set()
     for number in range(MAX_EXPANSIONS if pairs else 0):
-        members = _next(sets, done)
-        if members is None:
+        parent = _next(sets, done)
+        if parent is None:
             break
-        done.add(members)
-        on_progress(f"{'+'.join(sorted(members))} and others", 0.5 + 0.3 * number / MAX_EXPANSIONS)
-        others = {name: own for name, own in families.items() if (name or UNEXPLAINED) not in members}
-        for wider, found in _expanded(sets[members], data, others, _weight(sets[_best(sets)])).items():
+        done.add(parent)
+        on_progress(f"{'+'.join(sorted(parent))} and others", 0.5 + 0.3 * number / MAX_EXPANSIONS)
+        others = {name: own for name, own in families.items() if (name or UNEXPLAINED) not in parent}
+        for wider, found in _expanded(sets[parent], data, others, _weight(sets[_best(sets)])).items():
             known = sets.get(wider)
             if known is None or _weight(found) > _weight(known):
                 sets[wider] = found

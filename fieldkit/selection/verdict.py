@@ -25,8 +25,9 @@ CREDIBLE = 0.9
 class Verdict:
     """What is said: an effect's name (several joined by `+`), "none" or "unexplained".
 
-    `confidence` is the posterior probability that what is said is so: that all effects named are there, or one of `also`
-    in their place where only together they are probable enough. `accepted` are the effects named, each in its place.
+    `confidence` is the posterior probability that what is said is so: that all effects named are there, or one of
+    `also` in their place where only together they are probable enough. `accepted` are the effects named, each in its
+    place.
     """
 
     effect: str

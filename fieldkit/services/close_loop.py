@@ -36,8 +36,9 @@ def close_loop(
     """Diagnose a rocket's flights and predict from now on with an average over everything that is probable.
 
     `given` are effects that the flyer knows to be there, and to which the average is pinned whatever the evidence,
-    `declined` those that are not there. A version is kept only where it differs from the one in use. Raises NoFlights for fewer than four clean flights with an apogee,
-    UnknownEffect for a given effect that these flights could not show.
+    `declined` those that are not there. A version is kept only where it differs from the one in use. Raises NoFlights
+    for fewer than four clean flights with an apogee, UnknownEffect for a given effect that these flights could not
+    show.
     """
     history = flown(ledger, motors, rocket)
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]

@@ -88,7 +88,7 @@ def _places(entries: Sequence[Mapping[str, str]]) -> tuple[Place, ...]:
 
 
 def version_adds(payload: Mapping[str, Any]) -> str:
-    """What a version of a model adds to the plain one, each set as far as it is probable: `wind+wear 80 %, wear 20 %`."""
+    """What a version of a model adds to the plain one, each set as far as it is probable: `wind 80%, nothing 20%`."""
     sets = version_average(payload)
     named = ["+".join(map(str, places)) or "nothing" for _, places in sets]
     added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))

@@ -30,5 +30,6 @@ EFFECT = Effect(
     tell_apart="fly the same motor once in calm air and once in wind, and write the wind down",
     setup=setup,
     needs="wind",
+    declared=True,
     squared=True,
 )

@@ -105,7 +105,7 @@ def _log_prior(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "
     square = np.einsum("dt,stu,du->ds", off, precision, off, optimize=True)
     inside = ((terms >= low) & (terms <= high)).all(axis=1)
     density = model.hyperprior.scales()[2] + 0.5 * (log_det - square) - bounds_log_mass(model)
-    return np.where(inside[:, None], density, -np.inf)
+    return np.where(inside.reshape(-1, 1), density, -np.inf)
 
 
 def _log_likelihood(

@@ -1,7 +1,8 @@
 """Importance weights whose largest are smoothed by a generalized Pareto distribution.
 
-Source: Vehtari, Simpson, Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning Research
-25, 2024; the distribution is fitted as by Zhang and Stephens, Technometrics 51, 2009, with the prior of the former.
+Source: Vehtari, Simpson, Gelman, Yao and Gabry, Pareto smoothed importance sampling, Journal of Machine Learning
+Research 25, 2024; the distribution is fitted as by Zhang and Stephens, Technometrics 51, 2009, with the prior of the
+former.
 """
 
 import numpy as np

@@ -217,8 +217,8 @@ def _mass(low: float, high: float, mean: float, sd: float) -> float:
 
 @dataclass(frozen=True, slots=True)
 class Growing:
-    """A fit as it was before each of its flights, about the point that all of them led to: as in `Fit`, for every number
-    of earlier flights. Weights of odd flights are those of the whole."""
+    """A fit as it was before each of its flights, about the point that all of them led to: as in `Fit`, for every
+    number of earlier flights. Weights of odd flights are those of the whole."""
 
     mean: Float[Array, "scale flight term"]
     covariance: Float[Array, "scale flight term term"]
@@ -226,8 +226,8 @@ class Growing:
 
 
 def growing(whole: Fit) -> Growing:
-    """The posteriors before each flight. What flights say of the terms adds up flight by flight, so that all of them cost
-    little more than one."""
+    """The posteriors before each flight. What flights say of the terms adds up flight by flight, so that all of them
+    cost little more than one."""
     model, told = whole.model, whole.told
     weighed = told.sharpness @ told.slope
     missed = (told.sharpness @ told.miss[..., None])[..., 0]
