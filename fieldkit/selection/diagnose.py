@@ -6,6 +6,8 @@ The errors reported are of flights left out, each forecast by fits without it, w
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+import numpy as np
+
 from fieldkit.errors import UnknownEffect
 from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.inference.laplace.posterior import Fit
@@ -131,7 +133,7 @@ def diagnose(
     plain = posterior.best(frozenset())
     said, forecast_by = verdict(posterior), posterior
     if given:
-        pinned = checked(SetPosterior((plain, *chain(plain.fit, data, families, given))))
+        pinned = checked(SetPosterior((plain, *chain(plain.fit, data, families, given))), window=np.inf)
         said = given_verdict(SetPosterior((*posterior.hypotheses, *pinned.hypotheses[1:])), given)
         forecast_by = SetPosterior(pinned.hypotheses[1:])
     before = left_out(SetPosterior((plain,)))

@@ -82,14 +82,16 @@ def chain(plain: Fit, data: Data, families: Families, given: Sequence[str]) -> l
     return found
 
 
-def checked(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> SetPosterior:
+def checked(
+    posterior: SetPosterior, on_progress: ReportProgress = no_op, window: float = SAMPLED_WINDOW
+) -> SetPosterior:
     """The posterior with the evidence of its probable hypotheses checked against the simulator.
 
-    Other places of a set are corrected as the best one of it is, sets that are improbable as the plain model is.
+    Those are probable whose log odds are no further behind the best than `window`. Other places of a set are corrected as the best one of it is, sets that are improbable as the plain model is.
     """
     best = posterior.best().log_weight
     likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
-    likely = [one for one in likely if one.log_weight > best - SAMPLED_WINDOW][:MAX_SAMPLED]
+    likely = [one for one in likely if one.log_weight > best - window][:MAX_SAMPLED]
     likely = [posterior.best(frozenset()), *(one for one in likely if one.candidates)]
     found: dict[int, Hypothesis] = {}
     correction: dict[Members, float] = {}

@@ -9,13 +9,14 @@ from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+from fieldkit.forecast.widen import widening
+from fieldkit.selection.forward_choice import MIN_EARLIER_FLIGHTS
 
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
 from fieldkit.forecast import widen
 from fieldkit.forecast.predict import predict
-from fieldkit.forecast.widen import widening
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
@@ -30,7 +31,6 @@ from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
-from fieldkit.selection.forward_choice import MIN_EARLIER_FLIGHTS
 from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, informative_readouts, options
 from fieldkit.selection.unexplained import leftover
 from fieldkit.services import close_loop, forecasts
