@@ -87,7 +87,8 @@ def checked(
 ) -> SetPosterior:
     """The posterior with the evidence of its probable hypotheses checked against the simulator.
 
-    Those are probable whose log odds are no further behind the best than `window`. Other places of a set are corrected as the best one of it is, sets that are improbable as the plain model is.
+    Those are probable whose log odds are no further behind the best than `window`. Other places of a set are corrected
+    as the best one of it is, sets that are improbable as the plain model is.
     """
     best = posterior.best().log_weight
     likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
