@@ -7,6 +7,7 @@ Cooper and Hauskrecht, AAAI 2015).
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -40,7 +41,7 @@ def reliability(results: Sequence[Result]) -> list[Bin]:
     """The bins that have cases."""
     chance, there = (np.array(column, float) for column in zip(*cases(results), strict=True))
     found = []
-    for low, high in zip(BINS, BINS[1:], strict=False):
+    for low, high in pairwise(BINS):
         inside = (chance >= low) & ((chance < high) | (high == BINS[-1]))
         if inside.any():
             found.append(Bin(low, high, int(inside.sum()), float(chance[inside].mean()), float(there[inside].mean())))

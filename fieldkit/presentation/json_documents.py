@@ -77,6 +77,13 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "also": list(diagnosis.also),
         "tell_apart": [_test(test) for test in found.tests],
         "goes_with": found.unexplained.in_words if found.unexplained else None,
+        "next_flight": {
+            "motor": found.next_flight.flight.motor,
+            "config": found.next_flight.flight.config,
+            "before_m": found.next_flight.before,
+            "after_m": found.next_flight.after,
+            "interval90_m": list(found.next_flight.interval),
+        },
     }
 
 

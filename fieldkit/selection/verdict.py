@@ -117,5 +117,12 @@ def in_words(accepted: Sequence[Trial]) -> str:
         assert isinstance(bends, Effect)
         mean, sd = trial.strength()
         place = f" ({trial.candidate.place})" if str(trial.candidate.place) != trial.candidate.effect else ""
-        parts.append(f"{bends.explains}{place}: {mean:.3g} +/- {sd:.2g} {bends.unit}")
+        parts.append(f"{bends.explains}{place}: {_measured(mean, sd, bends.unit)}")
     return "; ".join(parts)
+
+
+def _measured(mean: float, sd: float, unit: str) -> str:
+    """A strength with its standard deviation: shares in per cent, all else in its unit."""
+    if unit.startswith("share"):
+        return f"{100 * mean:+.3g} % (± {100 * sd:.2g}){unit.removeprefix('share')}"
+    return f"{mean:.3g} (± {sd:.2g}) {unit}"
