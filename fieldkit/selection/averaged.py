@@ -153,7 +153,8 @@ def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead
     used = fit.data.seen[:, 0]
     judged = used & (np.concatenate([[0], np.cumsum(used)[:-1]]) >= MIN_EARLIER_FLIGHTS)
     tail = fit.model.hyperprior.tail
-    return Ahead(_mixed([said[plain]], tail), _mixed(said, tail), judged, _most_probable(some, said))
+    chosen = tuple(name if there else "" for name, there in zip(_most_probable(some, said), judged, strict=True))
+    return Ahead(_mixed([said[plain]], tail), _mixed(said, tail), judged, chosen)
 
 
 def _followed(posterior: SetPosterior) -> list[Hypothesis]:
