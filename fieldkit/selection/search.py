@@ -32,6 +32,9 @@ MAX_EXPANSIONS = 8
 WINDOW = log(50.0)
 """Log odds behind the most probable set from which on others are not tried beside a set: of those it would be part of
 what is probable at most in one case of fifty. [nat]"""
+SIMPLER_WINDOW = log(5.0)
+"""Log odds behind a set with less in it from which on nothing is tried beside a set: Occam's window leaves out what is
+less probable than something simpler, here with an allowance for effects that hide each other. [nat]"""
 SCREENING_ERROR = 3.0
 """By how much the log evidence of a linear model may be too low. [nat]"""
 MAX_SEARCHES = 2
@@ -40,7 +43,7 @@ SETTLED = 0.3
 """Change of log evidence of the plain model below which it had. [nat]"""
 SAMPLED_WINDOW = log(50.0)
 """Log odds behind the most probable hypothesis up to which one is checked by importance sampling. [nat]"""
-MAX_SAMPLED = 10
+MAX_SAMPLED = 8
 """Hypotheses that are. [1]"""
 SEED = 19
 """Of the draws, the same for every hypothesis."""
@@ -138,9 +141,15 @@ def _best(sets: Mapping[Members, Sequence[Hypothesis]]) -> Members:
 
 def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> Members | None:
     """The most probable set beside which nothing was tried yet, None where none is probable enough."""
-    least = _weight(sets[_best(sets)]) - WINDOW
-    open_ones = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and _weight(sets[one]) > least]
-    return max(open_ones, key=lambda one: _weight(sets[one]), default=None)
+    weight = {members: _weight(some) for members, some in sets.items()}
+    least = max(weight.values()) - WINDOW
+
+    def open_to_more(one: Members) -> bool:
+        simpler = max(own for other, own in weight.items() if other < one)
+        return weight[one] > max(least, simpler - SIMPLER_WINDOW)
+
+    found = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and open_to_more(one)]
+    return max(found, key=lambda one: weight[one], default=None)
 
 
 def _expanded(

@@ -36,7 +36,7 @@ REFIT_ROUNDS = 4
 """Times the point of a fit without a flight is moved from that of the fit with it."""
 FLIGHT_WEIGHT_ROUNDS = 1
 """Times the weights of odd flights are updated about the first point."""
-FLIGHT_WEIGHT_TOLERANCE = 0.1
+FLIGHT_WEIGHT_TOLERANCE = 0.15
 """Convergence tolerance of the log weight of a flight; the bound, greatest there, is then within 0.01 nat. [1]"""
 MAX_SETTLING_ROUNDS = 4
 """Times these weights are updated at most about the last point."""
