@@ -39,7 +39,7 @@ SCREENING_ERROR = 3.0
 """By how much the log evidence of a linear model may be too low. [nat]"""
 MAX_SEARCHES = 2
 """Number of times all effects are tried, if trying them shows that the plain model had not found its best fit. [1]"""
-SETTLED = 0.3
+SETTLED_CHANGE = 0.3
 """Change of log evidence of the plain model below which it had. [nat]"""
 SAMPLED_WINDOW = log(50.0)
 """Log odds behind the most probable hypothesis up to which one is checked by importance sampling. [nat]"""
@@ -124,7 +124,7 @@ def _singles(model: Model, data: Data, families: Families, on_progress: ReportPr
 
         trials = try_all(model, data, screened(families, plain), plain, on_progress=report)
         better = fitted_again(model, data, plain, trials)
-        settled = better.log_evidence < plain.log_evidence + SETTLED
+        settled = better.log_evidence < plain.log_evidence + SETTLED_CHANGE
         plain = better
         if settled:
             break
