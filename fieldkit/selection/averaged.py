@@ -102,6 +102,8 @@ def _sampled(one: Hypothesis) -> _Said:
 
 def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
     """What a hypothesis says of some flights when it is fitted again without each of them."""
+    assert one.sampled is not None
+    scales = one.sampled.scales
     columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
     log_weight = said.log_weight.copy()
     for row, again in zip(rows, refits_without(one.fit, rows), strict=True):
@@ -110,10 +112,10 @@ def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
             again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee,
             np.einsum("t,stu,u->s", apogee, again.covariance, apogee),
             own_variance(again)[:, row],
-            again.weights,
+            again.weights / again.weights[scales].sum(),
         )
         for column, part in zip(columns, parts, strict=True):
-            column[:, row] = part
+            column[:, row] = part[scales]
         unseen = len(OBSERVED_READOUTS) * log(UNOBSERVED_SD)  # what a flight without readouts has in the evidence
         log_weight[row] = one.log_prior + one.correction + again.log_evidence + unseen
     mean, known, own, weight = columns

@@ -21,6 +21,8 @@ from fieldkit.shapes import Array, Float
 
 PLACE_WINDOW = 3.0
 """Log posterior odds behind the best place of an effect from which on another is not fitted: one in twenty. [nat]"""
+NEGLIGIBLE_SCALE_WEIGHT = 1e-4
+"""Posterior weight of a pair of scales below which it is left out. [1]"""
 MAX_PLACES = 4
 """Places of an effect that are fitted. [1]"""
 
@@ -117,30 +119,32 @@ def _gain(
 
     About the start `x0` the readouts are those of the smaller model plus `shift + slope (x - x0)`.
     """
-    told, prior_mean = near.told, np.array([term.mean for term in near.model.terms])
+    scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
     own_mean = np.array([term.mean for term in one.terms])
     from_start = np.array([start, *own_mean[1:]]) if not _all_effects(one) else np.full(len(own_mean), start)
     expected = shift + slope @ (own_mean - from_start)
-    weighed = told.sharpness @ slope  # scale flight readout own
+    weighed = sharpness @ slope  # scale flight readout own
     ties = np.einsum("fot,sfok->stk", told.slope, weighed, optimize=True)
-    offset = near.mean - prior_mean
     miss = told.miss - expected
-    weighed_miss = (told.sharpness @ miss[..., None])[..., 0]
-    pull = np.einsum("fot,sfo->st", told.slope, weighed_miss)
-    moved = (near.covariance @ pull[..., None])[..., 0]
-    plain_miss = (told.sharpness @ told.miss[..., None])[..., 0]
-    plain_pull = np.einsum("fot,sfo->st", told.slope, plain_miss)
-    before = np.einsum("fo,sfo->s", told.miss, plain_miss) - (plain_pull * offset).sum(axis=1)
-    after = np.einsum("fo,sfo->s", miss, weighed_miss) - (pull * moved).sum(axis=1)
+    before, _ = _left(told.miss, sharpness, told.slope, covariance)
+    after, moved = _left(miss, sharpness, told.slope, covariance)
     score = np.einsum("sfok,fo->sk", weighed, miss) - np.einsum("stk,st->sk", ties, moved)
-    information = np.einsum("fok,sfol->skl", slope, weighed) - np.einsum(
-        "stk,stu,sul->skl", ties, near.covariance, ties
-    )
+    explained = np.einsum("stk,stu,sul->skl", ties, covariance, ties, optimize=True)
+    information = np.einsum("fok,sfol->skl", slope, weighed, optimize=True) - explained
     precision = information + np.diag([1 / term.sd**2 for term in one.terms])
     raised = (score * np.linalg.solve(precision, score[..., None])[..., 0]).sum(axis=1)
     log_det = np.linalg.slogdet(precision)[1] + 2 * sum(np.log(term.sd) for term in one.terms)
     gain = 0.5 * (before - after + raised - log_det)
-    return float(np.logaddexp.reduce(near.log_weight + gain) - near.log_evidence)
+    return float(np.logaddexp.reduce(near.log_weight[scales] + gain) - near.log_evidence)
+
+
+def _left(miss: Array, sharpness: Array, slope: Array, covariance: Array) -> tuple[Array, Array]:
+    """What the smaller model leaves of misses, squared in standard deviations, and by how much its terms move."""
+    weighed = (sharpness @ miss[..., None])[..., 0]
+    pull = weighed.reshape(len(weighed), -1) @ slope.reshape(miss.size, -1)
+    moved = (covariance @ pull[..., None])[..., 0]
+    return (miss * weighed).sum(axis=(1, 2)) - (pull * moved).sum(axis=1), moved
 
 
 def _all_effects(one: Candidate) -> bool:

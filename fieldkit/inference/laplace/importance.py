@@ -20,7 +20,7 @@ from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit, bounds_log_mass, flight_evidence, prior_precision
 from fieldkit.model.readout_data import OBSERVED_READOUTS, compared
 from fieldkit.model.rocket_model import Model, shown
-from fieldkit.shapes import Array, Float
+from fieldkit.shapes import Array, Float, Int, Integers
 
 DRAWS = 500
 """Draws flown for each fit: with one in four of them effective, the log evidence has an error of a tenth. [1]"""
@@ -30,8 +30,8 @@ INFLATION = 1.15
 """Variance of the draws over that of the fit, so that its tails hold those of the posterior. [1]"""
 RELIABLE_PARETO_K = 0.7
 """Shape of the tail of the weights up to which they can be relied on (Vehtari et al., 2024). [1]"""
-NEGLIGIBLE_SCALE_WEIGHT = 1e-3
-"""Posterior weight of a pair of scales below which nothing is drawn from it. [1]"""
+NEGLIGIBLE_SCALE_WEIGHT = 3e-4
+"""Posterior weight of a pair of scales below which it is left out. [1]"""
 NO_FLIGHT_MISS = 20.0
 """Miss of a readout that a draw does not have because it stays on the pad, by ratio as it is compared. [1]"""
 
@@ -43,7 +43,7 @@ class Sampled:
     `log_evidence` has the standard error `error`; `pareto_k` is the shape of the tail of its weights. For every flight
     left out: `log_without`, the log evidence of the others, `pareto_k_without`, and the forecast of its compared apogee
     as a mixture over scales: mean, variance about it for what is not known of the rocket, and for the flight's own
-    scatter and reading, and the weight of each scale.
+    scatter and reading, and the weight of each scale, for those of all `scales` that have any.
     """
 
     log_evidence: float
@@ -55,6 +55,7 @@ class Sampled:
     known: Float[Array, "scale flight"]
     own: Float[Array, "scale flight"]
     weight: Float[Array, "scale flight"]
+    scales: Int[Integers, "scale"]
 
 
 def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
@@ -65,9 +66,10 @@ def sampled(fit: Fit, rng: Generator, draws: int = DRAWS) -> Sampled:
 
 
 def _sampled(fit: Fit, rng: Generator, draws: int) -> Sampled:
-    terms, log_density = _drawn(fit, rng, draws)
-    likelihood, apogee = _log_likelihood(fit, terms)
-    target = _log_prior(fit.model, terms) + likelihood.sum(axis=-1)
+    scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    terms, log_density = _drawn(fit, scales, rng, draws)
+    likelihood, apogee = _log_likelihood(fit, scales, terms)
+    target = _log_prior(fit.model, scales, terms) + likelihood.sum(axis=-1)
     log_weight = np.logaddexp.reduce(target, axis=1) - log_density
     smooth, pareto_k = smoothed(log_weight)
     log_evidence = float(np.logaddexp.reduce(smooth)) - log(draws)
@@ -80,12 +82,15 @@ def _sampled(fit: Fit, rng: Generator, draws: int) -> Sampled:
     mean = np.einsum("fds,df->sf", weights, apogee) / safe
     square = np.einsum("fds,df->sf", weights, apogee**2) / safe
     known = np.maximum(square - mean**2, 0.0)
-    return Sampled(log_evidence, error, pareto_k, log_without, ks, mean, known, own_variance(fit), by_scale)
+    return Sampled(
+        log_evidence, error, pareto_k, log_without, ks, mean, known, own_variance(fit)[scales], by_scale, scales
+    )
 
 
-def _drawn(fit: Fit, rng: Generator, draws: int) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
+def _drawn(
+    fit: Fit, scales: Int[Integers, "scale"], rng: Generator, draws: int
+) -> tuple[Float[Array, "draw term"], Float[Array, "draw"]]:
     """Draws of the terms from the posterior, a little wider, and the log density that they were drawn from."""
-    scales = np.flatnonzero(fit.weights > NEGLIGIBLE_SCALE_WEIGHT)
     weights = fit.weights[scales] / fit.weights[scales].sum()
     roots = np.linalg.cholesky(fit.covariance[scales]) * sqrt(INFLATION)
     which = rng.choice(len(scales), size=draws, p=weights)
@@ -97,19 +102,21 @@ def _drawn(fit: Fit, rng: Generator, draws: int) -> tuple[Float[Array, "draw ter
     return terms, np.asarray(np.logaddexp.reduce(np.log(weights) - 0.5 * (square + log_det), axis=1))
 
 
-def _log_prior(model: Model, terms: Float[Array, "draw term"]) -> Float[Array, "draw scale"]:
+def _log_prior(
+    model: Model, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
+) -> Float[Array, "draw scale"]:
     """Log prior density of the terms and of each pair of scales, up to the constant of `_drawn`."""
     low, high, mean = (np.array([getattr(term, name) for term in model.terms]) for name in ("low", "high", "mean"))
-    precision, log_det = prior_precision(model)
+    precision, log_det = (part[scales] for part in prior_precision(model))
     off = terms - mean
     square = np.einsum("dt,stu,du->ds", off, precision, off, optimize=True)
     inside = ((terms >= low) & (terms <= high)).all(axis=1)
-    density = model.hyperprior.scales()[2] + 0.5 * (log_det - square) - bounds_log_mass(model)
+    density = model.hyperprior.scales()[2][scales] + 0.5 * (log_det - square) - bounds_log_mass(model)
     return np.where(inside.reshape(-1, 1), density, -np.inf)
 
 
 def _log_likelihood(
-    fit: Fit, terms: Float[Array, "draw term"]
+    fit: Fit, scales: Int[Integers, "scale"], terms: Float[Array, "draw term"]
 ) -> tuple[Float[Array, "draw scale flight"], Float[Array, "draw flight"]]:
     """Log likelihood of every flight, up to the constant of a normal, and the apogee as it is compared."""
     from scipy.special import gammaln
@@ -121,10 +128,10 @@ def _log_likelihood(
     usable = fit.data.seen & np.isfinite(near.values)
     miss = np.where(usable, np.where(np.isfinite(flown), fit.data.values - flown, NO_FLIGHT_MISS), 0.0)
     told = flight_evidence(model, fit.data, near)
-    square = _squares(miss, told.sharpness)
+    square = _squares(miss, told.sharpness[scales])
     nu, count = model.hyperprior.tail, readouts_used(fit)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
-    likelihood = constant - 0.5 * told.log_det - (nu + count) / 2 * np.log1p(square / nu)
+    likelihood = constant - 0.5 * told.log_det[scales] - (nu + count) / 2 * np.log1p(square / nu)
     apogee = np.where(np.isfinite(flown[..., 0]), flown[..., 0], near.values[:, 0])
     return np.where(count > 0, likelihood, 0.0), apogee
 
