@@ -1,5 +1,6 @@
 """What the product said of a set of flights, beside what was put into it."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 WORTH_IT = 0.2
@@ -14,6 +15,9 @@ class Errors:
     bias: float
     covered: int
     flights: int
+    interval: float = float("nan")
+    """Mean score of the 90 % interval: its width plus 20 times what a flight lies outside (Gneiting and Raftery, 2007).
+    [m]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,6 +43,8 @@ class Result:
     level: int = 0
     top: tuple[str, ...] = field(default=())
     """The best candidates, best first."""
+    probabilities: Mapping[str, float] = field(default_factory=dict)
+    """Posterior probability of each effect and of `unexplained`, as far as they were given. [1]"""
 
     @property
     def gain(self) -> float:

@@ -77,6 +77,7 @@ def score(folder: Path, label: Mapping[str, Any], command: Sequence[str], timeou
         given=given,
         seconds=seconds,
         top=tuple(candidate["effect"] for candidate in said["candidates"][:4]),
+        probabilities=said.get("probabilities", {}).get("effects", {}),
     )
 
 
@@ -159,8 +160,10 @@ def _errors(predictions: Sequence[Mapping[str, Any]], later: Path) -> Errors:
     )
     found = [predicted[row["flight_id"]] for row in rows]
     error = np.array([p["p50"] for p in found]) - apogee
-    inside = [p["p05"] <= y <= p["p95"] for p, y in zip(found, apogee, strict=True)]
-    return Errors(float(np.abs(error).mean()), float(error.mean()), int(sum(inside)), len(rows))
+    low, high = (np.array([p[end] for p in found]) for end in ("p05", "p95"))
+    outside = np.maximum(low - apogee, 0.0) + np.maximum(apogee - high, 0.0)
+    interval = float((high - low + 20 * outside).mean())
+    return Errors(float(np.abs(error).mean()), float(error.mean()), int((outside == 0).sum()), len(rows), interval)
 
 
 def main() -> None:

@@ -5,6 +5,7 @@ from collections.abc import Callable, Iterable, Sequence
 
 import numpy as np
 
+from bench.calibration import calibration_lines
 from bench.result import WORTH_IT, Errors, Result
 
 
@@ -78,7 +79,16 @@ def summary(results: Sequence[Result]) -> str:
     made = sum(r.before.mae - r.after.mae for r in decidable if r.before and r.after)
     if possible > 0:
         lines.append(f"part of the possible gain made there: {made / possible:.0%}")
+    given = [r.after.mae / r.given.mae for r in effect if r.after and r.given]
+    if given:
+        lines.append(
+            f"error after over error with the true effect given: {np.exp(np.mean(np.log(given))):.2f} (geometric)"
+        )
+    scores = [r.after.interval / r.before.interval for r in said if r.after and r.before]
+    if np.isfinite(scores).any():
+        lines.append(f"interval score after over before: {np.exp(np.nanmean(np.log(scores))):.2f} (geometric)")
     lines.append(f"sets with an error: {len(results) - len(said)}")
     if said:
         lines.append(f"loop: {np.median([r.seconds for r in said]):.1f} s in the median")
+        lines += ["", *calibration_lines(said)]
     return "\n".join(lines)

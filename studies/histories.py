@@ -14,7 +14,6 @@ from fieldkit.flight import Flight
 from fieldkit.forecast.evaluation.comparison import judged_report
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, unflown
 from fieldkit.forecast.predict import predict
-from fieldkit.forecast.widen import widened_leftover
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found
 from fieldkit.progress import ReportProgress, no_op
@@ -94,10 +93,9 @@ def _forecast(
     assert flight.apogee is not None
     plan = (unflown(flight), motor)
     diagnosis = _close(before)
-    wider = widened_leftover(diagnosis).widened if diagnosis.effect == "unexplained" else 1.0
     (plain,) = predict(before, [plan], draws=DRAWS)
-    (closed,) = predict(before, [plan], diagnosis.places, draws=DRAWS)
-    one, other = (forecast.apogee_quantiles() for forecast in (plain, closed.widened(wider)))
+    (closed,) = predict(before, [plan], averaged=diagnosis.averaged, draws=DRAWS)
+    one, other = (forecast.apogee_quantiles() for forecast in (plain, closed))
     return (
         float(one[1] / flight.apogee - 1),
         float(other[1] / flight.apogee - 1),

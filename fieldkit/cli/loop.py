@@ -24,6 +24,10 @@ def loop(
         str | None,
         typer.Option(help="Take this effect whatever the evidence, two as wind+mass_offset.", show_default=False),
     ] = None,
+    decline: Annotated[
+        str | None,
+        typer.Option(help="Leave this effect out of account, several as wind+mass_offset.", show_default=False),
+    ] = None,
     look: Annotated[bool, typer.Option("--look", help="Look only; keep the model as it is.")] = False,
     quick: Annotated[
         bool, typer.Option("--quick", help="Probabilities from the network, at once; keep the model as it is.")
@@ -54,9 +58,11 @@ def loop(
         force = settled(page, force)
     with open_ledger(context) as ledger:
         name = which_rocket(ledger, rocket)
-        given = effect.split("+") if effect else []
+        given, declined = (said.split("+") if said else [] for said in (effect, decline))
         with progress("looking for an effect") as on_progress:
-            found = close_loop.look(ledger, known_motors(), name, on_progress, accept=not look, given=given)
+            found = close_loop.look(
+                ledger, known_motors(), name, on_progress, accept=not look, given=given, declined=declined
+            )
     if page is not None:
         write_page(found, page, force=force)
         complain(f"report written to {page}")

@@ -5,7 +5,7 @@ all of them fly in one batch. With no flight to learn from the priors are flown,
 What is said of a plan does not hang on the plans that it is asked with: each flies on the same draws as it would alone.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -18,13 +18,13 @@ from fieldkit.inference.laplace.leave_one_out import own_reading_sd
 from fieldkit.inference.laplace.outliers import outlier_lines
 from fieldkit.inference.laplace.posterior import Fit, term_sds
 from fieldkit.model.hyperprior import Hyperprior, learned
-from fieldkit.model.readout_data import observe
+from fieldkit.model.readout_data import Data, observe
 from fieldkit.model.rocket_model import EXTRAS, Model, apogee_scatter, bent, fleet_term, shown
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
 from fieldkit.physics.effect import effects, spoken
 from fieldkit.physics.setups import recorded
-from fieldkit.selection.candidates import Place
+from fieldkit.selection.candidates import EACH_GROUP, Averaged, Place
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.shapes import Array, Float, Int, Integers
 
@@ -79,6 +79,7 @@ def predict(
     planned: Sequence[tuple[Flight, Found]],
     accepted: Sequence[Place] = (),
     *,
+    averaged: Averaged = (),
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
     shared: SharedPrior | None = None,
@@ -89,6 +90,7 @@ def predict(
     """Predict planned flights of one rocket from those it has flown, in the order flown.
 
     The plans are flown one after the other, which matters to what grows from flight to flight and to nothing else.
+    With `averaged` the forecast is a mixture over sets of accepted effects, each as far as it is probable.
     Flights with an anomaly tag count as flown and are not used in the fit; outliers hardly count. Wind
     that was written down acts with the prior of its effect, accepted or not; with `declared` False it does not. `cds`
     are those of designs by configuration, which are believed before any flight in place of that of any rocket [1].
@@ -103,6 +105,7 @@ def predict(
             own,
             accepted,
             flight_index,
+            averaged=averaged,
             declared=declared,
             cds=cds,
             shared=shared,
@@ -121,6 +124,7 @@ def learn(
     accepted: Sequence[Place] = (),
     flight_index: Sequence[int] | None = None,
     *,
+    averaged: Averaged = (),
     declared: bool = True,
     cds: Mapping[str, float] | None = None,
     shared: SharedPrior | None = None,
@@ -133,35 +137,67 @@ def learn(
     both = [*flown, *planned]
     flights, found = [flight for flight, _ in both], [motor for _, motor in both]
     teach = [flight.clean for flight, _ in flown] + [False] * len(planned)
-    acting = (*accepted, *declared_places(flights, accepted)) if declared else accepted
+    sets = averaged or ((1.0, tuple(accepted)),)
+    acting = [(*own, *declared_places(flights, own)) if declared else own for _, own in sets]
+    every = tuple(dict.fromkeys(place for own in acting for place in own))
     order = [*range(len(flown)), *(flight_index or [len(flown)] * len(planned))]
-    own = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
-    if own and shared:  # a design takes the place of what other rockets show of drag
+    designs = {flight.config: cds[flight.config] for flight in flights if cds and flight.config in cds}
+    if designs and shared:  # a design takes the place of what other rockets show of drag
         shared = shared.only(name for name in shared.names if name != fleet_term("drag"))
-    model = forecast_model(flights, found, acting, len(flown), order, shared, hyperprior)
-    model = _designed(model, own) if own else model
-    known = set(model.shared.names) if model.shared else set()
-    acted = [i for i, term in enumerate(model.terms) if term.name in known or np.any(term.weight[: len(flown)] != 0)]
-    taught = acted or [0]  # of a rocket never flown, one prior stands in for what was learned
-    past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and teaches nothing
-    teaching = replace(model.part(past).only(taught), coarse=True)
-    result = fit_robustly(teaching, observe(flights[past], teach[past], model.hyperprior))
-    model = replace(model, hyperprior=result.model.hyperprior)
+    model = forecast_model(flights, found, every, len(flown), order, shared, hyperprior)
+    model = _designed(model, designs) if designs else model
+    past = slice(0, max(len(flown), 1))  # without a past, the first plan stands in for one and is not used in the fit
+    data = observe(flights[past], teach[past], model.hyperprior)
     rng = np.random.default_rng(seed)
-    values, scales = _drawn(model, taught, result, draws, rng)
-    at = np.array([term.mean for term in model.terms])
-    at[taught] = result.tangent.at
-    rests_on = int(np.sum(result.data.seen.any(axis=1)))
+    parts = []
+    for own, count in zip(acting, _allotted([chance for chance, _ in sets], draws), strict=True):
+        if count:
+            parts.append(_drawn_with(model, _terms_without(model, set(every) - set(own)), data, len(flown), count, rng))
+    values, scales = (np.concatenate(column) for column in zip(*((v, s) for _, v, s, _ in parts), strict=True))
+    rests_on = int(np.sum(data.seen.any(axis=1)))
+    name = model_name(sets[0][1])
     return FittedForecast(
-        model.part(slice(len(flown), None)),
-        at,
-        values,
-        scales,
-        rests_on,
-        model_name(accepted),
-        rng,
-        outlier_lines(result) if flown else (),
+        model.part(slice(len(flown), None)), parts[0][0], values, scales, rests_on, name, rng, parts[0][3]
     )
+
+
+def _allotted(chances: Sequence[float], draws: int) -> list[int]:
+    """Draws of each part of a mixture, all of them together, as near to their probabilities as whole numbers are."""
+    ends = np.round(np.cumsum(chances) / np.sum(chances) * draws).astype(int)
+    return [int(count) for count in np.diff(ends, prepend=0)]
+
+
+def _terms_without(model: Model, places: Collection[Place]) -> list[int]:
+    """The terms of a model that are not those of some places."""
+    if not places:
+        return list(range(len(model.terms)))
+    out = {str(place) for place in places}
+    patterns = tuple(f" with {place.where}" for place in places if not place.effect)
+    gone = {i for i, term in enumerate(model.terms) if term.name in out or (patterns and term.name.endswith(patterns))}
+    for place in places:
+        if place.where == EACH_GROUP:
+            gone |= {i for i, term in enumerate(model.terms) if term.name.startswith(f"{place.effect} of ")}
+    return [i for i in range(len(model.terms)) if i not in gone]
+
+
+def _drawn_with(
+    model: Model, terms: Sequence[int], data: Data, flown: int, draws: int, rng: np.random.Generator
+) -> tuple[Float[Array, "term"], Float[Array, "draw term"], Float[Array, "draw 2"], tuple[str, ...]]:
+    """The point that a fit of some of a model's terms ends at, draws of every term, zero for those it has not, and of
+    the scales, and a line for each outlier."""
+    part = model.only(terms)
+    known = set(part.shared.names) if part.shared else set()
+    acted = [i for i, term in enumerate(part.terms) if term.name in known or np.any(term.weight[:flown] != 0)]
+    used = acted or [0]  # of a rocket never flown, one prior stands in for what was fitted
+    result = fit_robustly(replace(part.part(slice(0, len(data.seen))).only(used), coarse=True), data)
+    part = replace(part, hyperprior=result.model.hyperprior)
+    own, scales = _drawn(part, used, result, draws, rng)
+    values, at = np.zeros((draws, len(model.terms))), np.zeros(len(model.terms))
+    values[:, terms] = own
+    ends = np.array([term.mean for term in part.terms])
+    ends[used] = result.tangent.at
+    at[list(terms)] = ends
+    return at, values, scales, outlier_lines(result) if flown else ()
 
 
 def _designed(model: Model, cds: Mapping[str, float]) -> Model:
@@ -241,7 +277,7 @@ def declared_places(flights: Sequence[Flight], accepted: Sequence[Place]) -> lis
     return [
         Place(name)
         for name, effect in effects().items()
-        if effect.needs and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
+        if effect.declared and name not in known and np.nanmax(recorded(flights, effect.needs), initial=0.0) > 0
     ]
 
 

@@ -105,9 +105,7 @@ class Hyperprior:
 
     def scales(self) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
         """Scatter scale, reading scale and normalized log prior of every pair on the grid."""
-        scatter, reading = np.meshgrid(self.scatter.values, self.reading.values, indexing="ij")
-        prior = self.scatter.log_prior[:, None] + self.reading.log_prior
-        return scatter.ravel(), reading.ravel(), (prior - np.logaddexp.reduce(prior.ravel())).ravel()
+        return _pairs(self.scatter, self.reading)
 
     def json(self) -> dict[str, Any]:
         """The card, as `learned` reads it."""
@@ -125,6 +123,18 @@ class Hyperprior:
             "opening_s": list(self.opening),
             "tail": self.tail,
         }
+
+
+@cache
+def _pairs(
+    scatter: Scale, reading: Scale
+) -> tuple[Float[Array, "scale"], Float[Array, "scale"], Float[Array, "scale"]]:
+    values = np.meshgrid(scatter.values, reading.values, indexing="ij")
+    prior = (scatter.log_prior[:, None] + reading.log_prior).ravel()
+    found = values[0].ravel(), values[1].ravel(), prior - np.logaddexp.reduce(prior)
+    for one in found:
+        one.flags.writeable = False
+    return found
 
 
 SCATTER_GRID = tuple(float(x) for x in np.round(np.geomspace(0.25, 4.0, 7), 4))

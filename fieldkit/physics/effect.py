@@ -15,6 +15,9 @@ from fieldkit.physics.state import Force, Setup
 from fieldkit.plugins import plugins
 from fieldkit.shapes import Array, Float
 
+Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "wear", "device"]
+"""What an effect is about: the path through wind, leaving the rail, the delay and parachute, the air, the mass, the
+motor, the law of drag, change with use, or the instrument. Prior probability is shared equally between families."""
 Strength = Float[Array, "*#draw"]
 BendSetup = Callable[[Setup, Strength, Sequence[Flight]], Setup]
 Readings = Mapping[str, Float[Array, "*#draw"]]
@@ -62,21 +65,23 @@ class LoggedForce:
 class Effect:
     """One bend of the flight model.
 
-    `prior` and the strength are in `unit`; where what the effect does grows with the square of its strength
-    (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of group of flights may
-    have a strength of its own, `everywhere` whether it may also act on all flights alike, `each` whether
-    every group has its own at once. `needs` is the column without which the effect cannot act, `lacks` one that
-    a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
-    may come about: verdicts speak of the other. One that `grows`
-    acts with its strength times the flights flown before; one that `starts_anywhere` may be there only from
-    some flight on, as with a new lot of motors or a new altimeter. `starts` are strengths from which a fit is
-    begun, several where what the effect does is far from linear. `explains` tells a flyer what it is, `tell_apart`
+    `family` is what it is about. `prior` and the strength are in `unit`; where what the effect does grows with the
+    square of its strength (`squared`), it is the square that is fitted and the prior speaks of. `per` says what kind of
+    group of flights may have a strength of its own, `everywhere` whether it may also act on all flights alike, `each`
+    whether every group has its own at once. `needs` is the column without which the effect cannot act; where it is
+    `declared`, it acts with its prior on forecasts of every flight that has that column, accepted or not. `lacks` one
+    that a flight must not have for it to act. An effect that is a `form_of` another is one more way in which that one
+    may come about: verdicts speak of the other. One that `grows` acts with its strength times the flights flown before;
+    one that `starts_anywhere` may be there only from some flight on, as with a new lot of motors or a new altimeter.
+    `starts` are strengths from which a fit is begun, several where what the effect does is far from linear.
+    `explains` tells a flyer what it is, `tell_apart`
     what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
     ground gives the fitted value, 0 where it cannot. One that `needs_delay` acts on motors that have a delay alone.
     `logged` is how an effect on the set-up shows in the force that a log measures, None where it does not.
     """
 
     title: str
+    family: Family
     explains: str
     unit: str
     prior: Prior
@@ -89,6 +94,7 @@ class Effect:
     everywhere: bool = True
     each: bool = False
     needs: str = ""
+    declared: bool = False
     lacks: str = ""
     form_of: str = ""
     grows: bool = False

@@ -10,7 +10,7 @@ from fieldkit.forecast.predict import FittedForecast, fly_ahead, learn
 from fieldkit.forecast.prediction import Prediction
 from fieldkit.model.shared_prior import SharedPrior
 from fieldkit.motors import Found
-from fieldkit.selection.candidates import Place
+from fieldkit.selection.candidates import Averaged
 from fieldkit.shapes import Array, Float
 
 Planned = Sequence[tuple[Flight, Found]]
@@ -18,12 +18,12 @@ Planned = Sequence[tuple[Flight, Found]]
 
 @dataclass(frozen=True, slots=True)
 class Rocket:
-    """What is known of a rocket that forecasts rest on: its flights, the effects in its model, by how much
+    """What is known of a rocket that forecasts rest on: its flights, the sets of effects in its model, by how much
     intervals are widened, for what the model leaves unexplained and for how `earlier` forecasts fared, and the
     designs it starts from, and what the flyer's other rockets show."""
 
     history: tuple[tuple[Flight, Found], ...]
-    places: tuple[Place, ...]
+    averaged: Averaged
     widened: float
     stretched: float | None
     earlier: int
@@ -68,7 +68,7 @@ def forecasts(
 def fitted_forecast(rocket: Rocket, planned: Planned, draws: int) -> FittedForecast:
     """The forecast fitted to a rocket's flights for plans of one kind, each as the next flight."""
     cds = design_cds(rocket.starts, [flight for flight, _ in (*rocket.history, *planned)])
-    return learn(rocket.history, planned, rocket.places, cds=cds, shared=rocket.shared, draws=draws)
+    return learn(rocket.history, planned, averaged=rocket.averaged, cds=cds, shared=rocket.shared, draws=draws)
 
 
 def flown_ahead(

@@ -10,7 +10,7 @@ from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.forward_in_time import Forecast, corrected_coverage
 from fieldkit.forecast.prediction import LEVELS, quantiles
 from fieldkit.scoring.proper_scores import crps, pit
-from fieldkit.selection.choice import Ranked
+from fieldkit.selection.diagnose import Ranked
 from fieldkit.selection.force.log_evidence import document as testimony_document
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
@@ -42,6 +42,7 @@ def loop_document(found: Findings) -> dict[str, Any]:
         },
         "candidates": [_candidate(item) for item in diagnosis.ranking if item.effect],
         "verdict": _verdict(found),
+        "probabilities": _probabilities(found),
         "before": before,
         "after": finite(found.left_out.after.json()),
         "gain_m": _gain(found.left_out),
@@ -60,7 +61,7 @@ def _candidate(item: Ranked) -> dict[str, Any]:
     return {
         "effect": item.effect,
         "evidence": item.log_bayes,
-        "steady_evidence": item.steady,
+        "probability": item.probability,
         "parameters": {place: {**strength, "unit": item.best.unit}},
         "fingerprint": fingerprint(item.best),
         "after": {key: item.score.json()[key] for key in ("mae_m", "rmse_m", "bias_m")},
@@ -76,8 +77,31 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "also": list(diagnosis.also),
         "tell_apart": [_test(test) for test in found.tests],
         "goes_with": found.unexplained.in_words if found.unexplained else None,
-        "widened": found.unexplained.widened if found.unexplained else 1.0,
+        "next_flight": {
+            "motor": found.next_flight.flight.motor,
+            "config": found.next_flight.flight.config,
+            "before_m": found.next_flight.before,
+            "after_m": found.next_flight.after,
+            "interval90_m": list(found.next_flight.interval),
+        },
     }
+
+
+def _probabilities(found: Findings) -> dict[str, Any]:
+    """The posterior: of each effect, of nothing, and of the sets that forecasts are averaged over."""
+    diagnosis = found.diagnosis
+    return {
+        "none": diagnosis.posterior.nothing,
+        "effects": diagnosis.posterior.inclusion,
+        "sets": [{"effects": sorted(members), "probability": chance} for members, chance in _likely_sets(found)],
+        "averaged": [
+            {"places": [str(place) for place in places], "probability": chance} for chance, places in diagnosis.averaged
+        ],
+    }
+
+
+def _likely_sets(found: Findings) -> list[tuple[frozenset[str], float]]:
+    return [(members, chance) for members, chance in found.diagnosis.posterior.sets.items() if chance >= 0.005]
 
 
 def _test(test: Advice) -> dict[str, Any]:

@@ -4,7 +4,8 @@ from collections.abc import Iterator
 from math import isfinite
 
 from fieldkit.selection.force.text import climbs_in_words
-from fieldkit.services.findings import Findings
+from fieldkit.services.findings import Findings, NextFlight
+from fieldkit.units import FOOT
 
 
 def report(found: Findings) -> Iterator[str]:
@@ -14,12 +15,13 @@ def report(found: Findings) -> Iterator[str]:
     yield ""
     yield from _fingerprints(found)
     yield ""
-    yield "  could be missing                  evidence  steady   strength"
+    yield "  could be missing                  evidence  chance   strength"
     for item in diagnosis.ranking:
         if item.effect:
             mean, sd = item.best.strength()
             place = str(item.best.candidate.place)
-            yield f"  {place:34.34}{item.log_bayes:+8.1f}{item.steady:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
+            how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
+            yield f"  {place:34.34}{how_sure}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
     yield from _verdict(found)
     for line in climbs_in_words(found.testimony):
@@ -51,26 +53,70 @@ def _residual(found: Findings) -> Iterator[str]:
 
 
 def _verdict(found: Findings) -> Iterator[str]:
+    """What was found, what it is worth on the next flight, how sure it is, what would settle it, what to do."""
     diagnosis = found.diagnosis
     yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
     if found.unexplained is not None:
         yield f"  {found.unexplained.in_words}"
-        yield f"  forecasts are given intervals {found.unexplained.widened:.2f} times as wide"
-    if diagnosis.effect == "none":
-        chance = _chance(1 - diagnosis.confidence)
-        yield f"  (the chance that something is missing is put at {chance}, before unseen flights have their say)"
-    else:
-        what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
-        yield f"  (the chance that {what} is put at {_chance(diagnosis.confidence)})"
+    yield f"  {in_next_flight(found.next_flight)}"
+    yield f"  {how_sure(found)}"
     if diagnosis.also:
         yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
-        for test in found.tests:
-            yield f"    to tell: {test.in_words}"
+    for number, test in enumerate(found.tests):
+        yield f"    {'to settle it: ' if not number else 'or '}{test.in_words}"
+    yield from _what_now(found)
+
+
+def in_next_flight(one: NextFlight) -> str:
+    """`the next F24 goes 5 m (18 ft) lower than the plain model says: 317 m, and 300 to 334 m in nine of ten`."""
+    change = one.after - one.before
+    span = f"{one.after:.0f} m, and {one.interval[0]:.0f} to {one.interval[1]:.0f} m nine times in ten"
+    name = f"the next {one.flight.motor} in the same conditions"
+    if abs(change) < 0.5:
+        return f"{name} goes as high as the plain model says: {span}"
+    way = "higher" if change > 0 else "lower"
+    return f"{name} goes {abs(change):.0f} m ({abs(change) / FOOT:.0f} ft) {way} than the plain model says: {span}"
+
+
+def how_sure(found: Findings) -> str:
+    """How probable the verdict is, in per cent and in odds."""
+    diagnosis = found.diagnosis
+    sure = diagnosis.confidence
+    if diagnosis.effect == "none":
+        return f"the chance that something is missing is {_chance(1 - sure)}"
+    what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
+    what = "it is one of these" if diagnosis.also and len(diagnosis.accepted) == 1 and sure > _alone(found) else what
+    return f"the chance that {what} is {_chance(sure)} ({in_odds(sure)})"
+
+
+def _alone(found: Findings) -> float:
+    """Probability of the first effect named."""
+    return found.diagnosis.posterior.inclusion.get(found.diagnosis.effect, 0.0) + 1e-9
+
+
+def in_odds(chance: float) -> str:
+    """A probability as a flyer would bet: `9 to 1 on`, `2 to 1 against`."""
+    odds = min(max(chance, 1 - chance) / max(min(chance, 1 - chance), 1e-9), 1e9)
+    said = "more than 999" if odds > 999 else f"{odds:.1f}" if odds < 3 else f"{odds:.0f}"
+    return f"{said} to 1 {'on' if chance >= 0.5 else 'against'}"
+
+
+def _what_now(found: Findings) -> Iterator[str]:
+    """What accepting changes, and how to say otherwise."""
+    averaged = found.diagnosis.averaged
+    if all(not places for _, places in averaged):
+        yield "  forecasts stay those of the plain model"
+        return
+    parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
+    yield f"  forecasts with it are averaged: {', '.join(parts)}"
+    if found.diagnosis.accepted:
+        name = found.diagnosis.effect
+        yield f"  --effect {name} takes it for certain, --decline {name} leaves it out"
 
 
 def _chance(share: float) -> str:
     """A probability in per cent; of none it is said that it is certain."""
-    return f"{share:.0%}" if 0.01 <= share <= 0.99 else "more than 99%" if share > 0.5 else "less than 1%"
+    return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
 
 
 def _errors(found: Findings) -> Iterator[str]:

@@ -33,6 +33,10 @@ class Place:
         return f"{self.effect}{group}" + (f" from flight {self.since} on" if self.since else "")
 
 
+Averaged = tuple[tuple[float, tuple[Place, ...]], ...]
+"""Sets of effects in their places that a forecast is averaged over, each with its probability."""
+
+
 @dataclass(frozen=True, slots=True)
 class Candidate:
     """One way to extend a model: its terms, and where the fit of them should begin.

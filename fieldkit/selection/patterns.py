@@ -1,4 +1,9 @@
-"""Patterns that no effect explains: single days, the hour, a lasting change, a site, whatever was written down."""
+"""Patterns that no effect explains: single days, the hour, a lasting change, a site, whatever was written down.
+
+What goes with a number may do so in any smooth way: a Gaussian process of that number, written as the few independent
+components that it has at the flights flown (Karhunen and Loeve; Rasmussen and Williams, Gaussian Processes for Machine
+Learning, 2006, section 4.3), which at other flights are what those flights' numbers make of them (Nystroem).
+"""
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 
@@ -10,10 +15,19 @@ from fieldkit.physics.setups import recorded
 from fieldkit.selection.candidates import Candidate, Place
 from fieldkit.shapes import Array, Float
 
-Weigh = Callable[[Sequence[Flight]], Float[Array, "flight"]]
-"""How strongly a pattern acts on each of a rocket's flights, in the order flown, planned ones after them."""
+Weigh = Callable[[Sequence[Flight]], Array]
+"""How strongly a pattern acts on each of a rocket's flights, in the order flown, planned ones after them; of a pattern
+with several components a column for each."""
 Kind = Mapping[str, Weigh]
 """Patterns of one kind by what they are called."""
+ODD_DRAG = 0.15
+"""Prior standard deviation of the log drag of a pattern. [1]"""
+SMOOTH_LENGTH = 1.0
+"""Length over which a smooth pattern changes, in standard deviations of the number that it goes with. [1]"""
+NEGLIGIBLE_VARIANCE = 0.03
+"""Part of its variance below which a component of a smooth pattern is left out. [1]"""
+MAX_COMPONENTS = 4
+"""Components of a smooth pattern. [1]"""
 MOST_VALUES = 6
 """Different texts in a column of the flyer's own up to which it is taken to sort flights. [1]"""
 
@@ -36,11 +50,11 @@ def pattern_terms(place: Place, model: Model, flown: int) -> tuple[Term, ...]:
     return ()
 
 
-def _weighed(weigh: Weigh, model: Model, flown: int) -> Float[Array, "flight"]:
+def _weighed(weigh: Weigh, model: Model, flown: int) -> Array:
     """How strongly a pattern acts on the flights flown, and on each plan as if those before its turn were its like."""
     past, planned = model.flights[:flown], zip(model.flights[flown:], model.flight_index[flown:], strict=True)
     ahead = [weigh([*past, *[plan] * (turn - flown + 1)])[-1] for plan, turn in planned]
-    return np.array([*weigh(past), *ahead])
+    return np.concatenate([weigh(past), np.array(ahead)]) if ahead else weigh(past)
 
 
 def known_patterns(flights: Sequence[Flight]) -> list[Kind]:
@@ -55,7 +69,12 @@ def _in_time(flights: Sequence[Flight]) -> Iterator[Kind]:
     hours = _hours(flights)
     if np.isfinite(hours).all() and hours.std() > 1:
         middle = hours.mean()
-        yield {"the hour of the day": lambda some: np.nan_to_num((_hours(some) - middle) / 4)}
+        yield {
+            "the hour of the day": lambda some: np.nan_to_num((_hours(some) - middle) / 4),
+            "the hour of the day, smoothly": _smooth(_hours, _hours(flights)),
+        }
+    if len(flights) >= 8:
+        yield {"the number of flights, smoothly": _smooth(_number_flown, _number_flown(flights))}
     yield {f"every flight from {flights[k].flight_id} on": _from(k) for k in range(3, len(flights) - 2)}
     if len(flights) >= 8:
         flight_index = [(n, k) for n in (2, 3) for k in range(n - (n == 2))]
@@ -76,7 +95,10 @@ def _in_columns(flights: Sequence[Flight]) -> Iterator[Kind]:
     for name, read in numbers.items():
         column = read(flights)
         if np.isfinite(column).all() and np.ptp(column) > 0:
-            yield {name: _standard(read, float(column.mean()), float(column.std()))}
+            yield {
+                name: _standard(read, float(column.mean()), float(column.std())),
+                f"{name}, smoothly": _smooth(read, column),
+            }
 
 
 def _shared(labels: Sequence[str]) -> list[str]:
@@ -99,6 +121,24 @@ def _every(n: int, first: int) -> Weigh:
 def _standard(read: Weigh, mean: float, sd: float) -> Weigh:
     """A column about its mean, nothing where it was not written down."""
     return lambda some: np.nan_to_num((read(some) - mean) / sd)
+
+
+def _smooth(read: Weigh, column: Float[Array, "flown"]) -> Weigh:
+    """A Gaussian process of a number with unit variance, by the components that it has where it was flown."""
+    middle, spread = float(column.mean()), float(column.std()) or 1.0
+
+    def kernel(one: Array, other: Array) -> Array:
+        apart = (one[:, None] - other) / (SMOOTH_LENGTH * spread)
+        return np.asarray(np.exp(-0.5 * apart**2))
+
+    variance, shape = np.linalg.eigh(kernel(column, column))
+    kept = np.flatnonzero(variance > NEGLIGIBLE_VARIANCE * len(column))[-MAX_COMPONENTS:]
+    loading = shape[:, kept] / np.sqrt(variance[kept])
+    return lambda some: kernel(np.nan_to_num(read(some), nan=middle), column) @ loading
+
+
+def _number_flown(flights: Sequence[Flight]) -> Float[Array, "flight"]:
+    return np.arange(float(len(flights)))
 
 
 def _column(name: str) -> Weigh:
@@ -130,10 +170,15 @@ def _number(text: str) -> float:
         return float("nan")
 
 
-def _odd(name: str, weight: Float[Array, "flight"]) -> tuple[Term, ...]:
-    """Drag, thrust and mass that differ without a reason given."""
+def _odd(name: str, weight: Array) -> tuple[Term, ...]:
+    """Drag, thrust and mass that differ without a reason given; of a smooth pattern drag alone."""
+    if weight.ndim == 2:
+        return tuple(
+            Term(f"drag {number} with {name}", "drag", 0.0, ODD_DRAG, weight[:, number])
+            for number in range(weight.shape[1])
+        )
     return (
-        Term(f"drag with {name}", "drag", 0.0, 0.15, weight),
+        Term(f"drag with {name}", "drag", 0.0, ODD_DRAG, weight),
         Term(f"thrust with {name}", "thrust", 0.0, 0.06, weight),
         Term(f"mass with {name}", "mass", 0.0, 0.08, weight),
     )

@@ -1,4 +1,4 @@
-"""Candidates put to the flights: fitted side by side, with what each says of every flight left out."""
+"""Candidates put to the flights: fitted side by side, beside the plain model or one that has effects already."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -6,39 +6,28 @@ from dataclasses import dataclass
 import numpy as np
 
 from fieldkit.inference.laplace.fit import MAX_LOG_EVIDENCE_BEHIND, Lane, fit_lanes
-from fieldkit.inference.laplace.leave_one_out import LeaveOneOut, leave_one_out
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import Data
 from fieldkit.model.rocket_model import Model
 from fieldkit.physics.effect import Effect
-from fieldkit.scoring.score import Forecasts, mixed
 from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place
-from fieldkit.shapes import Array, Float
+
+MAX_RESTARTS = 3
+"""Trials from whose end a model is fitted again. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
 class Trial:
-    """A candidate with its fit and what it says of each flight left out."""
+    """A candidate with the fit of a model that has it, perhaps beside others."""
 
     candidate: Candidate
     fit: Fit
-    left_out: LeaveOneOut
-
-    @property
-    def log_evidence(self) -> float:
-        """Of the observed readouts. [nat]"""
-        return self.fit.log_evidence
 
     @property
     def unit(self) -> str:
         """Of the strength; empty for a pattern."""
         bends = self.candidate.terms[0].bends if self.candidate.terms else ""
         return bends.unit if isinstance(bends, Effect) else ""
-
-    @property
-    def fold_evidence(self) -> Float[Array, "flight"]:
-        """Log evidence of all flights but one, for each one. [nat]"""
-        return np.asarray(np.logaddexp.reduce(self.left_out.log_weight, axis=0))
 
     def strength(self) -> tuple[float, float]:
         """Posterior mean and standard deviation of the strength, in the effect's unit.
@@ -58,11 +47,6 @@ class Trial:
         return fitted, spread
 
 
-def plain_trial(fitted: Fit) -> Trial:
-    """The trial of a model without anything added."""
-    return Trial(Candidate(Place("none"), ()), fitted, leave_one_out(fitted))
-
-
 def try_all(
     model: Model,
     data: Data,
@@ -75,6 +59,8 @@ def try_all(
 
     Those whose evidence leaves them no say beside the best of their effect are dropped; `worth` as in `fit_lanes`.
     """
+    if not families:
+        return []
     wide, lanes, owners = model, [], []
     base = tuple(range(len(model.terms)))
     for name, family in families.items():
@@ -85,7 +71,15 @@ def try_all(
             for start in candidate.starts:
                 lanes.append(Lane((*base, *own), np.array([*near.tangent.at, start, *rest]), name))
                 owners.append(candidate)
-    fits = fit_lanes(wide, data, lanes, near.tangent.scatter_slope[..., -1], worth=worth, on_progress=on_progress)
+    fits = fit_lanes(
+        wide,
+        data,
+        lanes,
+        near.tangent.scatter_slope[..., -1],
+        worth=worth,
+        on_progress=on_progress,
+        flight_weight=near.flight_weight,
+    )
     best: dict[Place, Fit] = {}
     for candidate, result in zip(owners, fits, strict=True):
         known = best.get(candidate.place)
@@ -97,16 +91,17 @@ def try_all(
 def _with_a_say(family: Sequence[Candidate], best: Mapping[Place, Fit]) -> list[Trial]:
     least = max(best[candidate.place].log_evidence for candidate in family) - MAX_LOG_EVIDENCE_BEHIND
     kept = [candidate for candidate in family if best[candidate.place].log_evidence >= least]
-    return [Trial(candidate, best[candidate.place], leave_one_out(best[candidate.place])) for candidate in kept]
+    return [Trial(candidate, best[candidate.place]) for candidate in kept]
 
 
-def plain_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
-    """The plain model fitted anew from where the trials ended: an effect that does nothing may have helped the
+def fitted_again(model: Model, data: Data, known: Fit, trials: Sequence[Trial]) -> Fit:
+    """A model fitted again from where the trials beside it ended: an effect that does nothing may have helped the
     rest of the model to a better place, and must not get the credit."""
     count = len(model.terms)
-    best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.log_evidence)}
-    lanes = [Lane(tuple(range(count)), trial.fit.tangent.at[:count]) for trial in best.values()]
-    fits = fit_lanes(model, data, lanes, known.tangent.scatter_slope[..., -1])
+    best = {trial.candidate.effect: trial for trial in sorted(trials, key=lambda trial: trial.fit.log_evidence)}
+    likely = sorted(best.values(), key=lambda trial: -trial.fit.log_evidence)[:MAX_RESTARTS]
+    lanes = [Lane(tuple(range(count)), trial.fit.tangent.at[:count]) for trial in likely]
+    fits = fit_lanes(model, data, lanes, known.tangent.scatter_slope[..., -1], flight_weight=known.flight_weight)
     return max([known, *fits], key=lambda result: result.log_evidence)
 
 
@@ -116,12 +111,3 @@ def by_effect(candidates: Sequence[Candidate]) -> dict[str, list[Candidate]]:
     for candidate in candidates:
         families.setdefault(candidate.effect, []).append(candidate)
     return families
-
-
-def family_forecasts(family: Sequence[Trial]) -> Forecasts:
-    """What an effect says of each flight left out, its places weighed by their evidence."""
-    parts = [
-        (trial.left_out.mean, trial.left_out.variance, trial.left_out.log_weight + trial.candidate.log_share)
-        for trial in family
-    ]
-    return mixed(*(np.concatenate(values) for values in zip(*parts, strict=True)))

@@ -10,6 +10,8 @@ from fieldkit.shapes import Array, Flags, Float
 
 HOUR = "the hour of the day"
 """The name of the pattern."""
+SMOOTHLY = ", smoothly"
+"""The end of the name of a pattern that goes with a number in any smooth way."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -48,8 +50,10 @@ def _goes_with(diagnosis: Diagnosis) -> Leftover | None:
     """What the apogees' residuals go with most: the strongest pattern, else the most telling column."""
     error = _shares(diagnosis)
     pattern = next((item for item in diagnosis.ranking if not item.effect), None)
-    if pattern is not None and pattern.weight > 0:
+    if pattern is not None and pattern.probability > 0.5:
         place, weight = pattern.best.candidate.place.where, pattern.best.candidate.terms[0].weight
+        if place.endswith(SMOOTHLY):
+            return Leftover(place.removesuffix(SMOOTHLY), np.zeros(len(error), bool), 0.0, 0.0)
         sorts = set(np.unique(weight)) <= {0.0, 1.0}
         name = _pattern_words(place) if sorts or place == HOUR else f"with {place} above its middle"
         return _compared(name, weight > (0 if sorts else np.median(weight)), error)

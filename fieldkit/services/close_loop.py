@@ -6,20 +6,21 @@ from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any
 
-import numpy as np
-
 from fieldkit.errors import NoFlights
-from fieldkit.forecast.widen import widened_leftover
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import Catalogue
 from fieldkit.progress import ReportProgress, no_op, part
+from fieldkit.selection.candidates import Averaged
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
-from fieldkit.selection.unexplained import Leftover
+from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
-from fieldkit.services.forecasts import accepted_places, accepted_widening, flown
+from fieldkit.services.forecasts import accepted_average, flown
+
+SAME_PROBABILITY = 0.01
+"""Difference of a probability below which an average is the same. [1]"""
 
 
 def close_loop(
@@ -30,12 +31,14 @@ def close_loop(
     accept: bool = True,
     on_progress: ReportProgress = no_op,
     given: Sequence[str] = (),
+    declined: Sequence[str] = (),
 ) -> Diagnosis:
-    """Diagnose a rocket's flights and, when an effect is found, predict with it from now on.
+    """Diagnose a rocket's flights and predict from now on with an average over everything that is probable.
 
-    `given` are effects that the flyer knows to be there: they are taken whatever the evidence. A version is kept
-    only where it differs from the one in use. Raises NoFlights for fewer than four clean flights with an apogee,
-    UnknownEffect for a given effect that these flights could not show.
+    `given` are effects that the flyer knows to be there, and to which the average is pinned whatever the evidence,
+    `declined` those that are not there. A version is kept only where it differs from the one in use. Raises NoFlights
+    for fewer than four clean flights with an apogee, UnknownEffect for a given effect that these flights could not
+    show.
     """
     history = flown(ledger, motors, rocket)
     used_in_fit = [flight.clean and flight.apogee is not None for flight, _ in history]
@@ -45,7 +48,7 @@ def close_loop(
         )
     flights = [flight for flight, _ in history]
     model = rocket_model(flights, [motor for _, motor in history])
-    diagnosis = diagnose(model, observe(flights, used_in_fit), on_progress, given)
+    diagnosis = diagnose(model, observe(flights, used_in_fit), on_progress, given, declined)
     if accept:
         adopt(ledger, rocket, diagnosis)
     return diagnosis
@@ -59,33 +62,48 @@ def look(
     *,
     accept: bool = False,
     given: Sequence[str] = (),
+    declined: Sequence[str] = (),
 ) -> Findings:
     """Close the loop of a rocket and find everything that is reported of it, by the logs kept with its flights too.
 
     Raises as `close_loop`; nothing is changed unless `accept`.
     """
-    diagnosis = close_loop(ledger, motors, rocket, accept=accept, on_progress=part(on_progress, 0.0, 0.6), given=given)
+    diagnosis = close_loop(
+        ledger,
+        motors,
+        rocket,
+        accept=accept,
+        on_progress=part(on_progress, 0.0, 0.6),
+        given=given,
+        declined=declined,
+    )
     logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
     return findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:
-    """Predict a rocket with what a diagnosis accepted, from now on; nothing where that is so already."""
-    places = diagnosis.places
-    left = widened_leftover(diagnosis) if diagnosis.effect == "unexplained" else None
-    same = places == accepted_places(ledger, rocket)
-    if same and np.isclose(accepted_widening(ledger, rocket), left.widened if left else 1.0, atol=0.005):
+    """Predict a rocket with what a diagnosis averages over, from now on; nothing where that is so already."""
+    if _same(diagnosis.averaged, accepted_average(ledger, rocket)):
         return
-    if not places and (left is None or left.widened == 1.0):
+    if all(not places for _, places in diagnosis.averaged):
         ledger.activate(rocket, None)
         return
+    left = leftover(diagnosis) if diagnosis.effect == "unexplained" else None
     ledger.keep_version(rocket, version_payload(diagnosis, left))
 
 
-def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
-    """What a model version keeps: its effects with strengths, the flights behind it, errors, a digest.
+def _same(one: Averaged, other: Averaged) -> bool:
+    """Whether two averages are over the same sets, as probable as far as is printed."""
+    plain: Averaged = ((1.0, ()),)
+    first, second = ({places: chance for chance, places in some or plain} for some in (one, other))
+    return first.keys() == second.keys() and all(abs(first[key] - second[key]) < SAME_PROBABILITY for key in first)
 
-    `left` is what no effect accounts for, and by how much it widens forecasts.
+
+def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[str, Any]:
+    """What a model version keeps: its effects with strengths, what it averages over, the flights behind it, errors, a
+    digest.
+
+    `left` is what no effect accounts for.
     """
     payload: dict[str, Any] = {
         "effects": [
@@ -95,6 +113,10 @@ def version_payload(diagnosis: Diagnosis, left: Leftover | None = None) -> dict[
                 "unit": trial.unit,
             }
             for trial in diagnosis.accepted
+        ],
+        "averaged": [
+            {"probability": round(chance, 4), "places": [asdict(place) for place in places]}
+            for chance, places in diagnosis.averaged
         ],
         "flights": [
             f.flight_id for f, seen in zip(diagnosis.model.flights, diagnosis.data.seen[:, 0], strict=True) if seen

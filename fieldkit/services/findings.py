@@ -4,23 +4,33 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 from fieldkit.analysis import Recorded
-from fieldkit.forecast.widen import widened_leftover
+from fieldkit.flight import Flight
+from fieldkit.forecast.predict import predict
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.scoring.bootstrap import Interval, Judged, gain, judge
+from fieldkit.selection.averaged import Ahead, ahead
 from fieldkit.selection.diagnose import Diagnosis
 from fieldkit.selection.fingerprint import FingerprintMark, marks
 from fieldkit.selection.force.log_evidence import LogEvidence, compare_with_logs
-from fieldkit.selection.forward_choice import Ahead, ahead
 from fieldkit.selection.next_experiment import Advice, Explanation, informative_readouts
+from fieldkit.selection.prior import UNEXPLAINED
 from fieldkit.selection.residual import Pattern, ResidualDistribution, patterns, readout_patterns, spreads
 from fieldkit.selection.trial import Trial
-from fieldkit.selection.unexplained import Leftover
+from fieldkit.selection.unexplained import Leftover, leftover
 
-EVALUATION = "leave-one-flight-out, effect chosen anew inside every fold"
-FORWARD_METHOD = (
-    "each flight forecast from the flights before it, effect chosen anew from those at every flight "
-    "(readouts linear about the fit to all flights)"
+EVALUATION = (
+    "leave-one-flight-out, effects weighed anew inside every fold "
+    "(Pareto-smoothed importance sampling, fitted again without the flight where that is unsure; "
+    "which effects are averaged over was found with all flights)"
 )
+FORWARD_METHOD = (
+    "each flight forecast from the flights before it, effects weighed anew by those at every flight "
+    "(readouts linear about the fits to all flights, which found the effects averaged over)"
+)
+NEXT_FLIGHT_DRAWS = 400
+"""Draws of the forecast that shows what a verdict is worth. [1]"""
+WORTH_A_TEST = 0.02
+"""Probability of another explanation below which no test against it is advised. [1]"""
 MAX_SHOWN_EFFECTS = 3
 """Effects whose fingerprint is shown, and tests that are advised. [1]"""
 
@@ -37,13 +47,24 @@ class Compared:
 
 
 @dataclass(frozen=True, slots=True)
+class NextFlight:
+    """The last flight flown again: the apogee that the plain model forecasts, and the average over what is probable,
+    with its 90 % interval. [m]"""
+
+    flight: Flight
+    before: float
+    after: float
+    interval: tuple[float, float]
+
+
+@dataclass(frozen=True, slots=True)
 class Findings:
     """A diagnosis of a rocket with everything that is said of it.
 
-    `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are
-    those of the accepted effects, else of the likeliest. `tests` would tell the accepted effect from those that
-    it cannot be told from. `unexplained` is there where the verdict is. `testimony` is what logs of the climb say,
-    which had no part in the verdict.
+    `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
+    of the accepted effects, else of the likeliest. `tests` would tell the most probable explanation from the next.
+    `next_flight` is what all this is worth on the flight after the last. `unexplained` is there where the verdict is.
+    `testimony` is what logs of the climb say, which had no part in the verdict.
     """
 
     rocket: str
@@ -57,6 +78,7 @@ class Findings:
     fingerprints: tuple[tuple[Trial, tuple[FingerprintMark, ...]], ...]
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
+    next_flight: NextFlight
     testimony: LogEvidence
 
 
@@ -68,7 +90,7 @@ def findings(
 ) -> Findings:
     """Everything that is reported of a diagnosis; `logs` as `fieldkit.services.flight_logs.kept_logs` has them."""
     truth, seen = diagnosis.data.values[:, 0], diagnosis.data.seen[:, 0]
-    forward = ahead(diagnosis, on_progress)
+    forward = ahead(diagnosis.posterior, on_progress)
     before, after = diagnosis.forecasts_before, diagnosis.forecasts_after
     return Findings(
         rocket=rocket,
@@ -88,7 +110,8 @@ def findings(
         spreads=tuple(spreads(diagnosis)),
         fingerprints=tuple((trial, tuple(marks(diagnosis, trial))) for trial in _shown(diagnosis)),
         tests=_tests(diagnosis),
-        unexplained=widened_leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
+        unexplained=leftover(diagnosis) if diagnosis.effect == "unexplained" else None,
+        next_flight=next_flight(diagnosis),
         testimony=compare_with_logs(diagnosis, logs or {}),
     )
 
@@ -100,14 +123,29 @@ def _shown(diagnosis: Diagnosis) -> list[Trial]:
     return [*first, *(trial for trial in named if trial not in first)][:MAX_SHOWN_EFFECTS]
 
 
+def next_flight(diagnosis: Diagnosis) -> NextFlight:
+    """What the flight after the last would do on the same motor in the same conditions, before and after."""
+    history = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
+    last, motor = history[-1]
+    plan = [(last.with_changes(**dict.fromkeys(last.readouts()), tags=()), motor)]
+    (before,) = predict(history, plan, declared=False, draws=NEXT_FLIGHT_DRAWS)
+    (after,) = predict(history, plan, averaged=diagnosis.averaged, draws=NEXT_FLIGHT_DRAWS)
+    low, middle, high = (float(one) for one in after.apogee_quantiles())
+    return NextFlight(last, float(before.apogee_quantiles()[1]), middle, (low, high))
+
+
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
-    """What would tell the accepted effect from the likeliest of those it cannot be told from."""
-    if not diagnosis.accepted or not diagnosis.also:
+    """What would tell the most probable explanation from the most probable of the others."""
+    posterior, names = diagnosis.posterior, frozenset(diagnosis.effect.split("+"))
+    known = {members: chance for members, chance in posterior.sets.items() if UNEXPLAINED not in members}
+    named = [members for members in known if diagnosis.accepted and names <= members]
+    others = [members for members in known if members not in named]
+    if not named:
+        named, others = others[:1], others[1:]
+    if not named or not others or known[others[0]] < WORTH_A_TEST:
         return ()
-    places = tuple(trial.candidate.place for trial in diagnosis.accepted)
-    accepted = Explanation(places, diagnosis.accepted[-1].fit)
-    rival = next(item.best for item in diagnosis.ranking if item.effect == diagnosis.also[0])
-    return distinct(informative_readouts(diagnosis.model, accepted, Explanation((rival.candidate.place,), rival.fit)))
+    sides = [Explanation(one.places, one.fit) for one in (posterior.best(named[0]), posterior.best(others[0]))]
+    return distinct(informative_readouts(diagnosis.model, *sides))
 
 
 def distinct(tests: list[Advice]) -> tuple[Advice, ...]:

@@ -17,7 +17,7 @@ from fieldkit.forecast.prediction import Prediction, quantiles
 from fieldkit.ledger import Ledger
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
-from fieldkit.selection.candidates import Place
+from fieldkit.selection.candidates import Averaged, Place
 from fieldkit.services.fleet import fleet_prior
 from fieldkit.services.forecast_record import forecast_record
 from fieldkit.services.manual_entry import PLAN, setup_answers
@@ -63,15 +63,37 @@ def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tupl
     return version_places(version.payload)
 
 
+def accepted_average(ledger: Ledger, rocket: str, which: Which = "after") -> Averaged:
+    """The sets of effects that a rocket's forecasts are averaged over now, or were before the loop; empty for the plain
+    model."""
+    version = ledger.active_version(rocket) if which == "after" else None
+    return version_average(version.payload) if version else ()
+
+
+def version_average(payload: Mapping[str, Any]) -> Averaged:
+    """The sets of effects that a version of a model averages over, most probable first; of a version from before there
+    were averages, the one set that it has."""
+    if "averaged" not in payload:
+        return ((1.0, version_places(payload)),)
+    return tuple((float(one["probability"]), _places(one["places"])) for one in payload["averaged"])
+
+
 def version_places(payload: Mapping[str, Any]) -> tuple[Place, ...]:
     """The effects that a version of a model keeps, and the pattern that forecasts follow, if any, each in its place."""
     entries = [*payload["effects"], *payload.get("unexplained", {}).get("pattern", [])]
+    return _places(entries)
+
+
+def _places(entries: Sequence[Mapping[str, str]]) -> tuple[Place, ...]:
     return tuple(Place(entry["effect"], entry.get("where", ""), entry.get("since", "")) for entry in entries)
 
 
 def version_adds(payload: Mapping[str, Any]) -> str:
-    """What a version of a model adds to the plain one: `wind+wear`, `the site mead, intervals 1.20 times as wide`."""
-    added = "+".join(str(place) for place in version_places(payload)) or "nothing"
+    """What a version of a model adds to the plain one, each set as far as it is probable: `wind 80%, nothing 20%`."""
+    sets = version_average(payload)
+    named = ["+".join(map(str, places)) or "nothing" for _, places in sets]
+    added = ", ".join(f"{name} {chance:.0%}" for name, (chance, _) in zip(named, sets, strict=True))
+    added = named[0] if len(named) == 1 else added
     wider = payload.get("unexplained", {}).get("widened", 1.0)
     return f"{added}, intervals {wider:.2f} times as wide" if wider > 1.005 else added
 
@@ -112,12 +134,11 @@ def predict_plans(
         before = [flight for flight, _ in history]
         starts, own = ledger.starts(rocket), [plans[row] for row in rows]
         planned = [(completed(plan, before, start_among(starts, plan)), motors.resolve(plan.motor)) for plan in own]
-        places = accepted_places(ledger, rocket, which)
         cds = design_cds(starts, [*before, *own])
         made = predict(
             history,
             planned,
-            places,
+            averaged=accepted_average(ledger, rocket, which),
             declared=which == "after",
             cds=cds,
             shared=fleet_prior(ledger, motors, rocket, on_progress),
@@ -184,6 +205,6 @@ def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> P
     """
     history = [(one, motor) for one, motor in flown(ledger, motors, flight.rocket) if one != flight]
     plan = flight.with_changes(**dict.fromkeys(flight.readouts()))
-    places, shared = accepted_places(ledger, flight.rocket), fleet_prior(ledger, motors, flight.rocket)
-    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], places, shared=shared)
+    averaged, shared = accepted_average(ledger, flight.rocket), fleet_prior(ledger, motors, flight.rocket)
+    (made,) = predict(history, [(plan, motors.resolve(flight.motor))], averaged=averaged, shared=shared)
     return made.widened(accepted_widening(ledger, flight.rocket))

@@ -16,6 +16,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="other air than declared",
+    family="air",
     explains="the air at a site is thinner or denser than what was written down, so drag is",
     unit="share of the density",
     prior=Prior(mean=0.0, sd=0.12, low=-0.45, high=0.4),

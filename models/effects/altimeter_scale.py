@@ -12,6 +12,7 @@ def reading(readings: Readings, strength: Float[Array, "*draw flight"]) -> Readi
 
 EFFECT = Effect(
     title="an altimeter that reads high or low",
+    family="device",
     explains="the altimeter's heights are off by a constant share, while speed and times are right",
     unit="share of the height",
     prior=Prior(mean=0.0, sd=0.05, low=-0.3, high=0.3),

@@ -14,6 +14,7 @@ def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, 
 
 EFFECT = Effect(
     title="base drag",
+    family="drag",
     explains="drag is higher in the coast than under power, because the plume no longer fills the wake",
     unit="share of Cd",
     prior=Prior(mean=0.1, sd=0.12, low=-0.4, high=1.0),

@@ -18,6 +18,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="early ejection",
+    family="recovery",
     explains="the ejection charge fires before apogee and the parachute ends the climb",
     unit="share of the named delay",
     prior=Prior(mean=0.3, sd=0.2, low=0.1, high=0.9),

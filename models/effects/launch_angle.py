@@ -18,6 +18,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="a leaning rail",
+    family="launch",
     explains="the rocket leaves the pad at an angle from vertical, so part of its speed is spent sideways",
     unit="deg",
     prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),

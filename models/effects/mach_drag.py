@@ -21,6 +21,7 @@ def acceleration(state: State, strength: Float[Array, "*draw"]) -> Float[Array, 
 
 EFFECT = Effect(
     title="drag rise near the speed of sound",
+    family="drag",
     explains="fast flights meet more drag than slow ones, because Cd grows towards Mach 1",
     unit="share of Cd added at Mach 1.05",
     prior=Prior(mean=0.5, sd=0.5, low=0.0, high=3.0),

@@ -15,6 +15,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="a mass weighed wrong",
+    family="mass",
     explains="the rocket weighs more or less than the figure it was entered with",
     unit="share of the dry mass",
     prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.6),

@@ -20,6 +20,7 @@ def force(climb: ClimbForces) -> Float[Array, "time"]:
 
 EFFECT = Effect(
     title="a weak or strong motor",
+    family="motor",
     explains="this motor delivers less or more thrust and impulse than its certificate says",
     unit="share of the thrust",
     prior=Prior(mean=0.0, sd=0.09, low=-0.5, high=0.5),

@@ -22,6 +22,7 @@ def force(climb: ClimbForces) -> Float[Array, "time"]:
 
 EFFECT = Effect(
     title="friction on the rail",
+    family="launch",
     explains="the rail or rod holds the rocket back until it leaves",
     unit="m/s^2",
     prior=Prior(mean=15.0, sd=15.0, low=0.0, high=120.0),

@@ -36,6 +36,7 @@ def _density(elevation: Float[Array, "*draw flight"]) -> Float[Array, "*draw fli
 
 EFFECT = Effect(
     title="a site that lies higher or lower",
+    family="air",
     explains="a site lies higher or lower than was written down, so its air is thinner or denser",
     unit="m",
     prior=Prior(mean=0.0, sd=1200.0, low=-3000.0, high=5000.0),

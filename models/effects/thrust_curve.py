@@ -20,6 +20,7 @@ def force(climb: ClimbForces) -> Float[Array, "time"]:
 
 EFFECT = Effect(
     title="another thrust curve",
+    family="motor",
     explains="this motor delivers its impulse over a longer or shorter burn than its certified curve",
     unit="share of the burn time",
     prior=Prior(mean=0.0, sd=0.25, low=-0.7, high=1.5),

@@ -22,6 +22,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="hot and cold days",
+    family="air",
     explains="days were hotter or colder than the air that was assumed, which moves both drag and the altimeter",
     unit="K",
     prior=Prior(mean=0.0, sd=12.0, low=-45.0, high=45.0),

@@ -22,6 +22,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="weathercocking in the wind",
+    family="path",
     explains="in wind the rocket turns into it off the rail and flies a slanted, lower path",
     unit="share of the wind it turns into",
     prior=Prior(mean=0.5, sd=0.7, low=0.0, high=6.0),
@@ -29,5 +30,6 @@ EFFECT = Effect(
     tell_apart="fly the same motor once in calm air and once in wind, and write the wind down",
     setup=setup,
     needs="wind",
+    declared=True,
     squared=True,
 )

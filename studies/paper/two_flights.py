@@ -42,6 +42,7 @@ def _more_drag(setup: Setup, strength: Float[Array, "*draw flight"], flights: Se
 
 OWN_EFFECT = Effect(
     title=OWN_DRAG,
+    family="drag",
     explains="the payload changes shape or stability as well as mass",
     unit="share of Cd",
     prior=Prior(mean=0.0, sd=0.09, low=-0.6, high=3.0),

@@ -12,6 +12,7 @@ from fieldkit.flight import COLUMNS, Flight
 from fieldkit.motors import catalogue
 from fieldkit.physics.effect import Effect, effects
 from fieldkit.physics.flight import fly
+from fieldkit.physics.rail import rail_exit_speed
 from fieldkit.physics.setups import field_setup
 from fieldkit.physics.state import FlightResult
 from fieldkit.plugins import plugin_folder
@@ -31,10 +32,13 @@ FLIGHTS = (
     Flight("3", dry_mass=0.25, diameter=0.05, delay=2.0, wind=3.0, motor="H219T", temperature=300.0, site="high"),
 )
 """A slow, a middling and a fast flight, each of which ejects before apogee if the delay burns a little short."""
-FASTER = {"mach_drag": 0.15}
+FASTER = {"mach_drag": 0.15, "flutter": 0.15}
 """Dry mass where an effect asks for speed. [kg]"""
 
-LOWER = ("base_drag", "early_ejection", "launch_angle", "mach_drag", "mass_offset", "rail_friction", "wear", "wind")
+LOWER = (
+    *("base_drag", "early_ejection", "early_ejection_seconds", "flutter", "launch_angle", "mach_drag", "mass_offset"),
+    *("rail_friction", "tip_off", "wear", "wind"),
+)
 HIGHER = ("motor_thrust",)
 """Which way a positive strength bends the apogee, where it must: mass beyond the optimum mass only."""
 
@@ -150,6 +154,40 @@ def test_an_altimeters_scale_bends_heights_and_nothing_else() -> None:
     for figure, value in shown.items():
         share = 1.1 if figure in ("apogee", "eject_altitude") else 1.0
         np.testing.assert_allclose(value, share * true[figure], rtol=1e-12, err_msg=figure)
+
+
+def test_an_altimeter_that_corrects_for_temperature_shows_true_heights() -> None:
+    hot = tuple(flight.with_changes(temperature=308.0) for flight in FLIGHTS)
+    plain, corrected = flown("altimeter_temperature", 0.0, hot), flown("altimeter_temperature", 1.0, hot)
+    assert np.all(plain["apogee"] < 0.95 * corrected["apogee"])
+    found = [catalogue().resolve(flight.motor) for flight in hot]
+    area = 0.5 * np.pi / 4 * np.array([flight.diameter or 0.0 for flight in hot]) ** 2
+    np.testing.assert_allclose(corrected["apogee"], fly(field_setup(hot, found, area)).apogee)
+
+
+def test_a_delay_that_is_short_by_seconds_ejects_that_much_earlier() -> None:
+    late = tuple(flight.with_changes(delay=delay) for flight, delay in zip(FLIGHTS, (9.0, 12.0, 15.0), strict=True))
+    shift = flown("early_ejection_seconds", 0.7, late)["apogee_to_eject"]
+    np.testing.assert_allclose(shift, flown("early_ejection_seconds", 0.0, late)["apogee_to_eject"] - 0.7, atol=1e-6)
+
+
+def test_tip_off_falls_with_the_square_of_the_speed_off_the_rail() -> None:
+    found = [catalogue().resolve(flight.motor) for flight in FLIGHTS]
+    setup = field_setup(FLIGHTS, found, np.full(3, 0.002))
+    speed = rail_exit_speed(setup)
+    np.testing.assert_allclose(speed, fly(setup).rail_speed, rtol=0.03)
+    angle = EFFECTS["tip_off"].bend_setup(setup, np.asarray(3.0), FLIGHTS).rail_angle
+    np.testing.assert_allclose(np.degrees(angle) * speed**2, 3.0 * 15.0**2, rtol=1e-9)
+
+
+def test_flutter_leaves_slow_flights_alone_and_costs_fast_ones_more() -> None:
+    slow = tuple(flight.with_changes(dry_mass=0.9, motor="F24-4W") for flight in FLIGHTS[:1])
+    assert flown("flutter", 0.0, slow)["top_speed"][0] < 100.0
+    np.testing.assert_allclose(flown("flutter", 0.5, slow)["apogee"], flown("flutter", 0.0, slow)["apogee"], rtol=1e-3)
+    light = tuple(flight.with_changes(dry_mass=0.2) for flight in FLIGHTS)
+    loss = 1 - flown("flutter", 0.5, light)["apogee"] / flown("flutter", 0.0, light)["apogee"]
+    order = np.argsort(flown("flutter", 0.0, light)["top_speed"])
+    assert np.all(np.diff(loss[order]) > 0)
 
 
 @every_effect

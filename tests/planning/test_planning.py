@@ -404,7 +404,7 @@ def test_what_grows_from_flight_to_flight_has_not_grown_between_motors_to_choose
     rocket: Rocket, plan: Flight, motors: Catalogue
 ) -> None:
     """The last motor of a list is not flown after all the others."""
-    worn = replace(rocket, places=(Place("wear"),))
+    worn = replace(rocket, averaged=((1.0, (Place("wear"),)),))
     some = [motors.resolve(name).motor for name in ("F39T", "E35W", "F24-4W")]
     beside, alone = (guide(worn, plan, chosen, limits(), Site(), 60)[-1] for chosen in (some, some[-1:]))
     assert beside.prediction.apogee == pytest.approx(alone.prediction.apogee, rel=1e-9)

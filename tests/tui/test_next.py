@@ -259,10 +259,12 @@ async def test_the_whole_path_of_a_notice_is_a_key_away(file: Path) -> None:
 async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -> None:
     found = looked_at()
     from fieldkit.services.close_loop import version_payload
+    from fieldkit.services.forecasts import accepted_average
 
     with Ledger.open(file) as ledger:
         wear = {"effect": "wear", "where": "", "since": "", "mean": 0.03, "sd": 0.01, "unit": "1"}
-        ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear]})
+        certain = [{"probability": 1.0, "places": [wear]}]
+        ledger.keep_version("Astra", version_payload(found.diagnosis) | {"effects": [wear], "averaged": certain})
     with patch("fieldkit.tui.screens.loop.look", lambda resources, rocket, on_progress: found):
         async with opened(file) as pilot:
             await press(pilot, "5", "A")
@@ -293,7 +295,10 @@ async def test_the_loop_is_looked_at_and_versions_are_gone_back_to(file: Path) -
             assert version is not None
             await press(pilot, "A")
             with Ledger.open(file) as ledger:
-                assert ledger.active_version("Astra") is None, "the verdict is none, so the plain model is back"
+                kept = accepted_average(ledger, "Astra")
+            assert [places for _, places in kept] == [
+                places for _, places in found.diagnosis.averaged if places or kept
+            ]
 
 
 async def test_too_few_flights_for_the_loop_is_a_notice(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

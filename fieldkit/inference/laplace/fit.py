@@ -9,7 +9,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from fieldkit.inference.laplace.linearization import launch_angle_slope, tangents
+from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
+from fieldkit.inference.laplace.odd_flights import flight_weights
 from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import OPENING, Model
@@ -31,6 +32,14 @@ ROBUST_ROUNDS = 2
 """Times the point is moved after the weights of outliers have settled."""
 TRUST_ROUNDS = 4
 """Times the weights of outliers are updated about one point."""
+REFIT_ROUNDS = 4
+"""Times the point of a fit without a flight is moved from that of the fit with it."""
+FLIGHT_WEIGHT_ROUNDS = 1
+"""Times the weights of odd flights are updated about the first point."""
+FLIGHT_WEIGHT_TOLERANCE = 0.15
+"""Convergence tolerance of the log weight of a flight; the bound, greatest there, is then within 0.01 nat. [1]"""
+MAX_SETTLING_ROUNDS = 4
+"""Times these weights are updated at most about the last point."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -52,11 +61,13 @@ def fit(
     rounds: int = ROUNDS,
     *,
     near: bool = False,
+    odd_flights: bool = False,
 ) -> Fit:
     """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
 
     Without a start it is begun from several opening times of the parachute, for what that does has a kink
-    where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs.
+    where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs, with
+    `odd_flights` the noise of single flights follows a Student t.
     """
     every = tuple(range(len(model.terms)))
     at = np.array([term.mean for term in model.terms]) if start is None else np.asarray(start, float)
@@ -65,7 +76,8 @@ def fit(
         place = model.names.index(OPENING)
         starts = [np.where(np.arange(len(at)) == place, seconds, at) for seconds in OPENINGS]
     lanes = [Lane(every, begin) for begin in starts]
-    fits = fit_lanes(model, data, lanes, launch_angle_slope(model, at), rounds, near=near)
+    weight = np.ones(len(data.seen)) if odd_flights else None
+    fits = fit_lanes(model, data, lanes, launch_angle_slope(model, at), rounds, near=near, flight_weight=weight)
     return max(fits, key=lambda result: result.log_evidence)
 
 
@@ -79,10 +91,12 @@ def fit_lanes(
     on_progress: Callable[[float], None] | None = None,
     *,
     near: bool = False,
+    flight_weight: Float[Array, "flight"] | None = None,
 ) -> list[Fit]:
     """Several fits of parts of a model side by side, terms that a lane lacks being zero in it.
 
-    A lane whose log evidence stays below `worth` is not followed further. `on_progress` hears the share done.
+    A lane whose log evidence stays below `worth` is not followed further. `on_progress` hears the share done. With a
+    `flight_weight` to begin from, the noise of single flights follows a Student t.
     """
     parts = [model.only(lane.terms) for lane in lanes]
     walks = [_Walk(np.asarray(lane.start, float)) for lane in lanes]
@@ -94,7 +108,9 @@ def fit_lanes(
         for number, (i, tangent) in enumerate(zip(moving, along, strict=True)):
             if on_progress:
                 on_progress((turn + (number + 1) / len(moving)) / rounds)
-            results[i] = solve(parts[i], data, tangent)
+            known = results[i]
+            begun = flight_weights(known) if known is not None and flight_weight is not None else flight_weight
+            results[i] = _solved(parts[i], data, tangent, begun, FLIGHT_WEIGHT_ROUNDS if turn == 0 else 0)
         best = _best(lanes, results)
         moving = [
             i
@@ -109,7 +125,29 @@ def fit_lanes(
             break
     for lane, other in reversed(joined.items()):
         results[lane] = results[other]
-    return [result for result in results if result is not None]
+    return [_settled(result) for result in results if result is not None]
+
+
+def _solved(
+    model: Model, data: Data, tangent: Tangent, flight_weight: Float[Array, "flight"] | None, rounds: int
+) -> Fit:
+    """The posterior about a point, the weights of odd flights updated so many times first."""
+    found = solve(model, data, tangent, flight_weight)
+    for _ in range(rounds if flight_weight is not None else 0):
+        found = solve(model, data, tangent, flight_weights(found))
+    return found
+
+
+def _settled(result: Fit) -> Fit:
+    """The fit with weights of odd flights that agree with it."""
+    if result.flight_weight is None:
+        return result
+    for _ in range(MAX_SETTLING_ROUNDS):
+        weight = flight_weights(result)
+        if np.max(np.abs(np.log(weight / result.flight_weight)), initial=0.0) < FLIGHT_WEIGHT_TOLERANCE:
+            break
+        result = solve(result.model, result.data, result.tangent, weight)
+    return result
 
 
 def _joined(lanes: Sequence[Lane], walks: Sequence["_Walk"], moving: Sequence[int]) -> dict[int, int]:
@@ -164,6 +202,34 @@ class _Walk:
             return False
         self.at = self.at + move
         return True
+
+
+def refits_without(whole: Fit, rows: Sequence[int], rounds: int = REFIT_ROUNDS) -> list[Fit]:
+    """A fit made again without each of some flights, all side by side, from where it ended with all of them."""
+    every = tuple(range(len(whole.model.terms)))
+    angle_slope = whole.tangent.scatter_slope[..., -1]
+    found = [
+        _settled(_solved(whole.model, _unseen(whole.data, row), whole.tangent, whole.flight_weight, 0)) for row in rows
+    ]
+    walks = [_Walk(whole.tangent.at) for _ in rows]
+    moving = list(range(len(rows)))
+    for _ in range(rounds):
+        moving = [i for i in moving if walks[i].goes_on(found[i])]
+        if not moving:
+            break
+        for i, tangent in zip(
+            moving, tangents(whole.model, [(every, walks[i].at) for i in moving], angle_slope), strict=True
+        ):
+            weight = flight_weights(found[i]) if whole.flight_weight is not None else None
+            found[i] = solve(whole.model, found[i].data, tangent, weight)
+    return [_settled(one) for one in found]
+
+
+def _unseen(data: Data, row: int) -> Data:
+    """Data without a flight."""
+    seen = data.seen.copy()
+    seen[row] = False
+    return replace(data, seen=seen)
 
 
 def fit_robustly(model: Model, data: Data) -> Fit:

@@ -55,7 +55,7 @@ def leave_one_out(result: Fit) -> LeaveOneOut:
     ties = (spread @ apogee[:, :, None])[..., 0]
     mean = near.values[:, 0] + apogee @ (prior_mean - near.at) + offset @ apogee.T - (ties * weighed).sum(axis=-1)
     known = ((apogee @ covariance) * apogee).sum(axis=-1) + (ties * _applied(sharper, ties)).sum(axis=-1)
-    scattered = _own_variance(result)
+    scattered = own_variance(result)
     lies = _apogee_spread(result, mean, known, scattered, log_weight)
     variance = known + (1.0 if lies is None else lies.mean_square_without) * scattered
     return LeaveOneOut(mean, variance, log_weight, distance, residual, lies)
@@ -78,7 +78,7 @@ def _apogee_spread(result: Fit, mean: Array, known: Array, own: Array, log_weigh
     return apogee_spread(error, (weight * known).sum(axis=0) + between, (weight * own).sum(axis=0), seen)
 
 
-def _own_variance(result: Fit) -> Float[Array, "scale flight"]:
+def own_variance(result: Fit) -> Float[Array, "scale flight"]:
     """Variance of a flight's compared apogee about its expectation: scatter and reading."""
     scatter = result.model.hyperprior.scales()[0]
     spread = result.tangent.scatter_slope[:, 0]

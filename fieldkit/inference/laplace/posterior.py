@@ -5,7 +5,7 @@ and Machine Learning, 2006, chapters 3 and 4). How large scatter and reading err
 are scaled by factors on a grid, weighted by the evidence for each.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from math import erf, log, pi, sqrt
 
@@ -13,6 +13,7 @@ import numpy as np
 
 from fieldkit.inference.laplace.batched_inverse import inverses
 from fieldkit.inference.laplace.linearization import Tangent
+from fieldkit.inference.laplace.odd_flights import log_tail, readouts_used
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import Model, apogee_scatter
 from fieldkit.shapes import Array, Flags, Float
@@ -79,7 +80,8 @@ class Fit:
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
     posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
-    of the terms, `precision` its inverse.
+    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None where flights are taken to be normal; the
+    log evidence is a lower bound then.
     """
 
     model: Model
@@ -90,6 +92,7 @@ class Fit:
     precision: Float[Array, "scale term term"]
     covariance: Float[Array, "scale term term"]
     log_weight: Float[Array, "scale"]
+    flight_weight: Float[Array, "flight"] | None = None
 
     @property
     def log_evidence(self) -> float:
@@ -108,14 +111,22 @@ class Fit:
         return mean, np.sqrt(weights @ (variance + (self.mean - mean) ** 2))
 
 
-def solve(model: Model, data: Data, near: Tangent) -> Fit:
-    """The normal posterior for every pair of scales, the readouts linear about a point."""
-    told = _told(model, data, near)
+def solve(model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "flight"] | None = None) -> Fit:
+    """The normal posterior for every pair of scales, the readouts linear about a point.
+
+    `flight_weight` is the expected precision of each flight as a whole over that of an ordinary one (see
+    `fieldkit.inference.laplace.odd_flights`).
+    """
+    told = flight_evidence(model, data, near, flight_weight)
     scales, terms = len(told.noise), len(model.terms)
     slope, miss = told.slope.reshape(told.miss.size, terms), told.miss.ravel()
     weighed = (told.sharpness @ told.slope).reshape(scales, len(slope), terms)
     missed = (told.sharpness @ told.miss[..., None]).reshape(scales, len(slope))
-    return _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
+    found = _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
+    if flight_weight is None:
+        return found
+    tail = log_tail(flight_weight, readouts_used(found), model.hyperprior.tail)
+    return replace(found, log_weight=found.log_weight + tail.sum(), flight_weight=flight_weight)
 
 
 def _concluded(
@@ -142,12 +153,18 @@ def _concluded(
     return Fit(model, data, near, told, mean, precision, covariance, log_weight)
 
 
-def _told(model: Model, data: Data, near: Tangent) -> FlightEvidence:
+def flight_evidence(
+    model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "flight"] | None = None
+) -> FlightEvidence:
+    """The information in each flight's readouts, linear about a point; `flight_weight` as in `solve`."""
     prior_mean = np.array([term.mean for term in model.terms])
     usable = data.seen & np.isfinite(near.values)
     slope = np.where(usable[..., None], near.slope, 0.0)
     miss = np.where(usable, data.values - near.values, 0.0) + slope @ (near.at - prior_mean)
     noise = _noise(model, data, near, usable)
+    if flight_weight is not None:
+        wider = np.where(usable, 1 / np.sqrt(flight_weight)[:, None], 1.0)
+        noise = noise * wider[:, :, None] * wider[:, None, :]
     sharpness, log_det = _inverses(noise, usable)
     unseen, seen = (part.sum(axis=-1) for part in (~data.seen, data.seen))
     return FlightEvidence(slope, miss, noise, sharpness, log_det - 2 * log(UNOBSERVED_SD) * unseen + log(2 * pi) * seen)
@@ -189,47 +206,62 @@ def _log_inside(model: Model, mean: Array, covariance: Array) -> Float[Array, "s
     return total
 
 
+def bounds_log_mass(model: Model) -> float:
+    """Log prior mass inside the bounds of all terms together."""
+    return sum(log(_mass(term.low, term.high, term.mean, term.sd)) for term in model.terms)
+
+
 @lru_cache(maxsize=4096)
 def _mass(low: float, high: float, mean: float, sd: float) -> float:
     """Share of a normal distribution between two bounds."""
     return 0.5 * (erf((high - mean) / (sd * sqrt(2))) - erf((low - mean) / (sd * sqrt(2))))
 
 
+@dataclass(frozen=True, slots=True)
 class Growing:
-    """A fit as it was when only the first of its flights had flown, about the point that all of them led to.
+    """A fit as it was before each of its flights, about the point that all of them led to: as in `Fit`, for every
+    number of earlier flights. Weights of odd flights are those of the whole."""
 
-    What flights say of the terms adds up flight by flight, so that all these fits cost little more than one.
-    """
-
-    def __init__(self, whole: Fit) -> None:
-        told = whole.told
-        weighed = told.sharpness @ told.slope
-        missed = (told.sharpness @ told.miss[..., None])[..., 0]
-        self._whole = whole
-        self._information = _upto(np.swapaxes(told.slope, 1, 2) @ weighed)
-        self._gain = _upto(np.einsum("fo,sfot->sft", told.miss, weighed))
-        self._misfit = _upto((told.miss * missed).sum(axis=-1))
-
-    def before(self, flight: int, data: Data) -> Fit:
-        """The posterior when that many had flown; `data` are those up to the flight, whose own are not seen."""
-        near, upto = self._whole.tangent, slice(flight + 1)
-        part = Tangent(near.at, near.values[upto], near.slope[upto], near.scatter_slope[upto])
-        sums = (cumulated[:, flight] for cumulated in (self._information, self._gain, self._misfit))
-        return _concluded(self._whole.model.part(upto), data, part, _last_unseen(self._whole.told, flight), *sums)
+    mean: Float[Array, "scale flight term"]
+    covariance: Float[Array, "scale flight term term"]
+    log_weight: Float[Array, "scale flight"]
 
 
-def _upto(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale one_more *rest"]:
-    """Sums over the flights before each, and over all."""
-    return np.concatenate([np.zeros_like(each[:, :1]), np.cumsum(each, axis=1)], axis=1)
+def growing(whole: Fit) -> Growing:
+    """The posteriors before each flight. What flights say of the terms adds up flight by flight, so that all of them
+    cost little more than one."""
+    model, told = whole.model, whole.told
+    weighed = told.sharpness @ told.slope
+    missed = (told.sharpness @ told.miss[..., None])[..., 0]
+    information = _before(np.swapaxes(told.slope, 1, 2) @ weighed)
+    gain = _before(np.einsum("fo,sfot->sft", told.miss, weighed))
+    own = (told.miss * missed).sum(axis=-1) + told.log_det
+    if whole.flight_weight is not None:
+        own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole), model.hyperprior.tail)
+    prior, log_det_prior = prior_precision(model)
+    precision = information + prior[:, None]
+    covariance = np.asarray(np.linalg.inv(precision), float)
+    offset = (covariance @ gain[..., None])[..., 0]
+    log_terms = np.linalg.slogdet(precision)[1] - log_det_prior[:, None]
+    log_likelihood = -0.5 * (_before(own) - (gain * offset).sum(axis=-1) + log_terms)
+    mean = np.array([term.mean for term in model.terms]) + offset
+    inside = _log_inside_each(model, mean, np.diagonal(covariance, axis1=-2, axis2=-1))
+    return Growing(mean, covariance, log_likelihood + model.hyperprior.scales()[2][:, None] + inside)
 
 
-def _last_unseen(told: FlightEvidence, flight: int) -> FlightEvidence:
-    """What the flights up to one have to say, before it is seen."""
-    upto = slice(flight + 1)
-    slope, miss = told.slope[upto].copy(), told.miss[upto].copy()
-    noise, sharpness, log_det = (each[:, upto].copy() for each in (told.noise, told.sharpness, told.log_det))
-    slope[-1] = miss[-1] = 0.0
-    every = np.eye(noise.shape[-1])
-    noise[:, -1], sharpness[:, -1] = every * UNOBSERVED_SD**2, every / UNOBSERVED_SD**2
-    log_det[:, -1] = 0.0
-    return FlightEvidence(slope, miss, noise, sharpness, log_det)
+def _log_inside_each(
+    model: Model, mean: Float[Array, "*batch term"], variance: Float[Array, "*batch term"]
+) -> Float[Array, "*batch"]:
+    """As `_log_inside`, for many posteriors at once."""
+    from scipy.special import ndtr
+
+    rows = [i for i, term in enumerate(model.terms) if np.isfinite(term.low) or np.isfinite(term.high)]
+    low, high = (np.array([getattr(model.terms[i], end) for i in rows]) for end in ("low", "high"))
+    middle, sd = mean[..., rows], np.sqrt(variance[..., rows])
+    mass = ndtr((high - middle) / sd) - ndtr((low - middle) / sd)
+    return np.asarray(np.log(np.maximum(mass, 1e-12)).sum(axis=-1) - bounds_log_mass(model))
+
+
+def _before(each: Float[Array, "scale flight *rest"]) -> Float[Array, "scale flight *rest"]:
+    """Sums over the flights before each."""
+    return np.concatenate([np.zeros_like(each[:, :1]), np.cumsum(each, axis=1)[:, :-1]], axis=1)

@@ -234,7 +234,7 @@ class LoopScreen(PageScreen):
         from fieldkit.services.close_loop import adopt
 
         plain = self._standing is None or self._standing.plain
-        if plain and not found.diagnosis.accepted and found.unexplained is None:
+        if plain and all(not places for _, places in found.diagnosis.averaged):
             self.complain("nothing to accept: the plain model stands")
             return
         self.change(lambda: adopt(self.resources.ledger, found.rocket, found.diagnosis), self._accepted)

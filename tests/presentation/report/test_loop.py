@@ -13,9 +13,7 @@ import pytest
 from fieldkit.cli.main import main
 from fieldkit.errors import BadValue, FieldkitError
 from fieldkit.flight import Flight
-from fieldkit.forecast import widen
 from fieldkit.forecast.predict import predict
-from fieldkit.forecast.widen import widening
 from fieldkit.ledger import Ledger
 from fieldkit.model.readout_data import observe
 from fieldkit.motors import catalogue
@@ -27,10 +25,12 @@ from fieldkit.presentation.report.style import styled
 from fieldkit.presentation.report.write import write_report
 from fieldkit.scoring.bootstrap import gain, judge
 from fieldkit.scoring.score import Forecasts
+from fieldkit.selection.averaged import MIN_EARLIER_FLIGHTS, ahead
+from fieldkit.selection.candidates import Place
 from fieldkit.selection.diagnose import Diagnosis, diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.fingerprint import marks
-from fieldkit.selection.forward_choice import MIN_EARLIER_FLIGHTS
+from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.next_experiment import BALLAST, Explanation, divergence, informative_readouts, options
 from fieldkit.selection.unexplained import leftover
 from fieldkit.services import close_loop, forecasts
@@ -127,13 +127,15 @@ def test_a_flight_is_forecast_from_those_before_it(found: Findings) -> None:
 
 def test_what_comes_later_changes_no_earlier_choice(diagnosis: Diagnosis, found: Findings) -> None:
     """The last flight's apogee is made absurd: nothing that was said before it may move."""
-    from fieldkit.selection.forward_choice import ahead
 
-    values = diagnosis.data.values.copy()
-    values[-1] += 1.0
-    spoilt = ahead(replace(diagnosis, data=replace(diagnosis.data, values=values)))
-    assert spoilt.chosen == found.ahead.chosen
-    np.testing.assert_allclose(spoilt.after.apogee, found.ahead.after.apogee)
+    def spoilt(one: Hypothesis) -> Hypothesis:
+        miss = one.fit.told.miss.copy()
+        miss[-1] += 1.0
+        return replace(one, fit=replace(one.fit, told=replace(one.fit.told, miss=miss)))
+
+    later = ahead(SetPosterior(tuple(spoilt(one) for one in diagnosis.posterior.hypotheses)))
+    assert later.chosen == found.ahead.chosen
+    np.testing.assert_allclose(later.after.apogee, found.ahead.after.apogee)
 
 
 def test_the_effect_is_found_on_the_way_and_helps(found: Findings) -> None:
@@ -205,44 +207,40 @@ def test_draws_are_widened_about_their_median() -> None:
     np.testing.assert_array_equal(narrow.widened(1.0).apogee, narrow.apogee)
 
 
-def test_flights_that_their_forecasts_miss_widen_and_others_do_not() -> None:
-    flights = windy()
-    motors = [catalogue().resolve(flight.motor) for flight in flights]
-    calm = [flight.with_changes(wind=None) for flight in flights]
-    teach = [True] * len(flights)
-    assert widening(flights, motors, observe(flights, teach)) >= 1.0
-    spoilt = [
-        flight.with_changes(apogee=(flight.apogee or 0) * (1.6 if n == 7 else 1)) for n, flight in enumerate(calm)
-    ]
-    assert widening(spoilt, motors, observe(spoilt, teach)) > widening(calm, motors, observe(calm, teach))
-
-
 def test_what_the_residual_goes_with_is_said(diagnosis: Diagnosis) -> None:
     told = leftover(diagnosis).in_words
     assert re.fullmatch(r"the \d+ flights with wind mps above \S+ fly \d+% lower than the others \(± \d+%\)", told)
 
 
-def test_an_unexplained_residual_widens_what_is_predicted_until_it_is_gone(
+def test_an_average_is_kept_until_there_is_nothing_to_average(
     diagnosis: Diagnosis, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     motors = catalogue()
-    plan = windy()[0].with_changes(flight_id="next", apogee=None, top_speed=None, coast_to_apogee=None)
-    unexplained = replace(diagnosis, effect="unexplained", accepted=())
+    wind, wear = (Place("wind"),), (Place("wear"),)
+    both = replace(diagnosis, averaged=((0.7, wind), (0.3, wear)))
     with Ledger.open(tmp_path / "ledger.db") as ledger:
         ledger.add(windy())
-        monkeypatch.setattr(close_loop, "diagnose", lambda *_: unexplained)
-        monkeypatch.setattr(widen, "widening", lambda *_: 1.4)
-        close_loop.close_loop(ledger, motors, HOSTILE)
-        assert forecasts.accepted_widening(ledger, HOSTILE) == 1.4
-        assert forecasts.accepted_widening(ledger, HOSTILE, "before") == 1.0
-        assert "lower than the others" in ledger.versions(HOSTILE)[0].payload["unexplained"]["goes_with"]
-        close_loop.close_loop(ledger, motors, HOSTILE)
-        assert len(ledger.versions(HOSTILE)) == 1
-        (wide,) = forecasts.predict_plans(ledger, motors, [plan], keep=False)
-        monkeypatch.setattr(close_loop, "diagnose", lambda *_: replace(unexplained, effect="none"))
-        close_loop.close_loop(ledger, motors, HOSTILE)
-        (narrow,) = forecasts.predict_plans(ledger, motors, [plan], keep=False)
-    assert np.log(wide.apogee).std() == pytest.approx(1.4 * np.log(narrow.apogee).std(), rel=0.02)
+        for averaged, versions in ((both.averaged, 1), (((0.703, wind), (0.297, wear)), 1), (((1.0, ()),), 1)):
+            monkeypatch.setattr(close_loop, "diagnose", lambda *_, now=averaged: replace(both, averaged=now))
+            close_loop.close_loop(ledger, motors, HOSTILE)
+            assert len(ledger.versions(HOSTILE)) == versions
+            assert forecasts.accepted_average(ledger, HOSTILE, "before") == ()
+        assert forecasts.version_average(ledger.versions(HOSTILE)[0].payload) == both.averaged
+        assert forecasts.accepted_average(ledger, HOSTILE) == ()
+    assert forecasts.version_average({"effects": [{"effect": "wind"}]}) == ((1.0, wind),)
+
+
+def test_a_forecast_averaged_over_sets_is_their_mixture() -> None:
+    flights = windy()
+    known = [(flight, catalogue().resolve(flight.motor)) for flight in flights]
+    plan = [(flights[0].with_changes(apogee=None, top_speed=None, coast_to_apogee=None, wind=9.0), known[0][1])]
+    sets = ((), (Place("wear", since=flights[0].flight_id),), (Place("mass_offset"), Place("wear")))
+    apart = [predict(known, plan, own, declared=False, draws=1500)[0].apogee for own in sets]
+    averaged = tuple(zip((0.2, 0.5, 0.3), sets, strict=True))
+    (mixed,) = predict(known, plan, averaged=averaged, declared=False, draws=3000)
+    expected = 0.2 * apart[0].mean() + 0.5 * apart[1].mean() + 0.3 * apart[2].mean()
+    assert len(mixed.apogee) == 3000
+    assert mixed.apogee.mean() == pytest.approx(expected, rel=0.01)
 
 
 # The page

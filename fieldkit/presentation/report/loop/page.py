@@ -10,6 +10,7 @@ from fieldkit.errors import BadValue
 from fieldkit.files import write
 from fieldkit.flight import BY_NAME
 from fieldkit.physics.effect import effects
+from fieldkit.presentation.loop_text import how_sure, in_next_flight
 from fieldkit.presentation.report.html import embedded, rendered
 from fieldkit.presentation.report.loop.pictures import pictures, png, svg
 from fieldkit.scoring.bootstrap import Interval
@@ -81,8 +82,9 @@ def _verdict(found: Findings) -> dict[str, Any]:
         "title": titles.get(diagnosis.effect) or f"{diagnosis.effect}: {' and '.join(named)}",
         "why": _begun(diagnosis.why),
         "also": ", ".join(diagnosis.also),
+        "next_flight": _begun(in_next_flight(found.next_flight)),
+        "how_sure": _begun(how_sure(found)),
         "goes_with": _begun(found.unexplained.in_words) if found.unexplained else "",
-        "widened": f"{found.unexplained.widened:.2f}" if found.unexplained else "",
     }
 
 

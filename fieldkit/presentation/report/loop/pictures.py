@@ -18,6 +18,7 @@ from fieldkit.presentation.report.style import (
 )
 from fieldkit.scoring.score import Forecasts
 from fieldkit.selection.fingerprint import FingerprintMark
+from fieldkit.selection.verdict import NAMING_PROBABILITY
 from fieldkit.services.findings import Findings
 from fieldkit.shapes import Array, Flags, Float
 
@@ -139,27 +140,23 @@ def _fingerprint(panel: "Axes", row: tuple[FingerprintMark, ...]) -> None:
 
 
 def ladder(figure: "Figure | SubFigure", found: Findings) -> None:
-    """The evidence for each effect, what of it stays without its strongest flight, and what would be enough."""
+    """How probable each effect is, and from where on one is named."""
     panel = figure.subplots()
     items = [item for item in found.diagnosis.ranking if item.effect]
-    whole, steady = (np.array([getattr(item, name) for item in items]) for name in ("log_bayes", "steady"))
-    need = -max((item.log_odds for item in items), default=0.0)
-    ends = (-6.0, max(5 * need, 12.0))
+    chance = np.array([item.probability for item in items])
     accepted = [item.effect in found.diagnosis.effect.split("+") for item in items]
     colours = [AFTER_COLOR if one else FAINT_COLOR for one in accepted]
     rows = range(len(items))
-    panel.barh(rows, np.clip(whole, *ends), height=0.7, color=colours, alpha=0.3, label="all flights")
-    panel.barh(rows, np.clip(steady, *ends), height=0.36, color=colours, label="without the flight that says most")
-    panel.axvline(0, color=INK_COLOR, linewidth=1)
-    panel.axvline(need, color=BEFORE_COLOR, linewidth=1.2, linestyle=(0, (4, 2)))
-    panel.text(need, -0.9, " enough for one alone", fontsize=7.5, color=BEFORE_COLOR, va="bottom")
-    for row, value in enumerate(whole):
-        panel.text(max(min(value, ends[1]), 0) + 0.15, row, f"{value:+.1f}", va="center", fontsize=8, color=FAINT_COLOR)
+    panel.barh(rows, chance, height=0.6, color=colours, alpha=0.6)
+    panel.axvline(NAMING_PROBABILITY, color=BEFORE_COLOR, linewidth=1.2, linestyle=(0, (4, 2)))
+    panel.text(NAMING_PROBABILITY, -0.9, " named from here on", fontsize=7.5, color=BEFORE_COLOR, va="bottom")
+    for row, value in enumerate(chance):
+        panel.text(value + 0.01, row, f"{value:.0%}", va="center", fontsize=8, color=FAINT_COLOR)
     panel.set_yticks(rows, [shortened(str(item.best.candidate.place), 34) for item in items])
     panel.invert_yaxis()
     panel.margins(x=0.12)
-    panel.set_xlabel("log Bayes factor against the plain model [nat]")
-    panel.legend(loc="lower right", fontsize=8)
+    panel.set_xlim(0, 1.12)
+    panel.set_xlabel("probability that it is there, alone or with others")
     panel.grid(axis="y", visible=False)
 
 

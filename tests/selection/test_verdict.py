@@ -1,55 +1,85 @@
-"""How the loop chooses: what one flight says alone decides nothing, and what is given is taken."""
+"""What the loop says: effects that are probable enough are named, and what is given is taken."""
 
 from dataclasses import replace
 from datetime import datetime
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
-from hypothesis import given as drawn
-from hypothesis import strategies as st
-from hypothesis.extra.numpy import arrays
 
 from fieldkit.errors import UnknownEffect
 from fieldkit.flight import Flight
 from fieldkit.model.readout_data import OBSERVED_READOUTS, observe
-from fieldkit.model.rocket_model import Model, base_model, shown
+from fieldkit.model.rocket_model import Model, Term, base_model, shown
 from fieldkit.motors import catalogue
-from fieldkit.selection.candidates import EACH_GROUP, Place, effect_candidates, effect_terms
-from fieldkit.selection.choice import MAX_ERROR_RATIO_ALLOWED, may_leave, robust_evidence
+from fieldkit.physics.effect import effects
+from fieldkit.selection import verdict as verdicts
+from fieldkit.selection.candidates import EACH_GROUP, Candidate, Place, effect_candidates, effect_terms
 from fieldkit.selection.diagnose import diagnose
+from fieldkit.selection.hypotheses import Hypothesis, SetPosterior
 from fieldkit.selection.patterns import pattern_candidates
+from fieldkit.selection.prior import UNEXPLAINED
+from fieldkit.selection.verdict import COST_OF_FALSE_NAME, NAMING_PROBABILITY, verdict
 
 pytestmark = pytest.mark.fast
 
 CHECK_SHAPES = False
 
-says = arrays(float, st.integers(3, 20), elements=st.floats(-3, 10))
+
+def posterior(weights: dict[str, float]) -> SetPosterior:
+    """A posterior over sets, joined by `+`, of these probabilities; nothing for an empty name."""
+    fitted = SimpleNamespace(log_evidence=0.0)
+
+    def candidate(name: str) -> Candidate:
+        effect = "" if name == UNEXPLAINED else name
+        bends = effects()[effect] if effect else "drag"
+        return Candidate(Place(effect, "" if effect else "the day before"), (Term(name, bends, 0.0, 1.0, np.ones(1)),))
+
+    return SetPosterior(
+        tuple(
+            Hypothesis(tuple(candidate(one) for one in name.split("+") if one), fitted, float(np.log(weight)))
+            for name, weight in weights.items()
+        )
+    )
 
 
-@drawn(says)
-def test_steady_evidence_lacks_the_flight_that_says_most(says: np.ndarray) -> None:
-    total = float(says.sum())
-    steady, folds = robust_evidence(total, total - says, np.ones(len(says), bool))
-    assert steady == pytest.approx(total - max(says.max(), 0.0))
-    for row in range(len(says)):
-        rest = np.delete(says, row)
-        assert folds[row] == pytest.approx(rest.sum() - max(rest.max(), 0.0))
+@pytest.mark.parametrize(
+    ("weights", "effect", "confidence", "also"),
+    [
+        ({"": 0.6, "wind": 0.4}, "none", 0.6, ()),
+        ({"": 0.2, "wind": 0.76, "wear": 0.04}, "wind", 0.76, ()),
+        ({"": 0.05, "wind": 0.7, "wear": 0.25}, "wind", 0.7, ("wear",)),
+        ({"": 0.1, "wind+wear": 0.5, "wind": 0.4}, "wind", 0.9, ()),
+        ({"": 0.1, "wind+wear": 0.8, "wind": 0.1}, "wind+wear", 0.8, ()),
+        ({"": 0.1, "wind": 0.5, "wear": 0.4}, "wind", 0.9, ("wear",)),
+        ({"": 0.2, "unexplained": 0.7, "wind": 0.1}, "unexplained", 0.8, ()),
+        ({"": 0.2, "unexplained": 0.4, "wind": 0.4}, "unexplained", 0.8, ()),
+    ],
+)
+def test_what_is_probable_enough_is_named(
+    weights: dict[str, float],
+    effect: str,
+    confidence: float,
+    also: tuple[str, ...],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(verdicts, "in_words", lambda accepted: "it is there")
+    said = verdict(posterior(weights))
+    assert said.effect == effect
+    assert said.confidence == pytest.approx(confidence)
+    assert said.also == also
 
 
-def test_one_odd_flight_is_no_evidence_and_many_alike_are() -> None:
-    every = np.ones(20, bool)
-    alone, _ = robust_evidence(12.0, np.where(np.arange(20) == 4, 0.0, 12.0), every)
-    shared, _ = robust_evidence(12.0, np.full(20, 11.4), every)
-    assert alone == 0
-    assert shared == pytest.approx(11.4)
+def test_the_threshold_is_where_naming_and_not_naming_cost_the_same() -> None:
+    assert pytest.approx(NAMING_PROBABILITY) == COST_OF_FALSE_NAME * (1 - NAMING_PROBABILITY)
 
 
-def test_a_surer_effect_may_leave_more_but_never_much_more() -> None:
-    limits = may_leave(np.linspace(0, 50, 200))
-    assert np.all(np.diff(limits) >= 0)
-    assert limits[0] < 1
-    assert limits[-1] == MAX_ERROR_RATIO_ALLOWED
+def test_inclusion_adds_up_the_sets_that_an_effect_is_in() -> None:
+    found = posterior({"": 0.1, "wind+wear": 0.5, "wind": 0.4})
+    assert found.inclusion == pytest.approx({"wind": 0.9, "wear": 0.5})
+    assert found.without(["wear"]).inclusion == pytest.approx({"wind": 0.8})
+    assert found.probability.sum() == pytest.approx(1.0)
 
 
 def season(**columns: list[Any]) -> Model:

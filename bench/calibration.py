@@ -1,0 +1,68 @@
+"""Whether probabilities mean what they say: how often what was held probable was there.
+
+Of every set each effect and `unexplained` is a case, its posterior probability beside whether it is in the label. The
+expected calibration error is the mean difference of the two over bins of probability, weighed by their cases (Naeini,
+Cooper and Hauskrecht, AAAI 2015).
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from bench.result import Result, effects
+
+BINS = (0.0, 0.05, 0.2, 0.4, 0.6, 0.8, 0.95, 1.0)
+"""Ends of the bins of probability. [1]"""
+WORTH_SAYING = 0.05
+"""Probability from which on a case counts in the second error: most effects are not there and known not to be. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Bin:
+    """Cases whose probabilities lie between two ends: how many, the mean probability, and how many were there."""
+
+    low: float
+    high: float
+    cases: int
+    expected: float
+    found: float
+
+
+def cases(results: Sequence[Result]) -> list[tuple[float, bool]]:
+    """Every probability that was given, and whether what it is of was there."""
+    return [
+        (chance, name in effects(result.label)) for result in results for name, chance in result.probabilities.items()
+    ]
+
+
+def reliability(results: Sequence[Result]) -> list[Bin]:
+    """The bins that have cases."""
+    chance, there = (np.array(column, float) for column in zip(*cases(results), strict=True))
+    found = []
+    for low, high in pairwise(BINS):
+        inside = (chance >= low) & ((chance < high) | (high == BINS[-1]))
+        if inside.any():
+            found.append(Bin(low, high, int(inside.sum()), float(chance[inside].mean()), float(there[inside].mean())))
+    return found
+
+
+def calibration_error(bins: Sequence[Bin]) -> float:
+    """Expected calibration error. [1]"""
+    return sum(one.cases * abs(one.expected - one.found) for one in bins) / sum(one.cases for one in bins)
+
+
+def calibration_lines(results: Sequence[Result]) -> Iterator[str]:
+    """The reliability diagram as a table in Markdown, and the errors; nothing where no probabilities were given."""
+    if not cases(results):
+        return
+    bins = reliability(results)
+    yield "| probability | cases | in the mean | there |"
+    yield "|---|---|---|---|"
+    for one in bins:
+        yield f"| {one.low:.0%} to {one.high:.0%} | {one.cases} | {one.expected:.0%} | {one.found:.0%} |"
+    yield ""
+    said = [one for one in bins if one.low >= WORTH_SAYING]
+    beyond = f", {calibration_error(said):.1%} from {WORTH_SAYING:.0%} on" if said else ""
+    yield f"expected calibration error: {calibration_error(bins):.1%} of all{beyond}"

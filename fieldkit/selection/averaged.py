@@ -1,0 +1,189 @@
+"""Forecasts averaged over hypotheses: of each flight left out, and of each from the flights before it.
+
+A hypothesis says of a flight what its fit without that flight does, and has the probability that the other flights give
+it. So there is no choice that would have to be made again without each flight; which hypotheses there are was found
+with all of them.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import log
+
+import numpy as np
+
+from fieldkit.inference.laplace.fit import refits_without
+from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K
+from fieldkit.inference.laplace.leave_one_out import own_variance
+from fieldkit.inference.laplace.posterior import UNOBSERVED_SD, growing
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.progress import ReportProgress, no_op
+from fieldkit.scoring.score import Forecasts
+from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
+from fieldkit.shapes import Array, Flags, Float
+
+NEGLIGIBLE_PROBABILITY = 0.01
+"""Probability without a flight below which a hypothesis is not fitted again. [1]"""
+TAIL_PARTS = 4
+"""Normals that stand for a Student t. [1]"""
+MIN_EARLIER_FLIGHTS = 4
+"""Earlier clean flights from which on flights are forecast forward in time. [1]"""
+MAX_FORWARD = 24
+"""Hypotheses that are followed forward in time. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class LeftOut:
+    """Every flight forecast without it. `refits` counts the fits that were made again of all `folds`;
+    `probability` is that of each set without each flight."""
+
+    forecasts: Forecasts
+    probability: dict[Members, Float[Array, "flight"]]
+    refits: int
+    folds: int
+
+
+@dataclass(frozen=True, slots=True)
+class Ahead:
+    """Every flight forecast from those before it, by the plain model and averaged.
+
+    `seen` marks the flights that have `MIN_EARLIER_FLIGHTS` before them, `chosen` names the most probable set at each,
+    empty for none.
+    """
+
+    before: Forecasts
+    after: Forecasts
+    seen: Flags
+    chosen: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class _Said:
+    """What one hypothesis says of the log apogee of every flight, scale by scale, and its log weight there."""
+
+    mean: Float[Array, "scale flight"]
+    known: Float[Array, "scale flight"]
+    own: Float[Array, "scale flight"]
+    weight: Float[Array, "scale flight"]
+    log_weight: Float[Array, "flight"]
+
+
+def left_out(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> LeftOut:
+    """Every flight forecast by the hypotheses that were checked, fitted and weighed without it.
+
+    By importance sampling; where the weights of that cannot be relied on the fit is made again without the flight.
+    """
+    some = [one for one in posterior.hypotheses if one.sampled is not None]
+    said = [_sampled(one) for one in some]
+    log_weight = np.stack([one.log_weight for one in said])
+    chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    refits = 0
+    for number, (one, own) in enumerate(zip(some, said, strict=True)):
+        on_progress("flights left out", number / len(some))
+        assert one.sampled is not None
+        unsure = (one.sampled.pareto_k_without > RELIABLE_PARETO_K) & one.fit.data.seen.any(axis=1)
+        rows = np.flatnonzero(unsure & (chance[number] > NEGLIGIBLE_PROBABILITY))
+        if len(rows):
+            said[number] = _refitted(one, own, rows.tolist())
+        refits += len(rows)
+    log_weight = np.stack([one.log_weight for one in said])
+    chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    by_set: dict[Members, Array] = {}
+    for one, own_chance in zip(some, chance, strict=True):
+        by_set[one.members] = by_set.get(one.members, 0.0) + own_chance
+    folds = int(posterior.hypotheses[0].fit.data.seen.any(axis=1).sum()) * len(some)
+    return LeftOut(_mixed(said, posterior.hypotheses[0].fit.model.hyperprior.tail), by_set, refits, folds)
+
+
+def _sampled(one: Hypothesis) -> _Said:
+    assert one.sampled is not None
+    drawn = one.sampled
+    return _Said(drawn.mean, drawn.known, drawn.own, drawn.weight, one.log_prior + drawn.log_without)
+
+
+def _refitted(one: Hypothesis, said: _Said, rows: Sequence[int]) -> _Said:
+    """What a hypothesis says of some flights when it is fitted again without each of them."""
+    assert one.sampled is not None
+    scales = one.sampled.scales
+    columns = [whole.copy() for whole in (said.mean, said.known, said.own, said.weight)]
+    log_weight = said.log_weight.copy()
+    for row, again in zip(rows, refits_without(one.fit, rows), strict=True):
+        apogee = again.tangent.slope[row, 0]
+        parts = (
+            again.tangent.values[row, 0] + (again.mean - again.tangent.at) @ apogee,
+            np.einsum("t,stu,u->s", apogee, again.covariance, apogee),
+            own_variance(again)[:, row],
+            again.weights / again.weights[scales].sum(),
+        )
+        for column, part in zip(columns, parts, strict=True):
+            column[:, row] = part[scales]
+        unseen = len(OBSERVED_READOUTS) * log(UNOBSERVED_SD)  # what a flight without readouts has in the evidence
+        log_weight[row] = one.log_prior + one.correction + again.log_evidence + unseen
+    mean, known, own, weight = columns
+    return _Said(mean, known, own, weight, log_weight)
+
+
+def _mixed(said: Sequence[_Said], tail: float) -> Forecasts:
+    """The mixture of what all hypotheses say, a flight's own scatter a Student t."""
+    from scipy.special import gammaincinv
+
+    precision = gammaincinv(tail / 2, (np.arange(TAIL_PARTS) + 0.5) / TAIL_PARTS) / (tail / 2)
+    log_weight = np.stack([one.log_weight for one in said])
+    chance = np.exp(log_weight - np.logaddexp.reduce(log_weight, axis=0))
+    means, variances, weights = [], [], []
+    for one, own_chance in zip(said, chance, strict=True):
+        for factor in precision:
+            means.append(one.mean)
+            variances.append(one.known + one.own / factor)
+            weights.append(own_chance * one.weight / TAIL_PARTS)
+    weight = np.concatenate(weights)
+    return Forecasts(np.concatenate(means), np.sqrt(np.concatenate(variances)), weight / weight.sum(axis=0))
+
+
+def ahead(posterior: SetPosterior, on_progress: ReportProgress = no_op) -> Ahead:
+    """Every flight forecast from those before it by the most probable hypotheses, weighed by those flights alone.
+
+    Readouts are linear about the fits to all flights, odd flights have the weights that all flights give them, and
+    which hypotheses are followed was found with all of them.
+    """
+    some = _followed(posterior)
+    said = []
+    for number, one in enumerate(some):
+        on_progress("forward in time", number / len(some))
+        said.append(_grown(one))
+    plain = next(number for number, one in enumerate(some) if not one.candidates)
+    fit = some[plain].fit
+    used = fit.data.seen[:, 0]
+    judged = used & (np.concatenate([[0], np.cumsum(used)[:-1]]) >= MIN_EARLIER_FLIGHTS)
+    tail = fit.model.hyperprior.tail
+    chosen = tuple(name if there else "" for name, there in zip(_most_probable(some, said), judged, strict=True))
+    return Ahead(_mixed([said[plain]], tail), _mixed(said, tail), judged, chosen)
+
+
+def _followed(posterior: SetPosterior) -> list[Hypothesis]:
+    """The plain model, the best place of every set of one, and the most probable others."""
+    order = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
+    first: dict[Members, Hypothesis] = {}
+    for one in order:
+        if len(one.members) < 2:
+            first.setdefault(one.members, one)
+    kept = list(first.values())[:MAX_FORWARD]
+    return [*kept, *(one for one in order if one not in kept)][: max(MAX_FORWARD, len(kept))]
+
+
+def _grown(one: Hypothesis) -> _Said:
+    """What a hypothesis said of every flight before it flew."""
+    grown, near = growing(one.fit), one.fit.tangent
+    apogee = near.slope[:, 0]
+    mean = near.values[:, 0] + np.einsum("ft,sft->sf", apogee, grown.mean - near.at)
+    known = np.einsum("ft,sftu,fu->sf", apogee, grown.covariance, apogee, optimize=True)
+    total = np.logaddexp.reduce(grown.log_weight, axis=0)
+    return _Said(mean, known, own_variance(one.fit), np.exp(grown.log_weight - total), one.log_prior + total)
+
+
+def _most_probable(some: Sequence[Hypothesis], said: Sequence[_Said]) -> tuple[str, ...]:
+    """The name of the most probable set at each flight."""
+    by_set: dict[Members, Array] = {}
+    for one, own in zip(some, said, strict=True):
+        by_set[one.members] = np.logaddexp(by_set.get(one.members, -np.inf), own.log_weight)
+    names = ["+".join(sorted(members)) for members in by_set]
+    return tuple(names[row] for row in np.argmax(np.stack(list(by_set.values())), axis=0))

@@ -1,0 +1,151 @@
+"""Which places of an effect are worth a fit, by what the readouts that are linear about a smaller model say of each.
+
+An effect is flown once for each start, acting on every flight. In a place it acts on some of them, by their weights,
+and what adding it there does to the evidence follows in closed form from the smaller model's fit (a normal linear model
+with a few more unknowns; Bishop, Pattern Recognition and Machine Learning, 2006, section 3.5). So the cost of many
+places is that of multiplications, not of flights.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from fieldkit.inference.laplace.linearization import Tangent, tangents
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import OBSERVED_READOUTS
+from fieldkit.model.rocket_model import Term
+from fieldkit.physics.effect import Effect
+from fieldkit.selection.candidates import Candidate
+from fieldkit.shapes import Array, Float
+
+PLACE_WINDOW = 3.0
+"""Log posterior odds behind the best place of an effect from which on another is not fitted: one in twenty. [nat]"""
+NEGLIGIBLE_SCALE_WEIGHT = 1e-4
+"""Posterior weight of a pair of scales below which it is left out. [1]"""
+MAX_PLACES = 4
+"""Places of an effect that are fitted. [1]"""
+
+
+def screened(
+    families: Mapping[str, Sequence[Candidate]], near: Fit, worth: Mapping[str, float] | None = None
+) -> dict[str, list[Candidate]]:
+    """The candidates of every effect that are worth a fit beside a model, each from the starts that are.
+
+    Places that are not have their part of the prior added to those that are, as far as they are probable. Effects whose
+    log Bayes factor against the model stays below their `worth` are left out.
+    """
+    columns = _columns(families, near)
+    found = {}
+    for name, family in families.items():
+        scored = [_scored(one, columns, near) for one in family]
+        whole = np.logaddexp.reduce([score for score, _ in scored])
+        if worth is None or whole > worth.get(name, -np.inf):
+            found[name] = _worth_a_fit(scored, float(whole))
+    return found
+
+
+def _worth_a_fit(family: Sequence[tuple[float, Candidate]], whole: float) -> list[Candidate]:
+    order = sorted(family, key=lambda pair: -pair[0])
+    kept = [(score, one) for score, one in order if score > order[0][0] - PLACE_WINDOW][:MAX_PLACES]
+    others = whole - float(np.logaddexp.reduce([score for score, _ in kept]))
+    return [replace(one, log_share=one.log_share + others) for _, one in kept]
+
+
+Columns = Mapping[tuple[int, float], tuple[Float[Array, "flight readout"], Float[Array, "flight readout"]]]
+"""By effect and start: the readouts of the model with it less those without, and their slope by its strength."""
+
+
+def _columns(families: Mapping[str, Sequence[Candidate]], near: Fit) -> Columns:
+    """Every effect flown from each of its starts, acting fully on every flight."""
+    model, base = near.model, tuple(range(len(near.model.terms)))
+    wide, lanes, keys = model, [], []
+    wanted: dict[int, tuple[Term, tuple[float, ...]]] = {}
+    for family in families.values():
+        for one in family:
+            if isinstance(bends := one.terms[0].bends, Effect):
+                wanted.setdefault(id(bends), (one.terms[0], one.starts))
+    for key, (term, starts) in wanted.items():
+        lacks = isinstance(term.bends, Effect) and term.bends.lacks
+        every = (term.weight != 0).astype(float) if lacks else np.ones(len(model.flights))
+        wide = wide.with_terms(replace(term, weight=every))
+        for start in starts:
+            lanes.append(((*base, len(wide.terms) - 1), np.array([*near.tangent.at, start])))
+            keys.append((key, start))
+    found = tangents(wide, lanes, near.tangent.scatter_slope[..., -1]) if lanes else []
+    return {key: _moved(tangent, near) for key, tangent in zip(keys, found, strict=True)}
+
+
+def _moved(tangent: Tangent, near: Fit) -> tuple[Array, Array]:
+    usable = near.data.seen & np.isfinite(near.tangent.values)
+    shift = np.where(usable, np.nan_to_num(tangent.values - near.tangent.values), 0.0)
+    return shift, np.where(usable, tangent.slope[..., -1], 0.0)
+
+
+def _scored(one: Candidate, columns: Columns, near: Fit) -> tuple[float, Candidate]:
+    """A candidate's log posterior weight from its best start, up to what its family shares, with the starts kept."""
+    bends = one.terms[0].bends
+    if not isinstance(bends, Effect):
+        slope = np.stack([_plain_slope(term, near) for term in one.terms], axis=-1)
+        return _gain(one, slope, np.zeros(slope.shape[:2]), 0.0, near) + one.log_share, one
+    scores = []
+    for start in one.starts:
+        shift, own = columns[id(bends), start]
+        weight = np.stack([term.weight for term in one.terms], axis=-1)
+        acts = weight.sum(axis=-1)
+        slope = own[..., None] * weight[:, None, :]
+        scores.append(_gain(one, slope, shift * acts[:, None], start, near) + one.log_share)
+    kept = [start for start, score in zip(one.starts, scores, strict=True) if score > max(scores) - PLACE_WINDOW]
+    return max(scores), replace(one, starts=tuple(kept))
+
+
+def _plain_slope(term: Term, near: Fit) -> Float[Array, "flight readout"]:
+    """What a unit of a term does that bends what a term of the plain model bends on every flight."""
+    usable = near.data.seen & np.isfinite(near.tangent.values)
+    if term.bends in OBSERVED_READOUTS:
+        return np.where(usable, term.weight[:, None] * (np.array(OBSERVED_READOUTS) == term.bends), 0.0)
+    row = next(i for i, own in enumerate(near.model.terms) if own.bends == term.bends and np.all(own.weight == 1))
+    return np.where(usable, near.tangent.slope[..., row] * term.weight[:, None], 0.0)
+
+
+def _gain(
+    one: Candidate,
+    slope: Float[Array, "flight readout own"],
+    shift: Float[Array, "flight readout"],
+    start: float,
+    near: Fit,
+) -> float:
+    """Log Bayes factor of a model with the candidate against the one without, the readouts linear. [nat]
+
+    About the start `x0` the readouts are those of the smaller model plus `shift + slope (x - x0)`.
+    """
+    scales = np.flatnonzero(near.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    told, covariance, sharpness = near.told, near.covariance[scales], near.told.sharpness[scales]
+    own_mean = np.array([term.mean for term in one.terms])
+    from_start = np.array([start, *own_mean[1:]]) if not _all_effects(one) else np.full(len(own_mean), start)
+    expected = shift + slope @ (own_mean - from_start)
+    weighed = sharpness @ slope  # scale flight readout own
+    ties = np.einsum("fot,sfok->stk", told.slope, weighed, optimize=True)
+    miss = told.miss - expected
+    before, _ = _left(told.miss, sharpness, told.slope, covariance)
+    after, moved = _left(miss, sharpness, told.slope, covariance)
+    score = np.einsum("sfok,fo->sk", weighed, miss) - np.einsum("stk,st->sk", ties, moved)
+    explained = np.einsum("stk,stu,sul->skl", ties, covariance, ties, optimize=True)
+    information = np.einsum("fok,sfol->skl", slope, weighed, optimize=True) - explained
+    precision = information + np.diag([1 / term.sd**2 for term in one.terms])
+    raised = (score * np.linalg.solve(precision, score[..., None])[..., 0]).sum(axis=1)
+    log_det = np.linalg.slogdet(precision)[1] + 2 * sum(np.log(term.sd) for term in one.terms)
+    gain = 0.5 * (before - after + raised - log_det)
+    return float(np.logaddexp.reduce(near.log_weight[scales] + gain) - near.log_evidence)
+
+
+def _left(miss: Array, sharpness: Array, slope: Array, covariance: Array) -> tuple[Array, Array]:
+    """What the smaller model leaves of misses, squared in standard deviations, and by how much its terms move."""
+    weighed = (sharpness @ miss[..., None])[..., 0]
+    pull = weighed.reshape(len(weighed), -1) @ slope.reshape(miss.size, -1)
+    moved = (covariance @ pull[..., None])[..., 0]
+    return (miss * weighed).sum(axis=(1, 2)) - (pull * moved).sum(axis=1), moved
+
+
+def _all_effects(one: Candidate) -> bool:
+    return all(isinstance(term.bends, Effect) for term in one.terms)

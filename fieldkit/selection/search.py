@@ -1,0 +1,173 @@
+"""Look for the probable sets of effects: each alone, and others beside those that are probable so far.
+
+Which sets are looked at is all that is decided here (Occam's window: Madigan and Raftery, Journal of the American
+Statistical Association 89, 1994); what is not looked at has no probability, what is looked at has that of its evidence.
+"""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from math import log
+
+import numpy as np
+
+from fieldkit.inference.laplace.fit import fit
+from fieldkit.inference.laplace.importance import sampled
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import Data
+from fieldkit.model.rocket_model import Model
+from fieldkit.progress import ReportProgress, no_op, part
+from fieldkit.selection.candidates import Candidate
+from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior, members_of, prior_of
+from fieldkit.selection.prior import UNEXPLAINED, log_prior_odds
+from fieldkit.selection.screen import screened
+from fieldkit.selection.trial import Trial, fitted_again, try_all
+
+Families = Mapping[str, Sequence[Candidate]]
+"""Candidates by the effect that a verdict would speak of, patterns under no name."""
+
+MAX_EFFECTS = 4
+"""Effects in a set, as far as it is looked at. [1]"""
+MAX_EXPANSIONS = 8
+"""Sets beside which others are tried. [1]"""
+WINDOW = log(50.0)
+"""Log odds behind the most probable set from which on others are not tried beside a set: of those it would be part of
+what is probable at most in one case of fifty. [nat]"""
+SIMPLER_WINDOW = log(5.0)
+"""Log odds behind a set with less in it from which on nothing is tried beside a set: Occam's window leaves out what is
+less probable than something simpler, here with an allowance for effects that hide each other. [nat]"""
+SCREENING_ERROR = 3.0
+"""By how much the log evidence of a linear model may be too low. [nat]"""
+MAX_SEARCHES = 2
+"""Number of times all effects are tried, if trying them shows that the plain model had not found its best fit. [1]"""
+SETTLED_CHANGE = 0.3
+"""Change of log evidence of the plain model below which it had. [nat]"""
+SAMPLED_WINDOW = log(50.0)
+"""Log odds behind the most probable hypothesis up to which one is checked by importance sampling. [nat]"""
+MAX_SAMPLED = 8
+"""Hypotheses that are. [1]"""
+SEED = 19
+"""Of the draws, the same for every hypothesis."""
+
+
+def explore(
+    model: Model, data: Data, families: Families, on_progress: ReportProgress = no_op, *, pairs: bool = True
+) -> SetPosterior:
+    """The posterior over everything that was tried; without `pairs` each effect alone."""
+    plain, singles = _singles(model, data, families, part(on_progress, 0.0, 0.5))
+    sets = {frozenset[str](): [Hypothesis((), plain)]}
+    for name in families:
+        members = frozenset({name or UNEXPLAINED})
+        own = [trial for trial in singles if trial.candidate.effect == name]
+        if not own:
+            continue
+        sets[members] = [Hypothesis((t.candidate,), t.fit, prior_of([t.candidate])) for t in own]
+    done: set[Members] = set()
+    for number in range(MAX_EXPANSIONS if pairs else 0):
+        parent = _next(sets, done)
+        if parent is None:
+            break
+        done.add(parent)
+        on_progress(f"{'+'.join(sorted(parent))} and others", 0.5 + 0.3 * number / MAX_EXPANSIONS)
+        others = {name: own for name, own in families.items() if (name or UNEXPLAINED) not in parent}
+        for wider, found in _expanded(sets[parent], data, others, _weight(sets[_best(sets)])).items():
+            known = sets.get(wider)
+            if known is None or _weight(found) > _weight(known):
+                sets[wider] = found
+    every = SetPosterior(tuple(one for some in sets.values() for one in some))
+    return checked(every, part(on_progress, 0.8, 0.2))
+
+
+def chain(plain: Fit, data: Data, families: Families, given: Sequence[str]) -> list[Hypothesis]:
+    """Effects that are given, each tried in all its places beside those before it where they are most at home."""
+    found = [Hypothesis((), plain)]
+    for name in given:
+        (found,) = _expanded(found, data, {name: families[name]}, -np.inf).values()
+    return found
+
+
+def checked(
+    posterior: SetPosterior, on_progress: ReportProgress = no_op, window: float = SAMPLED_WINDOW
+) -> SetPosterior:
+    """The posterior with the evidence of its probable hypotheses checked against the simulator.
+
+    Those are probable whose log odds are no further behind the best than `window`. Other places of a set are corrected
+    as the best one of it is, sets that are improbable as the plain model is.
+    """
+    best = posterior.best().log_weight
+    likely = sorted(posterior.hypotheses, key=lambda one: -one.log_weight)
+    likely = [one for one in likely if one.log_weight > best - window][:MAX_SAMPLED]
+    likely = [posterior.best(frozenset()), *(one for one in likely if one.candidates)]
+    found: dict[int, Hypothesis] = {}
+    correction: dict[Members, float] = {}
+    for number, one in enumerate(likely):
+        on_progress("checking the probable ones", number / len(likely))
+        drawn = sampled(one.fit, np.random.default_rng(SEED))
+        correction.setdefault(one.members, drawn.log_evidence - one.fit.log_evidence)
+        found[id(one)] = replace(one, correction=drawn.log_evidence - one.fit.log_evidence, sampled=drawn)
+    usual = correction[frozenset()]
+    return SetPosterior(
+        tuple(
+            found.get(id(one)) or replace(one, correction=correction.get(one.members, usual))
+            for one in posterior.hypotheses
+        )
+    )
+
+
+def _singles(model: Model, data: Data, families: Families, on_progress: ReportProgress) -> tuple[Fit, list[Trial]]:
+    """The plain fit, which the trials help to find, and every candidate tried beside it."""
+    plain = fit(model, data, odd_flights=True)
+    count = sum(len(family) for family in families.values())
+    for turn in range(MAX_SEARCHES):
+
+        def report(share: float, turn: int = turn) -> None:
+            on_progress(f"{count} candidates", (turn + share) / MAX_SEARCHES)
+
+        trials = try_all(model, data, screened(families, plain), plain, on_progress=report)
+        better = fitted_again(model, data, plain, trials)
+        settled = better.log_evidence < plain.log_evidence + SETTLED_CHANGE
+        plain = better
+        if settled:
+            break
+    return plain, trials
+
+
+def _weight(some: Sequence[Hypothesis]) -> float:
+    return float(np.logaddexp.reduce([one.log_weight for one in some]))
+
+
+def _best(sets: Mapping[Members, Sequence[Hypothesis]]) -> Members:
+    return max(sets, key=lambda members: _weight(sets[members]))
+
+
+def _next(sets: Mapping[Members, Sequence[Hypothesis]], done: set[Members]) -> Members | None:
+    """The most probable set beside which nothing was tried yet, None where none is probable enough."""
+    weight = {members: _weight(some) for members, some in sets.items()}
+    least = max(weight.values()) - WINDOW
+
+    def open_to_more(one: Members) -> bool:
+        simpler = max(own for other, own in weight.items() if other < one)
+        return weight[one] > max(least, simpler - SIMPLER_WINDOW)
+
+    found = [one for one in sets if 0 < len(one) < MAX_EFFECTS and one not in done and open_to_more(one)]
+    return max(found, key=lambda one: weight[one], default=None)
+
+
+def _expanded(
+    parents: Sequence[Hypothesis], data: Data, others: Families, best: float
+) -> dict[Members, list[Hypothesis]]:
+    """Each of the other effects beside a set, whose effects are where they are most probable.
+
+    What its other places are worth is taken to be as it was without the other effect. `best` is the log weight of the
+    most probable set.
+    """
+    parent = max(parents, key=lambda one: one.log_weight)
+    elsewhere = _weight(parents) - parent.log_weight
+    least = best - WINDOW - SCREENING_ERROR - _weight(parents)
+    worth = {name: least - log_prior_odds([name or UNEXPLAINED]) for name in others}
+    trials = try_all(parent.fit.model, data, screened(others, parent.fit, worth), parent.fit)
+    found: dict[Members, list[Hypothesis]] = {}
+    for trial in trials:
+        candidates = (*parent.candidates, trial.candidate)
+        one = Hypothesis(candidates, trial.fit, prior_of(candidates) + elsewhere)
+        found.setdefault(members_of(candidates), []).append(one)
+    return found

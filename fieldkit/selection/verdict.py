@@ -1,0 +1,128 @@
+"""The verdict: which effects to name, from the posterior and from what a false and a missed name cost.
+
+To name an effect that is not there sends a flyer to mend what is whole; to miss one costs little, for forecasts follow
+every effect as far as it is probable. A false name is taken to cost twice a missed one. Then the expected cost is least
+if what is more probable than `NAMING_PROBABILITY` is named, and nothing else.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from fieldkit.physics.effect import Effect
+from fieldkit.selection.hypotheses import Hypothesis, Members, SetPosterior
+from fieldkit.selection.prior import UNEXPLAINED
+from fieldkit.selection.trial import Trial
+
+COST_OF_FALSE_NAME = 2.0
+"""Cost of a false name over that of a missed one. [1]"""
+NAMING_PROBABILITY = COST_OF_FALSE_NAME / (COST_OF_FALSE_NAME + 1.0)
+"""Posterior probability above which something is named. [1]"""
+CREDIBLE = 0.9
+"""Posterior probability of the sets among which the alternatives to a verdict are, that of every interval here. [1]"""
+
+
+@dataclass(frozen=True, slots=True)
+class Verdict:
+    """What is said: an effect's name (several joined by `+`), "none" or "unexplained".
+
+    `confidence` is the posterior probability that what is said is so: that all effects named are there, or one of
+    `also` in their place where only together they are probable enough. `accepted` are the effects named, each in its
+    place.
+    """
+
+    effect: str
+    confidence: float
+    why: str
+    also: tuple[str, ...] = ()
+    accepted: tuple[Trial, ...] = ()
+
+
+def verdict(posterior: SetPosterior) -> Verdict:
+    """The verdict of least expected cost."""
+    chances = {name: chance for name, chance in posterior.inclusion.items() if name != UNEXPLAINED}
+    named = [name for name, chance in chances.items() if chance > NAMING_PROBABILITY]
+    if named:
+        return _named(posterior, named, _alternatives(posterior, named), posterior.all_of(named))
+    group = _group(posterior, list(chances))
+    if group:
+        return _named(posterior, group[:1], tuple(group[1:]), posterior.any_of(group))
+    something = 1 - posterior.nothing
+    if something > NAMING_PROBABILITY:
+        return Verdict(UNEXPLAINED, something, _unexplained(posterior))
+    why = "the flights differ from the model by no more than their own scatter, as far as they can show"
+    return Verdict("none", posterior.nothing, why)
+
+
+def given_verdict(posterior: SetPosterior, given: Sequence[str]) -> Verdict:
+    """The verdict where a flyer says what is there."""
+    return _named(posterior, given, _alternatives(posterior, given), posterior.all_of(given))
+
+
+def _group(posterior: SetPosterior, names: Sequence[str]) -> list[str]:
+    """The fewest effects one of which is probable enough to be there, the most probable first; none if none are."""
+    group: list[str] = []
+    while len(group) < len(names):
+        rest = [name for name in names if name not in group]
+        group.append(max(rest, key=lambda name: posterior.any_of([*group, name])))
+        if posterior.any_of(group) > NAMING_PROBABILITY:
+            return group
+    return []
+
+
+def _alternatives(posterior: SetPosterior, named: Sequence[str]) -> tuple[str, ...]:
+    """Effects, then whole sets of several, that stand in the place of those named in the credible sets."""
+    total, singles, joined = 0.0, [], []
+    for members, chance in posterior.sets.items():
+        if total > CREDIBLE:
+            break
+        total += chance
+        known = members - {UNEXPLAINED}
+        if not known or set(named) <= known:
+            continue
+        singles += sorted(known - set(named))
+        if len(known) > 1:
+            joined.append("+".join(sorted(known)))
+    return tuple(dict.fromkeys([*singles, *joined]))
+
+
+def _named(posterior: SetPosterior, named: Sequence[str], also: tuple[str, ...], confidence: float) -> Verdict:
+    best = best_with(posterior, named)
+    order = {candidate.effect: place for place, candidate in enumerate(best.candidates)}
+    accepted = sorted((t for t in best.trials if t.candidate.effect in named), key=lambda t: order[t.candidate.effect])
+    effect = "+".join(trial.candidate.effect for trial in accepted)
+    return Verdict(effect, confidence, in_words(accepted), also, tuple(accepted))
+
+
+def best_with(posterior: SetPosterior, names: Sequence[str]) -> Hypothesis:
+    """The most probable hypothesis that has all of these."""
+    sets: dict[Members, float] = {m: c for m, c in posterior.sets.items() if set(names) <= m}
+    return posterior.best(max(sets, key=lambda members: sets[members]))
+
+
+def _unexplained(posterior: SetPosterior) -> str:
+    likely = next((members for members in posterior.sets if members), frozenset[str]())
+    if UNEXPLAINED in likely:
+        best = posterior.best(likely)
+        where = next(place.where for place in best.places if not place.effect)
+        return f"the flights differ from the model together with {where}, and no known effect accounts for it"
+    names = ", ".join(name for name in posterior.inclusion if name != UNEXPLAINED)
+    return f"the flights differ from the model, and nothing known is probable enough to be named ({names})"
+
+
+def in_words(accepted: Sequence[Trial]) -> str:
+    """One sentence to a flyer: what is missing, where, and how strong."""
+    parts = []
+    for trial in accepted:
+        bends = trial.candidate.terms[0].bends
+        assert isinstance(bends, Effect)
+        mean, sd = trial.strength()
+        place = f" ({trial.candidate.place})" if str(trial.candidate.place) != trial.candidate.effect else ""
+        parts.append(f"{bends.explains}{place}: {_measured(mean, sd, bends.unit)}")
+    return "; ".join(parts)
+
+
+def _measured(mean: float, sd: float, unit: str) -> str:
+    """A strength with its standard deviation: shares in per cent, all else in its unit."""
+    if unit.startswith("share"):
+        return f"{100 * mean:+.3g} % (± {100 * sd:.2g}){unit.removeprefix('share')}"
+    return f"{mean:.3g} (± {sd:.2g}) {unit}"

@@ -1,0 +1,31 @@
+"""Early ejection in seconds: delays drilled or cut short by the same time, whatever their number says."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from fieldkit.flight import Flight
+from fieldkit.physics.effect import Effect, Prior
+from fieldkit.physics.state import Setup
+from fieldkit.shapes import Array, Float
+
+
+def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
+    """The delay, shorter by this time, and no less than none. [s]"""
+    return setup.with_changes(delay=np.maximum(setup.delay - strength, 0.0))
+
+
+EFFECT = Effect(
+    title="ejection early by seconds",
+    family="recovery",
+    explains="the ejection charge fires some seconds before its time and the parachute ends the climb",
+    unit="s",
+    prior=Prior(mean=1.5, sd=1.0, low=0.4, high=8.0),
+    source="delays of certified motors vary by up to 20 % or 1.5 s (NFPA 1125); adjustable ones are drilled in seconds",
+    tell_apart="write down apogee to ejection, or fly motors with a short and with a long delay",
+    setup=setup,
+    per="motor",
+    needs_delay=True,
+    form_of="early_ejection",
+    starts=(0.5, 1.2, 2.5, 4.0),
+)

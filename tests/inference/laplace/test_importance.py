@@ -1,0 +1,88 @@
+"""Evidence and flights left out by importance sampling: against more draws, and against fits made again."""
+
+from dataclasses import replace
+from functools import cache
+
+import numpy as np
+import pytest
+from scipy.stats import genpareto
+
+from fieldkit.inference.laplace.fit import fit, refits_without
+from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, sampled
+from fieldkit.inference.laplace.odd_flights import flight_weights
+from fieldkit.inference.laplace.pareto import smoothed
+from fieldkit.inference.laplace.posterior import Fit
+from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
+from fieldkit.model.rocket_model import Model, base_model
+from tests.seasons import season
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+
+
+@cache
+def fitted(readouts: int = 6) -> Fit:
+    """The plain model fitted to a season, with so many of its readouts."""
+    model, data = _season()
+    seen = data.seen & (np.arange(len(OBSERVED_READOUTS)) < readouts)
+    return fit(model, replace(data, seen=seen), odd_flights=True)
+
+
+def _season() -> tuple[Model, Data]:
+    flown = season(np.random.default_rng(7), OBSERVED_READOUTS[:6])
+    flights = [flight for flight, _ in flown]
+    return base_model(flights, [motor for _, motor in flown]), observe(flights, [True] * len(flights))
+
+
+@cache
+def drawn(readouts: int = 6) -> Sampled:
+    return sampled(fitted(readouts), np.random.default_rng(1))
+
+
+@pytest.mark.parametrize("readouts", [6, 2, 1])
+def test_few_draws_say_what_many_do(readouts: int) -> None:
+    few, many = drawn(readouts), sampled(fitted(readouts), np.random.default_rng(2), 12_000)
+    assert few.pareto_k < RELIABLE_PARETO_K
+    assert abs(few.log_evidence - many.log_evidence) < 4 * np.hypot(few.error, many.error)
+    np.testing.assert_allclose(few.log_without, many.log_without, atol=0.35)
+
+
+def test_the_bound_of_the_fit_lies_below_the_evidence_and_near_it() -> None:
+    gap = drawn().log_evidence - fitted().log_evidence
+    assert -3 * drawn().error < gap < 2.5
+
+
+def test_without_a_flight_it_is_the_fit_that_never_saw_it() -> None:
+    result, rows = fitted(), [0, 4]
+    for row, again in zip(rows, refits_without(result, rows), strict=True):
+        assert not again.data.seen[row].any()
+        exact = sampled(again, np.random.default_rng(3), 4000)
+        assert drawn().log_without[row] == pytest.approx(exact.log_evidence, abs=0.3)
+        mean = (drawn().weight * drawn().mean)[:, row].sum()
+        other = (exact.weight * exact.mean)[:, row].sum()
+        spread = np.sqrt((exact.weight * (exact.known + exact.own))[:, row].sum())
+        assert abs(mean - other) < 0.25 * spread
+
+
+def test_an_odd_flight_counts_for_little() -> None:
+    result = fitted()
+    values = result.data.values.copy()
+    values[3, :2] -= 0.5
+    odd = fit(result.model, replace(result.data, values=values), odd_flights=True)
+    weight = flight_weights(odd)
+    assert weight[3] < 0.35
+    assert np.median(np.delete(weight, 3)) > 0.8
+    plain = fit(result.model, replace(result.data, values=values))
+    drag = result.model.names.index("drag")
+    true, robust, other = (one.moments()[0][drag] for one in (result, odd, plain))
+    assert abs(robust - true) <= abs(other - true)
+
+
+@pytest.mark.parametrize("shape", [0.2, 0.6, 1.1])
+def test_the_shape_of_a_tail_is_found(shape: float) -> None:
+    weight = genpareto(shape).rvs(20_000, random_state=4)
+    smooth, found = smoothed(np.log(weight))
+    assert found == pytest.approx(shape, abs=0.15)
+    assert smooth.max() <= np.log(weight).max()
+    assert np.all(np.diff(smooth[np.argsort(np.log(weight))]) >= -1e-9)

@@ -1,0 +1,44 @@
+"""The prior over sets of effects: another file takes from its own family alone."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from fieldkit.physics.effect import effects
+from fieldkit.selection.prior import (
+    FAMILIES,
+    FAMILY_PROBABILITY,
+    NO_EFFECT_PROBABILITY,
+    UNEXPLAINED,
+    inclusion_probabilities,
+    log_prior_odds,
+    set_probabilities,
+)
+
+pytestmark = pytest.mark.fast
+
+
+def test_another_effect_takes_from_its_own_family_alone() -> None:
+    more = {**effects(), "novelty": replace(effects()["wear"], title="novelty")}
+    before, after = inclusion_probabilities(), inclusion_probabilities(more)
+    others = [name for name, effect in effects().items() if effect.family != "wear" and not effect.form_of]
+    assert {name: after[name] for name in others} == {name: before[name] for name in others}
+    assert after["novelty"] + after["wear"] == pytest.approx(before["wear"])
+    assert sum(after.values()) == pytest.approx(sum(before.values()))
+    assert log_prior_odds(["wind", "mass_offset"], more) == log_prior_odds(["wind", "mass_offset"])
+
+
+def test_another_form_of_an_effect_changes_nothing() -> None:
+    more = {**effects(), "haze": replace(effects()["weather"], title="haze")}
+    assert inclusion_probabilities(more) == inclusion_probabilities()
+
+
+def test_nothing_is_missing_as_often_as_not() -> None:
+    nothing = (1 - FAMILY_PROBABILITY) ** (len(FAMILIES) + 1)
+    assert nothing == pytest.approx(NO_EFFECT_PROBABILITY)
+    sets = set_probabilities(2)
+    assert sum(sets.values()) == pytest.approx(1.0)
+    assert sets[frozenset()] == pytest.approx(NO_EFFECT_PROBABILITY, abs=0.03)
+    odds = np.log(sets[frozenset({"wind", UNEXPLAINED})] / sets[frozenset()])
+    assert odds == pytest.approx(log_prior_odds(["wind", UNEXPLAINED]))

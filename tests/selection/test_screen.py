@@ -1,0 +1,51 @@
+"""Places that are worth a fit: what linear readouts say of them is near what fits say."""
+
+import numpy as np
+import pytest
+
+from fieldkit.inference.laplace.fit import fit
+from fieldkit.model.readout_data import observe
+from fieldkit.physics.effect import effects
+from fieldkit.selection.candidates import Candidate, effect_candidates
+from fieldkit.selection.screen import MAX_PLACES, screened
+from fieldkit.selection.trial import by_effect, try_all
+from tests.selection.test_verdict import measured, season
+
+pytestmark = pytest.mark.fast
+
+CHECK_SHAPES = False
+LINEAR = ("altimeter_scale", "mass_offset", "motor_thrust", "wear", "base_drag")
+
+
+def families() -> tuple[object, dict[str, list[Candidate]]]:
+    model = measured(season())
+    plain = fit(model, observe(model.flights, [True] * 16), odd_flights=True)
+    every = by_effect(list(effect_candidates(model, np.ones(16, bool))))
+    return plain, {name: every[name] for name in LINEAR}
+
+
+def test_the_closed_form_is_near_the_fit_and_keeps_the_prior_of_an_effect() -> None:
+    plain, some = families()
+    kept = screened(some, plain)
+    for name, found in kept.items():
+        assert 1 <= len(found) <= MAX_PLACES
+        assert sum(np.exp(one.log_share) for one in found) <= 1.0 + 1e-9 or len(some[name]) > len(found)
+    trials = try_all(plain.model, plain.data, some, plain)
+    for name in LINEAR:
+        own = [trial for trial in trials if trial.candidate.effect == name]
+        fitted = float(np.logaddexp.reduce([t.fit.log_evidence + t.candidate.log_share for t in own]))
+        chosen = {one.place: one.log_share for one in kept[name]}
+        few = [t.fit.log_evidence + chosen[t.candidate.place] for t in own if t.candidate.place in chosen]
+        assert float(np.logaddexp.reduce(few)) == pytest.approx(fitted, abs=0.4)
+
+
+def test_an_effect_below_its_worth_is_not_fitted() -> None:
+    plain, some = families()
+    assert list(screened(some, plain, {name: 50.0 for name in LINEAR if name != "wear"})) == ["wear"]
+
+
+def test_every_effect_has_a_family_that_the_prior_knows() -> None:
+    from fieldkit.selection.prior import FAMILIES, inclusion_probabilities
+
+    assert {effect.family for effect in effects().values()} == set(FAMILIES)
+    assert min(inclusion_probabilities().values()) > 0.01
