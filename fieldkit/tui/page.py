@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, ClassVar, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -24,8 +24,8 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
-    from fieldkit.tui.app import FieldkitApp
     from fieldkit.tui.resources import Resources
+    from fieldkit.tui.widgets.bars import Notice
 
 T = TypeVar("T")
 WAIT = 0.005
@@ -41,6 +41,37 @@ class Page:
     number: int
     title: str
     screen: type["PageScreen"]
+
+
+class Host(Protocol):
+    """What pages ask of the app that shows them."""
+
+    resources: "Resources"
+    notices: "list[Notice]"
+    revision: int
+    look: int
+    unseen: bool
+
+    def settled(self) -> None:
+        """The flights have been read."""
+
+    def changed(self) -> None:
+        """The ledger has changed: pages are to fill themselves again."""
+
+    def show_notice(self, text: str, *, error: bool = False) -> None:
+        """Say something."""
+
+    def choose(self, said: str = "", **changes: Any) -> None:
+        """Change settings, show what they change, and keep them."""
+
+    def ask_target(self) -> None:
+        """Ask for the height to hit."""
+
+    def action_read(self) -> None:
+        """The notice in front was read."""
+
+    async def action_page(self, name: str) -> None:
+        """Bring a page to the front."""
 
 
 @cache
@@ -94,9 +125,9 @@ class PageScreen(Screen[None]):
         return self.field_app.resources
 
     @property
-    def field_app(self) -> "FieldkitApp":
-        """The app that shows the page."""
-        return cast("FieldkitApp", self.app)
+    def field_app(self) -> "Host":
+        """The app, as pages know it: by what they ask of it, for its module imports theirs."""
+        return cast(Host, self.app)
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""
