@@ -68,6 +68,8 @@ class Protocol:
     recognizes_stream: Callable[[bytes], bool] = unheard
     invites: str = ""
     """What the flyer has to do, said when the port is open."""
+    usb: frozenset[tuple[int, int]] = frozenset()
+    """Vendor and product numbers that only its units have."""
 
 
 NOT_PUBLIC: Mapping[str, str] = {
