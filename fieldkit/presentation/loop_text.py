@@ -21,8 +21,8 @@ def report(found: Findings) -> Iterator[str]:
             place = str(item.best.candidate.place)
             yield f"  {place:34.34}{item.log_bayes:+8.1f}{item.steady:+8.1f}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
-    yield from _verdict(found)
-    for line in climbs_in_words(found.testimony):
+    yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
+    for line in beside_verdict(found):
         yield f"  {line}"
     yield ""
     yield from _errors(found)
@@ -50,26 +50,26 @@ def _residual(found: Findings) -> Iterator[str]:
         yield "  it goes with nothing that was written down"
 
 
-def _verdict(found: Findings) -> Iterator[str]:
+def beside_verdict(found: Findings) -> Iterator[str]:
+    """What is said of a verdict besides its name and why: how sure it is, what else it could be, what logs show."""
     diagnosis = found.diagnosis
-    yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
     if found.unexplained is not None:
-        yield f"  {found.unexplained.in_words}"
-        yield f"  forecasts are given intervals {found.unexplained.widened:.2f} times as wide"
+        yield f"{found.unexplained.in_words}; intervals {found.unexplained.widened:.2f} times as wide"
     if diagnosis.effect == "none":
         chance = _chance(1 - diagnosis.confidence)
-        yield f"  (the chance that something is missing is put at {chance}, before unseen flights have their say)"
+        yield f"chance that something is missing: {chance}, before the test on unseen flights"
     else:
         what = "something is missing" if diagnosis.effect == "unexplained" else "it is this"
-        yield f"  (the chance that {what} is put at {_chance(diagnosis.confidence)})"
+        yield f"chance that {what}: {_chance(diagnosis.confidence)}"
     if diagnosis.also:
-        yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
+        yield f"these flights cannot tell it from: {', '.join(diagnosis.also)}"
         for test in found.tests:
-            yield f"    to tell: {test.in_words}"
+            yield f"  to tell: {test.in_words}"
+    yield from climbs_in_words(found.testimony)
 
 
 def _chance(share: float) -> str:
-    """A probability in per cent; of none it is said that it is certain."""
+    """A probability in percent; of none it is said that it is certain."""
     return f"{share:.0%}" if 0.01 <= share <= 0.99 else "more than 99%" if share > 0.5 else "less than 1%"
 
 

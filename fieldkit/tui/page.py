@@ -111,6 +111,7 @@ class PageScreen(Screen[None]):
     def __init__(self) -> None:
         super().__init__()
         self._seen = (-1, -1)
+        self._styled = -1
         self._turns: defaultdict[str, asyncio.Lock] = defaultdict(asyncio.Lock)
         self._due: list[Callable[[], None]] = []
 
@@ -170,6 +171,9 @@ class PageScreen(Screen[None]):
     def reload_on_resume(self) -> None:
         """Reload when the screen next comes to the front, in the colours of now."""
         self._seen = (-1, -1)
+        if self.is_mounted and self._styled != self.field_app.look:
+            self.app.stylesheet.update(self)
+        self._styled = self.field_app.look
 
     def refresh_if_changed(self) -> None:
         """Reload where the ledger has changed since the last time, redraw where only the settings have."""

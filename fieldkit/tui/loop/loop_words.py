@@ -25,33 +25,17 @@ Parts = list[str | tuple[str, str]]
 
 def verdict(found: "Findings", system: str) -> Content:
     """What is missing, how sure that is, and the error on flights not seen, before and after."""
-    from fieldkit.selection.force.text import climbs_in_words
+    from fieldkit.presentation.loop_text import beside_verdict
 
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
-    if found.unexplained is not None:
-        parts.append(
-            printable(f"{found.unexplained.in_words}; intervals {found.unexplained.widened:.2f} times as wide\n")
-        )
-    parts.append(_chance(found))
-    if diagnosis.also:
-        parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
-        parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
-    parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
+    parts += [f"{printable(line)}\n" for line in beside_verdict(found)]
     parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
     if diagnosis.accepted or found.unexplained is not None:
         parts.append(("\na accepts it, d leaves the model as it is", "b"))
     return Content.assemble(*parts)
-
-
-def _chance(found: "Findings") -> str:
-    """How sure the verdict is."""
-    effect, confidence = found.diagnosis.effect, found.diagnosis.confidence
-    if effect == "none":
-        return f"chance that something is missing: {1 - confidence:.0%}, before the test on unseen flights\n"
-    return f"chance that {'something is missing' if effect == 'unexplained' else 'it is this'}: {confidence:.0%}\n"
 
 
 def _errors(title: str, compared: "Compared", system: str) -> Iterable[str]:
