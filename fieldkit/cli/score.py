@@ -12,7 +12,7 @@ from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import ScoreReport
-    from fieldkit.services.scores import Scores
+    from fieldkit.services.scores import LedgerScores
 
 app = typer.Typer()
 
@@ -57,7 +57,7 @@ def score(
         _print_scores(found)
 
 
-def _print_scores(found: "Scores") -> None:
+def _print_scores(found: "LedgerScores") -> None:
     """Saved forecasts, later flights and first flights, each where there are some, and what the next rests on."""
     from fieldkit.presentation.score_text import next_lines, titles
 
@@ -70,7 +70,7 @@ def _print_scores(found: "Scores") -> None:
 
 
 def _print(found: "ScoreReport", *, placed: bool = True) -> None:
-    """Scores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
+    """LedgerScores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
     from fieldkit.presentation.score_text import (
         DIFFERENCES,
         WAYS,

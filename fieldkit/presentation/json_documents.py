@@ -15,7 +15,7 @@ from fieldkit.selection.force.log_evidence import document as testimony_document
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import Compared, Findings
-from fieldkit.services.scores import Scores
+from fieldkit.services.scores import LedgerScores
 
 FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
 MIDDLES = {
@@ -121,7 +121,7 @@ def score_document(found: ScoreReport) -> dict[str, Any]:
     }
 
 
-def scores_document(found: Scores) -> dict[str, Any]:
+def scores_document(found: LedgerScores) -> dict[str, Any]:
     """Flights with an earlier one of their rocket, judged; under `first_flights` those without, under `kept` saved
     forecasts in the same words."""
     own = score_document(found.first) | {

@@ -9,7 +9,7 @@ if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import Against, ScoreReport
     from fieldkit.scoring.bootstrap import ScoreDifference
     from fieldkit.scoring.proper_scores import Calibration
-    from fieldkit.services.scores import Scores
+    from fieldkit.services.scores import LedgerScores
 
 MAX_BAR_LENGTH = 30
 """Longest bar. [character]"""
@@ -17,7 +17,7 @@ WAYS = ("forecast by", "n", "median", "mean", "bias", "CRPS", "interval", "insid
 DIFFERENCES = ("fieldkit's is less by", "error", "CRPS", "interval score")
 
 
-def titles(found: "Scores") -> Iterator[tuple["ScoreReport", str]]:
+def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
     """The reports that hold a flight, each with what it is of."""
     if found.saved is not None:
         yield found.saved, f"Predictions kept, made before the flight: {len(found.saved.rows)} flown and clean"
@@ -34,7 +34,7 @@ def titles(found: "Scores") -> Iterator[tuple["ScoreReport", str]]:
         )
 
 
-def next_lines(found: "Scores") -> Iterator[str]:
+def next_lines(found: "LedgerScores") -> Iterator[str]:
     """How often corrected intervals held, and what the next forecast would be stacked of."""
     if found.corrected:
         yield (

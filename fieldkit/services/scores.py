@@ -17,8 +17,8 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 
 
 @dataclass(frozen=True, slots=True)
-class Scores:
-    """Scores of saved forecasts (None where none was made; `stale` of them no longer follow from the ledger), of
+class LedgerScores:
+    """LedgerScores of saved forecasts (None where none was made; `stale` of them no longer follow from the ledger), of
     flights replayed after earlier ones of their rocket, and of first flights; what the next forecast is stacked of,
     and how often corrected intervals held."""
 
@@ -36,7 +36,7 @@ def score_forecasts(
     rocket: str | None = None,
     hyperprior: Path | None = None,
     on_progress: ReportProgress = no_op,
-) -> Scores:
+) -> LedgerScores:
     """Score a ledger's forecasts, of one rocket or of all; with the hyperprior of a card nothing is kept.
 
     Raises NoFlights, and BadValue or DamagedModel for a card that cannot be read.
@@ -51,7 +51,7 @@ def score_forecasts(
     if not rows:
         raise NoFlights("found no clean flight with an apogee and a dry mass, expected at least one")
     later, first = (judged_report([row for row in rows if bool(row.earlier) == known]) for known in (True, False))
-    return Scores(
+    return LedgerScores(
         judged_report(before) if before else None,
         sum(one.stale for one in made if one.flown is not None),
         later,

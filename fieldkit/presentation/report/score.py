@@ -11,7 +11,7 @@ from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.presentation.report.style import AFTER_COLOR, BEFORE_COLOR, FAINT_COLOR, INK_COLOR, drawn, styled
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
-from fieldkit.services.scores import Scores
+from fieldkit.services.scores import LedgerScores
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,7 @@ def check_picture(path: Path) -> None:
         raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_picture(found: Scores, path: Path, *, force: bool = False) -> None:
+def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
     """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
 
     Raises FieldkitError, where the file is there already too, unless with `force`.
