@@ -70,7 +70,7 @@ def _print_scores(found: "LedgerScores") -> None:
 
 
 def _print(found: "ScoreReport", *, placed: bool = True) -> None:
-    """LedgerScores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
+    """Scores of each way, the difference to each rival, the verdicts, and where flights lay in their forecasts."""
     from fieldkit.presentation.score_text import (
         DIFFERENCES,
         WAYS,

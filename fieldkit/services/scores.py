@@ -18,7 +18,7 @@ from fieldkit.services.track_record import read_hyperprior, record, replayed
 
 @dataclass(frozen=True, slots=True)
 class LedgerScores:
-    """LedgerScores of saved forecasts (None where none was made; `stale` of them no longer follow from the ledger), of
+    """Scores of saved forecasts (None where none was made; `stale` of them no longer follow from the ledger), of
     flights replayed after earlier ones of their rocket, and of first flights; what the next forecast is stacked of,
     and how often corrected intervals held."""
 
