@@ -1,4 +1,4 @@
-"""What a protocol is, and the shelf of them: one file in `fieldkit/capture/protocols` each.
+"""What a protocol is, and the registry of them: one file in `fieldkit/capture/protocols` each.
 
 A protocol that only listens is that one file. One that has to ask needs its commands in the table of
 `fieldkit/capture/commands.py` too, which is a place of its own on purpose.
@@ -83,7 +83,7 @@ NOT_PUBLIC: Mapping[str, str] = {
 
 
 def known_devices() -> Mapping[str, Protocol]:
-    """Every protocol on the shelf, by the name that `--device` takes."""
+    """Every protocol in the folder, by the name that `--device` takes."""
     found = plugins("capture.protocols", "PROTOCOL")
     for name, protocol in found.items():
         if not isinstance(protocol, Protocol):
