@@ -83,7 +83,9 @@ def page(runs: dict[str, dict[str, Any]]) -> Iterator[str]:
     yield "`python tools/benchmarks.py --page` from the runs kept in `docs/benchmarks/`; the command above each table"
     yield "runs it again."
     for name, kept in runs.items():
-        said = " ".join((ROOT / "tests" / "benchmarks" / f"bench_{name}.py").read_text(encoding="utf-8").split('"""')[1].split())
+        said = " ".join(
+            (ROOT / "tests" / "benchmarks" / f"bench_{name}.py").read_text(encoding="utf-8").split('"""')[1].split()
+        )
         yield from ("", f"## {said.partition(':')[0].partition('. ')[0]}", "")
         about = f"{kept['at'][:10]}, commit {kept['commit']}, {kept['processor']}, Python {kept['python']}"
         yield from (f"`python tools/benchmarks.py {name}`, {about}:", "")
