@@ -20,7 +20,7 @@ ALLOWED = {
     "parsers": {"importing", "flight", "units", "errors", "shapes", "safe_text", "physics.standard_atmosphere"},
     "models/effects": {"physics", "flight", "errors", "shapes"},
 }
-"""What the plug-ins of a shelf may use of the engine."""
+"""What the plug-ins of a folder may use of the engine."""
 
 
 def woken(tmp_path: Path, *arguments: str) -> set[str]:

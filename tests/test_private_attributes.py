@@ -2,7 +2,7 @@
 
 import ast
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 import pytest
@@ -17,11 +17,11 @@ ALLOWED = {"fieldkit/tui/serve.py: super()._make_app"}
 out one of the four routes, and without it 40 lines of the server stand here again."""
 
 
-def _own_names() -> set[str]:
+def _own_names(trees: Iterable[ast.Module]) -> set[str]:
     """Private names that the program itself defines: functions, classes, fields, attributes that it sets."""
     found: set[str] = set()
-    for file in FILES:
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+    for tree in trees:
+        for node in ast.walk(tree):
             match node:
                 case ast.FunctionDef(name=name) | ast.AsyncFunctionDef(name=name) | ast.ClassDef(name=name):
                     found.add(name)
@@ -77,10 +77,9 @@ def test_the_programs_own_are_not(line: str) -> None:
 
 
 def test_no_private_attribute_of_a_library_is_used() -> None:
-    own = _own_names()
+    trees = {file: ast.parse(file.read_text(encoding="utf-8")) for file in FILES}
+    own = _own_names(trees.values())
     found = {
-        f"{file.relative_to(ROOT).as_posix()}: {name}"
-        for file in FILES
-        for name in strange(ast.parse(file.read_text(encoding="utf-8")), own)
+        f"{file.relative_to(ROOT).as_posix()}: {name}" for file, tree in trees.items() for name in strange(tree, own)
     }
     assert found == ALLOWED

@@ -58,9 +58,10 @@ class Port:
     @property
     def device(self) -> str:
         """The protocol that the numbers prove, empty where they do not."""
-        if self.vendor != ALTUS_METRUM or not 0x0A <= (self.product or 0) <= 0x2C:
-            return ""
-        return {0x0C: "teledongle", 0x2B: "micropeak"}.get(self.product or 0, "altos")
+        from fieldkit.capture.protocol import known_devices
+
+        named = (name for name, protocol in known_devices().items() if (self.vendor, self.product) in protocol.usb)
+        return next(named, "")
 
     def same_unit(self, other: "Port") -> bool:
         """Whether another port can be this unit, plugged in elsewhere: same numbers, same serial number."""

@@ -1,4 +1,4 @@
-"""What a protocol is, and the shelf of them: one file in `fieldkit/capture/protocols` each.
+"""What a protocol is, and the registry of them: one file in `fieldkit/capture/protocols` each.
 
 A protocol that only listens is that one file. One that has to ask needs its commands in the table of
 `fieldkit/capture/commands.py` too, which is a place of its own on purpose.
@@ -68,6 +68,8 @@ class Protocol:
     recognizes_stream: Callable[[bytes], bool] = unheard
     invites: str = ""
     """What the flyer has to do, said when the port is open."""
+    usb: frozenset[tuple[int, int]] = frozenset()
+    """Vendor and product numbers that only its units have."""
 
 
 NOT_PUBLIC: Mapping[str, str] = {
@@ -81,7 +83,7 @@ NOT_PUBLIC: Mapping[str, str] = {
 
 
 def known_devices() -> Mapping[str, Protocol]:
-    """Every protocol on the shelf, by the name that `--device` takes."""
+    """Every protocol in the folder, by the name that `--device` takes."""
     found = plugins("capture.protocols", "PROTOCOL")
     for name, protocol in found.items():
         if not isinstance(protocol, Protocol):

@@ -95,7 +95,7 @@ def resume(
 
 
 def _name(device: str) -> str:
-    """The name of a protocol on the shelf, empty for none. Raises PortTrouble for another."""
+    """The name of a protocol in the folder, empty for none. Raises PortTrouble for another."""
     if not device:
         return ""
     wanted = known_device(device)

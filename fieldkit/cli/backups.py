@@ -1,6 +1,5 @@
 """`fieldkit backups`: the copies of the ledger that are kept, and putting one back."""
 
-from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
@@ -20,7 +19,9 @@ def list_(context: typer.Context, json: Annotated[bool, typer.Option("--json", h
     """List the copies of the ledger that are kept, newest first; `backups restore` puts one back."""
     if context.invoked_subcommand:
         return
-    file, kept = _kept(context)
+    from fieldkit.services.backups import copies
+
+    file, kept = copies(context.find_root().obj)
     if json:
         print_json({"backups": [_document(one) for one in kept]})
     elif kept:
@@ -42,14 +43,10 @@ def restore(
     yes: Annotated[bool, typer.Option("--yes", "-y", help="Do not ask.")] = False,
 ) -> None:
     """Put a copy in the ledger's place. What is there now is kept: a sound ledger as the newest copy."""
-    from fieldkit.errors import LedgerError
     from fieldkit.ledger.backups import restore
+    from fieldkit.services.backups import chosen_copy
 
-    file, kept = _kept(context)
-    chosen = next((one for one in kept if number in (None, one.number)), None)
-    if chosen is None:
-        known = ", ".join(str(one.number) for one in kept) or "none"
-        raise LedgerError(f"{file}: found no backup {number or ''}, expected one of: {known}")
+    file, chosen = chosen_copy(context.find_root().obj, number)
     when = f"{chosen.at.astimezone():%Y-%m-%d %H:%M}"
     if not yes:
         typer.confirm(
@@ -59,19 +56,6 @@ def restore(
     say(f"the ledger is as it was at {when}, with {_flights(chosen)} flights")
     if left:
         complain(f"what was there is kept in {left}")
-
-
-def _kept(context: typer.Context) -> "tuple[Path, list[Backup]]":
-    """The ledger's file and its copies. Raises LedgerError for one that is not a file."""
-    from fieldkit.errors import LedgerError
-    from fieldkit.ledger import whereabouts
-    from fieldkit.ledger.backups import backups
-
-    url = whereabouts.location(context.find_root().obj)
-    file = whereabouts.file_of(url)
-    if file is None:
-        raise LedgerError(f"{whereabouts.name_of(url)}: is not a file of its own; back it up with what its server has")
-    return file, backups(file)
 
 
 def _flights(backup: "Backup") -> str:

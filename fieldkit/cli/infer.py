@@ -31,14 +31,10 @@ def infer(
 ) -> None:
     """Infer what each flight says of the rocket's drag (Cd) and the motor's thrust (alpha, 1 as certified)."""
     from fieldkit.errors import NoFlights
-    from fieldkit.inference.network.flights import infer
+    from fieldkit.services.inferred import infer_flights
 
     with open_ledger(context) as ledger:
-        flown = ledger.flights(ids=flights or None)
-        names = dict(zip(map(id, flown), ledger.ids(flown), strict=True))
-        if not flown:
-            raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
-    found = infer(flown, known_motors(), model.value)
+        found = infer_flights(ledger, known_motors(), flights or [], model.value)
     for line in found.left_out:
         complain(f"left out: {line}")
     if not found.inferred:
@@ -46,13 +42,12 @@ def infer(
     if json:
         print_json({"flights": [one.json() for one in found.inferred]})
         return
-    for warning in dict.fromkeys(line for one in found.inferred for line in one.warnings):
-        told = [names[id(one.flight)] for one in found.inferred if warning in one.warnings]
-        complain(f"note: flight{'s' if len(told) > 1 else ''} {', '.join(told)}: {warning}")
+    for warning, ids in found.warnings():
+        complain(f"note: flight{'s' if len(ids) > 1 else ''} {', '.join(ids)}: {warning}")
     headers = ("flight", "motor", "apogee", "Cd", "±", "alpha", "±")
     rows = [
         (
-            names[id(one.flight)],
+            id,
             one.flight.motor,
             in_both_units("apogee", one.flight.apogee),
             f"{one.cd:.3f}",
@@ -60,6 +55,6 @@ def infer(
             f"{one.alpha:.3f}",
             f"{one.alpha_sd:.3f}",
         )
-        for one in found.inferred
+        for id, one in zip(found.ids, found.inferred, strict=True)
     ]
     print_table(headers, rows, numbers=headers[2:])

@@ -12,6 +12,7 @@ from fieldkit.cli.targets import Force, settled
 
 if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import ScoreReport
+    from fieldkit.services.scores import LedgerScores
 
 app = typer.Typer()
 
@@ -34,69 +35,38 @@ def score(
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
     """Score the predictions made before flights, and forecasts of each flight from those before it, against rivals."""
-    from fieldkit.errors import NoFlights
-    from fieldkit.forecast.evaluation.comparison import judged_report
-    from fieldkit.forecast.evaluation.forward_in_time import corrected_coverage, next_weights
-    from fieldkit.forecast.evaluation.rivals import LABELS
-    from fieldkit.presentation.json_documents import finite, replayed_document, saved_forecasts_document
-    from fieldkit.services.forecasts import keep_forecasts, which_rocket
-    from fieldkit.services.saved_forecasts import list_forecasts
-    from fieldkit.services.track_record import read_hyperprior, record, replayed
+    from fieldkit.services.scores import score_forecasts
 
     if out is not None:
         from fieldkit.presentation.report.score import check_picture
 
         check_picture(out)
         force = settled(out, force)
-    other = read_hyperprior(hyperprior) if hyperprior else None
     with open_ledger(context) as ledger, progress("forecasting each flight from the ones before") as on_progress:
-        motors = known_motors()
-        name = which_rocket(ledger, rocket) if rocket else None
-        made = [one for one in list_forecasts(ledger, motors) if name in (None, one.made.rocket)]
-        before = record(ledger, motors, made)
-        rows = replayed(ledger, motors, name, hyperprior=other, on_progress=on_progress)
-        if other is None:
-            keep_forecasts(ledger, rows)
-    if not rows:
-        raise NoFlights("found no clean flight with an apogee and a dry mass, expected at least one")
-    later, first = (judged_report([row for row in rows if bool(row.earlier) == known]) for known in (True, False))
-    said = judged_report(before) if before else None
+        found = score_forecasts(ledger, known_motors(), rocket, hyperprior, on_progress)
     if out is not None:
         from fieldkit.presentation.report.score import write_picture
 
-        pictures = {"kept predictions": said, "replayed forward in time": later, "first flights": first}
-        write_picture({title: report for title, report in pictures.items() if report and report.rows}, out, force=force)
+        write_picture(found, out, force=force)
         complain(f"calibration drawn to {out}")
-    weights = next_weights(rows)
     if json:
-        stale = sum(one.stale for one in made if one.flown is not None)
-        document = replayed_document(later, first, weights)
-        print_json(finite({**document, "kept": None if said is None else saved_forecasts_document(said, stale)}))
-        return
-    if said is not None:
-        say_wrapped(f"Predictions kept, made before the flight: {len(said.rows)} flown and clean")
-        _print(said)
+        from fieldkit.presentation.json_documents import scores_document
+
+        print_json(scores_document(found))
+    else:
+        _print_scores(found)
+
+
+def _print_scores(found: "LedgerScores") -> None:
+    """Saved forecasts, later flights and first flights, each where there are some, and what the next rests on."""
+    from fieldkit.presentation.score_text import next_lines, titles
+
+    for report, title in titles(found):
+        say_wrapped(title)
+        _print(report, placed=report is not found.first)
         say()
-    if later.rows:
-        say_wrapped(
-            f"Replayed forward in time: {len(later.rows)} flights, each forecast from the earlier ones of its rocket "
-            "and of all others"
-        )
-        _print(later)
-        say()
-    if first.rows:
-        say_wrapped(
-            f"First flights of a rocket: {len(first.rows)}, each forecast from those of other rockets before it"
-        )
-        _print(first, placed=False)
-        say()
-    if corrected := corrected_coverage(rows):
-        say_wrapped(
-            f"Intervals of the last {corrected['flights']} corrected by how the ones before fared would hold "
-            f"{corrected['coverage90']:.0%}, without correction {corrected['own_coverage90']:.0%}."
-        )
-    parts = ", ".join(f"{weight:.0%} {LABELS.get(way, way)}" for way, weight in weights.items() if weight)
-    say_wrapped(f"The next flight stacked would be {parts}.")
+    for line in next_lines(found):
+        say_wrapped(line)
 
 
 def _print(found: "ScoreReport", *, placed: bool = True) -> None:

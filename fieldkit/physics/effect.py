@@ -123,7 +123,7 @@ class Effect:
 
 
 def effects() -> Mapping[str, Effect]:
-    """Every effect on the shelf, by name."""
+    """Every effect in the plug-in folder, by name."""
     return cast(Mapping[str, Effect], plugins("models.effects", "EFFECT"))
 
 

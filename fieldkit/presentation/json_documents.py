@@ -15,6 +15,7 @@ from fieldkit.selection.force.log_evidence import document as testimony_document
 from fieldkit.selection.next_experiment import Advice
 from fieldkit.selection.residual import fingerprint
 from fieldkit.services.findings import Compared, Findings
+from fieldkit.services.scores import LedgerScores
 
 FORWARD_NOTE = "forward in time: each flight from the earlier ones of its rocket and of all others"
 MIDDLES = {
@@ -144,18 +145,19 @@ def score_document(found: ScoreReport) -> dict[str, Any]:
     }
 
 
-def replayed_document(later: ScoreReport, first: ScoreReport, weights: Mapping[str, float]) -> dict[str, Any]:
-    """Flights with an earlier one of their rocket, judged; under `first_flights` those without. `weights` are those
-    that the next forecast would be stacked with."""
-    own = score_document(first) | {"evaluation": "forward in time: each flight from the earlier ones of other rockets"}
-    return {**score_document(later), "first_flights": own, "stacking": {"weights": dict(weights)}}
-
-
-def saved_forecasts_document(found: ScoreReport, stale: int) -> dict[str, Any]:
-    """Saved predictions in the same words; `stale` of them no longer follow from the ledger."""
-    document = score_document(found)
-    del document["corrected"]
-    return document | {"evaluation": "as predicted before the flight", "stale": stale}
+def scores_document(found: LedgerScores) -> dict[str, Any]:
+    """Flights with an earlier one of their rocket, judged; under `first_flights` those without, under `kept` saved
+    forecasts in the same words."""
+    own = score_document(found.first) | {
+        "evaluation": "forward in time: each flight from the earlier ones of other rockets"
+    }
+    document = {**score_document(found.later), "first_flights": own, "stacking": {"weights": dict(found.weights)}}
+    kept = None
+    if found.saved is not None:
+        kept = score_document(found.saved) | {"evaluation": "as predicted before the flight", "stale": found.stale}
+        del kept["corrected"]
+    whole: dict[str, Any] = finite({**document, "kept": kept})
+    return whole
 
 
 def _forecast(row: Forecast) -> dict[str, Any]:

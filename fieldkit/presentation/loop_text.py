@@ -23,8 +23,8 @@ def report(found: Findings) -> Iterator[str]:
             how_sure = f"{item.log_bayes:+8.1f}{_chance(item.probability):>8}"
             yield f"  {place:34.34}{how_sure}   {mean:.3g} +/- {sd:.2g} {item.best.unit}"
     yield ""
-    yield from _verdict(found)
-    for line in climbs_in_words(found.testimony):
+    yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
+    for line in beside_verdict(found):
         yield f"  {line}"
     yield ""
     yield from _errors(found)
@@ -52,19 +52,20 @@ def _residual(found: Findings) -> Iterator[str]:
         yield "  it goes with nothing that was written down"
 
 
-def _verdict(found: Findings) -> Iterator[str]:
-    """What was found, what it is worth on the next flight, how sure it is, what would settle it, what to do."""
+def beside_verdict(found: Findings) -> Iterator[str]:
+    """What is said of a verdict besides its name and why: what it is worth on the next flight, how sure it is, what
+    would settle it, what to do, what logs show."""
     diagnosis = found.diagnosis
-    yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
     if found.unexplained is not None:
-        yield f"  {found.unexplained.in_words}"
-    yield f"  {in_next_flight(found.next_flight)}"
-    yield f"  {how_sure(found)}"
+        yield found.unexplained.in_words
+    yield in_next_flight(found.next_flight)
+    yield how_sure(found)
     if diagnosis.also:
-        yield f"  these flights cannot tell it from: {', '.join(diagnosis.also)}"
+        yield f"these flights cannot tell it from: {', '.join(diagnosis.also)}"
     for number, test in enumerate(found.tests):
-        yield f"    {'to settle it: ' if not number else 'or '}{test.in_words}"
+        yield f"  {'to settle it: ' if not number else 'or '}{test.in_words}"
     yield from _what_now(found)
+    yield from climbs_in_words(found.testimony)
 
 
 def in_next_flight(one: NextFlight) -> str:
@@ -105,13 +106,13 @@ def _what_now(found: Findings) -> Iterator[str]:
     """What accepting changes, and how to say otherwise."""
     averaged = found.diagnosis.averaged
     if all(not places for _, places in averaged):
-        yield "  forecasts stay those of the plain model"
+        yield "forecasts stay those of the plain model"
         return
     parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
-    yield f"  forecasts with it are averaged: {', '.join(parts)}"
+    yield f"forecasts with it are averaged: {', '.join(parts)}"
     if found.diagnosis.accepted:
         name = found.diagnosis.effect
-        yield f"  --effect {name} takes it for certain, --decline {name} leaves it out"
+        yield f"--effect {name} takes it for certain, --decline {name} leaves it out"
 
 
 def _chance(share: float) -> str:

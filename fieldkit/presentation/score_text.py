@@ -9,11 +9,40 @@ if TYPE_CHECKING:
     from fieldkit.forecast.evaluation.comparison import Against, ScoreReport
     from fieldkit.scoring.bootstrap import ScoreDifference
     from fieldkit.scoring.proper_scores import Calibration
+    from fieldkit.services.scores import LedgerScores
 
 MAX_BAR_LENGTH = 30
 """Longest bar. [character]"""
 WAYS = ("forecast by", "n", "median", "mean", "bias", "CRPS", "interval", "inside")
 DIFFERENCES = ("fieldkit's is less by", "error", "CRPS", "interval score")
+
+
+def titles(found: "LedgerScores") -> Iterator[tuple["ScoreReport", str]]:
+    """The reports that hold a flight, each with what it is of."""
+    if found.saved is not None:
+        yield found.saved, f"Predictions kept, made before the flight: {len(found.saved.rows)} flown and clean"
+    if found.later.rows:
+        yield (
+            found.later,
+            f"Replayed forward in time: {len(found.later.rows)} flights, each forecast from the earlier ones of its "
+            "rocket and of all others",
+        )
+    if found.first.rows:
+        yield (
+            found.first,
+            f"First flights of a rocket: {len(found.first.rows)}, each forecast from those of other rockets before it",
+        )
+
+
+def next_lines(found: "LedgerScores") -> Iterator[str]:
+    """How often corrected intervals held, and what the next forecast would be stacked of."""
+    if found.corrected:
+        yield (
+            f"Intervals of the last {found.corrected['flights']} corrected by how the ones before fared would hold "
+            f"{found.corrected['coverage90']:.0%}, without correction {found.corrected['own_coverage90']:.0%}."
+        )
+    parts = ", ".join(f"{weight:.0%} {LABELS.get(way, way)}" for way, weight in found.weights.items() if weight)
+    yield f"The next flight stacked would be {parts}."
 
 
 def way_rows(found: "ScoreReport") -> list[tuple[str, ...]]:

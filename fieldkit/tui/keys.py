@@ -2,7 +2,7 @@
 
 Terminals send Alt and a key as Esc and that key, and Textual takes what comes within a tenth of a second for the one
 with the other. No key of the app goes with Alt, so here they are always two. Where Textual keeps only the key behind
-Esc (a sign such as `/`), that key alone counts.
+Esc (Enter, or a sign such as `/`), that key alone counts.
 """
 
 from textual.events import Key

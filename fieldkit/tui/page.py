@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from importlib import import_module
 from pkgutil import iter_modules
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar, cast
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
 from textual import events
 from textual.app import ComposeResult
@@ -25,8 +25,8 @@ from fieldkit.tui.help import Help
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
-    from fieldkit.tui.app import FieldkitApp
     from fieldkit.tui.resources import Resources
+    from fieldkit.tui.widgets.bars import Notice
 
 T = TypeVar("T")
 WAIT = 0.005
@@ -52,6 +52,40 @@ def go_on() -> None:
     """Called within a question's work. Raises Dropped where nobody waits for its answer any more."""
     if get_current_worker().is_cancelled:
         raise Dropped
+
+
+class Host(Protocol):
+    """What pages ask of the app that shows them."""
+
+    resources: "Resources"
+    notices: "list[Notice]"
+    revision: int
+    look: int
+    unseen: bool
+
+    def settled(self) -> None:
+        """The flights have been read."""
+
+    def changed(self) -> None:
+        """The ledger has changed: pages are to fill themselves again."""
+
+    def show_notice(self, text: str, *, error: bool = False) -> None:
+        """Say something."""
+
+    def survive(self, error: Exception) -> None:
+        """Write down an error that nobody foresaw, and say so."""
+
+    def choose(self, said: str = "", **changes: Any) -> None:
+        """Change settings, show what they change, and keep them."""
+
+    def ask_target(self) -> None:
+        """Ask for the height to hit."""
+
+    def action_read(self) -> None:
+        """The notice in front was read."""
+
+    async def action_page(self, name: str) -> None:
+        """Bring a page to the front."""
 
 
 @cache
@@ -108,9 +142,9 @@ class PageScreen(Screen[None]):
         return self.field_app.resources
 
     @property
-    def field_app(self) -> "FieldkitApp":
-        """The app that shows the page."""
-        return cast("FieldkitApp", self.app)
+    def field_app(self) -> "Host":
+        """The app, as pages know it: by what they ask of it, for its module imports theirs."""
+        return cast(Host, self.app)
 
     def compose(self) -> ComposeResult:
         """The bars, and the body between them."""
@@ -152,7 +186,7 @@ class PageScreen(Screen[None]):
         return ()
 
     def reload_on_resume(self) -> None:
-        """Reload when the screen next comes to the front, in the colours of now."""
+        """Reload when the screen next comes to the front."""
         self._seen = (-1, -1)
 
     def refresh_if_changed(self) -> None:

@@ -1,4 +1,4 @@
-"""What every effect on the shelf must keep to, whoever wrote it."""
+"""What every effect in the folder must keep to, whoever wrote it."""
 
 import ast
 from dataclasses import fields

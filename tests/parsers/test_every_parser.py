@@ -1,4 +1,4 @@
-"""What holds for every parser on the shelf; a new file is tested before its author writes a test."""
+"""What holds for every parser in the folder; a new file is tested before its author writes a test."""
 
 import json
 import math

@@ -314,7 +314,7 @@ def flights(draw: st.DrawFn, extra: tuple[str, ...]) -> Flight:
     return Flight(flight_id=draw(name.filter(bool))).with_changes(date_time=when, tags=tags, **given_texts)
 
 
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(data=st.data())
 def test_what_goes_out_comes_in_again_as_the_same_flight(data: st.DataObject) -> None:
     extra = tuple(data.draw(st.lists(unknown, max_size=2, unique_by=str.lower)))

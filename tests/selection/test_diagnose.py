@@ -68,9 +68,14 @@ def test_nothing_is_found_where_nothing_is(diagnoses: dict) -> None:
     assert diagnosis.averaged[0][1] == ()
 
 
-def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict) -> None:
+@pytest.mark.parametrize(
+    "scenarios",
+    [("wind", "motor_thrust"), pytest.param(HELD[1:], marks=pytest.mark.slow)],
+    ids=["an effect before flight and one in it", "every effect"],
+)
+def test_the_accepted_effect_forecasts_later_flights_better(diagnoses: dict, scenarios: tuple[str, ...]) -> None:
     before, after = [], []
-    for scenario in HELD[1:]:
+    for scenario in scenarios:
         diagnosis, _, later = diagnoses[scenario]
         flown = list(zip(diagnosis.model.flights, diagnosis.model.found, strict=True))
         motors = catalogue()

@@ -15,6 +15,7 @@ from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import FlightsListed, Instruction, Stored
 from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.port import ALTUS_METRUM
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 
@@ -216,5 +217,9 @@ _RENAMED_KEYS = {"serial_number": "serial", "current_flight": "last_flight"}
 
 
 PROTOCOL = Protocol(
-    "Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)", PortSettings(9600), dialogue, logs
+    "Altus Metrum flight computers (TeleMetrum, TeleMega, EasyMini, ...)",
+    PortSettings(9600),
+    dialogue,
+    logs,
+    usb=frozenset((ALTUS_METRUM, product) for product in range(0x0A, 0x2D) if product not in (0x0C, 0x2B)),
 )

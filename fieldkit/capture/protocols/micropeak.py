@@ -12,6 +12,7 @@ from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction
 from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.port import ALTUS_METRUM
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.importing.tables.checksums import crc_x25
 
@@ -179,4 +180,5 @@ PROTOCOL = Protocol(
     logs,
     recognizes_stream,
     invites="hold the unit's LED over the adapter and switch the unit on",
+    usb=frozenset({(ALTUS_METRUM, 0x2B)}),
 )

@@ -12,6 +12,7 @@ from fieldkit.capture.captured import Captured, Log
 from fieldkit.capture.events import Instruction, Sample
 from fieldkit.capture.line import PortSettings
 from fieldkit.capture.link import Dialogue, Link
+from fieldkit.capture.port import ALTUS_METRUM
 from fieldkit.capture.protocol import CaptureOptions, Protocol
 from fieldkit.errors import PortTrouble
 from fieldkit.importing.tables.checksums import sum_256
@@ -88,4 +89,11 @@ def logs(captured: Captured) -> list[Log]:
     return [Log(captured.file.name, b"\n".join(lines) + b"\n")] if lines else []
 
 
-PROTOCOL = Protocol("Altus Metrum TeleDongle (radio telemetry)", PortSettings(9600), dialogue, logs, recognizes_stream)
+PROTOCOL = Protocol(
+    "Altus Metrum TeleDongle (radio telemetry)",
+    PortSettings(9600),
+    dialogue,
+    logs,
+    recognizes_stream,
+    usb=frozenset({(ALTUS_METRUM, 0x0C)}),
+)

@@ -49,7 +49,7 @@ class Ensemble:
 
 
 def load(name: str) -> Ensemble:
-    """An ensemble of the shelf by its name. Raises DamagedModel."""
+    """A shipped ensemble by its name. Raises DamagedModel."""
     return load_folder(trained_folder(name))
 
 

@@ -1,6 +1,5 @@
 """How good forecasts were, as a picture: where flights lay in them, how often intervals held, and the rivals."""
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -12,6 +11,7 @@ from fieldkit.forecast.evaluation.comparison import ScoreReport
 from fieldkit.forecast.evaluation.rivals import LABELS
 from fieldkit.presentation.report.style import AFTER_COLOR, BEFORE_COLOR, FAINT_COLOR, INK_COLOR, drawn, styled
 from fieldkit.scoring.proper_scores import BINS, calibration, pit
+from fieldkit.services.scores import LedgerScores
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,7 +28,7 @@ def check_picture(path: Path) -> None:
         raise BadValue(f"--out: found {path.name!r}, expected a name that ends in {', '.join(SUFFIXES)}")
 
 
-def write_picture(reports: Mapping[str, ScoreReport | None], path: Path, *, force: bool = False) -> None:
+def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
     """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
 
     Raises FieldkitError, where the file is there already too, unless with `force`.
@@ -36,7 +36,12 @@ def write_picture(reports: Mapping[str, ScoreReport | None], path: Path, *, forc
     from matplotlib.figure import Figure
 
     check_picture(path)
-    there = {title: report for title, report in reports.items() if report is not None}
+    reports = {
+        "kept predictions": found.saved,
+        "replayed forward in time": found.later,
+        "first flights": found.first,
+    }
+    there = {title: report for title, report in reports.items() if report and report.rows}
     with styled():
         figure = Figure(figsize=(8.27, 3.1 * len(there)), layout="constrained")
         parts = figure.subfigures(len(there), 1, squeeze=False)[:, 0]

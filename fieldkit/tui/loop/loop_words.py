@@ -25,18 +25,11 @@ Parts = list[str | tuple[str, str]]
 
 def verdict(found: "Findings", system: str) -> Content:
     """What is missing, how sure that is, and the error on flights not seen, before and after."""
-    from fieldkit.presentation.loop_text import how_sure, in_next_flight
-    from fieldkit.selection.force.text import climbs_in_words
+    from fieldkit.presentation.loop_text import beside_verdict
 
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
-    if found.unexplained is not None:
-        parts.append(printable(f"{found.unexplained.in_words}\n"))
-    parts.append(printable(f"{in_next_flight(found.next_flight)}\n{how_sure(found)}\n"))
-    if diagnosis.also:
-        parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
-    parts += [f"  to settle it: {printable(test.in_words)}\n" for test in found.tests[:1]]
-    parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
+    parts += [f"{printable(line)}\n" for line in beside_verdict(found)]
     parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]

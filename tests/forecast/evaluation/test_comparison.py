@@ -16,6 +16,7 @@ from fieldkit.forecast.evaluation.forward_in_time import Forecast
 from fieldkit.ledger import Ledger
 from fieldkit.presentation.report.score import check_picture, write_picture
 from fieldkit.presentation.score_text import against_the_bar, verdict_lines
+from fieldkit.services.scores import LedgerScores
 
 CHECK_SHAPES = False
 
@@ -159,7 +160,7 @@ def test_another_hyperprior_is_scored_and_nothing_kept(tmp_path: Path, capsys: p
 @pytest.mark.parametrize("kind", ["png", "pdf"])
 def test_the_calibration_is_drawn(tmp_path: Path, kind: str) -> None:
     file = tmp_path / f"score.{kind}"
-    write_picture({"kept": None, "replayed": judged_report(season(12))}, file)
+    write_picture(LedgerScores(None, 0, judged_report(season(12)), judged_report([]), {}, None), file)
     assert file.read_bytes()[:4] == {"png": b"\x89PNG", "pdf": b"%PDF"}[kind]
     with pytest.raises(BadValue, match=r"found 'score\.doc'"):
         check_picture(Path("score.doc"))

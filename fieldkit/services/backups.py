@@ -1,0 +1,26 @@
+"""The copies of a ledger: which there are, and which one is put back."""
+
+from pathlib import Path
+
+from fieldkit.errors import LedgerError
+from fieldkit.ledger import whereabouts
+from fieldkit.ledger.backups import Backup, backups
+
+
+def copies(where: str | Path | None) -> tuple[Path, list[Backup]]:
+    """A ledger's file and its copies, newest first. Raises LedgerError for a ledger that is not a file."""
+    url = whereabouts.location(where)
+    file = whereabouts.file_of(url)
+    if file is None:
+        raise LedgerError(f"{whereabouts.name_of(url)}: is not a file of its own; back it up with what its server has")
+    return file, backups(file)
+
+
+def chosen_copy(where: str | Path | None, number: int | None) -> tuple[Path, Backup]:
+    """A ledger's file and the copy of a number, by default the newest. Raises LedgerError where there is none."""
+    file, known = copies(where)
+    for one in known:
+        if number in (None, one.number):
+            return file, one
+    listed = ", ".join(str(one.number) for one in known) or "none"
+    raise LedgerError(f"{file}: found no backup {number or ''}, expected one of: {listed}")

@@ -1,0 +1,61 @@
+"""How good the forecasts of a ledger are: those kept before flights, and each flight forecast from those before it."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from fieldkit.errors import NoFlights
+from fieldkit.forecast.evaluation.comparison import ScoreReport, judged_report
+from fieldkit.forecast.evaluation.forward_in_time import corrected_coverage, next_weights
+from fieldkit.ledger import Ledger
+from fieldkit.motors import Catalogue
+from fieldkit.progress import ReportProgress, no_op
+from fieldkit.services.forecasts import keep_forecasts, which_rocket
+from fieldkit.services.saved_forecasts import list_forecasts
+from fieldkit.services.track_record import read_hyperprior, record, replayed
+
+
+@dataclass(frozen=True, slots=True)
+class LedgerScores:
+    """Scores of saved forecasts (None where none was made; `stale` of them no longer follow from the ledger), of
+    flights replayed after earlier ones of their rocket, and of first flights; what the next forecast is stacked of,
+    and how often corrected intervals held."""
+
+    saved: ScoreReport | None
+    stale: int
+    later: ScoreReport
+    first: ScoreReport
+    weights: dict[str, float]
+    corrected: Mapping[str, Any] | None
+
+
+def score_forecasts(
+    ledger: Ledger,
+    motors: Catalogue,
+    rocket: str | None = None,
+    hyperprior: Path | None = None,
+    on_progress: ReportProgress = no_op,
+) -> LedgerScores:
+    """Score a ledger's forecasts, of one rocket or of all; with the hyperprior of a card nothing is kept.
+
+    Raises NoFlights, and BadValue or DamagedModel for a card that cannot be read.
+    """
+    other = read_hyperprior(hyperprior) if hyperprior else None
+    name = which_rocket(ledger, rocket) if rocket else None
+    made = [one for one in list_forecasts(ledger, motors) if name in (None, one.made.rocket)]
+    before = record(ledger, motors, made)
+    rows = replayed(ledger, motors, name, hyperprior=other, on_progress=on_progress)
+    if other is None:
+        keep_forecasts(ledger, rows)
+    if not rows:
+        raise NoFlights("found no clean flight with an apogee and a dry mass, expected at least one")
+    later, first = (judged_report([row for row in rows if bool(row.earlier) == known]) for known in (True, False))
+    return LedgerScores(
+        judged_report(before) if before else None,
+        sum(one.stale for one in made if one.flown is not None),
+        later,
+        first,
+        next_weights(rows),
+        corrected_coverage(rows),
+    )
