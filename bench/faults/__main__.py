@@ -17,7 +17,19 @@ from functools import cache, partial
 from pathlib import Path
 from tempfile import mkdtemp
 
-from bench.faults import calls, damage, discs, failing, histories, kills, servers, session, statements, writers
+from bench.faults import (
+    calls,
+    damage,
+    discs,
+    failing,
+    histories,
+    kills,
+    laptops,
+    servers,
+    session,
+    statements,
+    writers,
+)
 from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
@@ -85,6 +97,8 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
             for name in servers.COMMANDS:
                 part = partial(servers.crashes, ours, name, trials, SEED, of_the_server=of_the_server)
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
+        work = partial(laptops.mixed_work, ours, folder.with_name("laptops"), 2, 3.0 * trials, trials, SEED)
+        yield "postgres_laptops", work
         yield "postgres_statements", partial(statements.process_killed, ours.url, range(1, 2 + 2 * trials))
 
 

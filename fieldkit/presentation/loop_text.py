@@ -24,6 +24,8 @@ def report(found: Findings) -> Iterator[str]:
     yield from _verdict(found)
     for line in climbs_in_words(found.testimony):
         yield f"  {line}"
+    for line in found.implausible:
+        yield f"  {line}"
     yield ""
     yield from _errors(found)
 

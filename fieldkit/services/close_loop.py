@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 import numpy as np
@@ -20,6 +20,7 @@ from fieldkit.selection.unexplained import Leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_places, accepted_widening, flown
+from fieldkit.services.plausible_flights import implausible_flights
 
 
 def close_loop(
@@ -66,7 +67,8 @@ def look(
     """
     diagnosis = close_loop(ledger, motors, rocket, accept=accept, on_progress=part(on_progress, 0.0, 0.6), given=given)
     logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
-    return findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
+    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
+    return replace(found, implausible=tuple(implausible_flights(ledger.flights(rocket), motors)))
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

@@ -58,6 +58,8 @@ class Findings:
     tests: tuple[Advice, ...]
     unexplained: Leftover | None
     testimony: LogEvidence
+    implausible: tuple[str, ...] = ()
+    """A line for each flight that no rocket can have flown, and that had no part in any of this."""
 
 
 def findings(

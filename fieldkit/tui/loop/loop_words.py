@@ -38,6 +38,7 @@ def verdict(found: "Findings", system: str) -> Content:
         parts.append(f"these flights cannot tell it from: {', '.join(diagnosis.also)}\n")
         parts += [f"  to tell: {printable(test.in_words)}\n" for test in found.tests]
     parts += [f"{printable(line)}\n" for line in climbs_in_words(found.testimony)]
+    parts += [f"{printable(line)}\n" for line in found.implausible]
     parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]
