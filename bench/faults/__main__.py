@@ -134,7 +134,7 @@ def page(found: Sequence[Outcome], command: str) -> str:
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(
         command=command, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
-        system=system, measured=kills.MEASURED,
+        system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
     )  # fmt: skip
 
 

@@ -12,6 +12,7 @@ import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -117,10 +118,13 @@ def _child(work: Callable[[], int], streams: Sequence[int], largest: int | None)
     try:
         for number, stream in enumerate(streams, start=1):
             os.dup2(stream, number)
+        sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
         if largest is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
         os.kill(os.getpid(), signal.SIGSTOP)
         status = work()
+        sys.stdout.flush()
+        sys.stderr.flush()
     except BaseException as error:
         os.write(2, f"Traceback: {type(error).__name__}: {error}\n".encode())
     os._exit(status)
