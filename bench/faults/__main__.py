@@ -1,6 +1,6 @@
 """The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` tries everything a little.
 
-It runs for about ten minutes; `nice -n 19` leaves the cores to others.
+It runs for well over ten minutes; `nice -n 19` leaves the cores to others, and `--keep FOLDER` goes on where it was.
 """
 
 import argparse
