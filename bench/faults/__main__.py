@@ -1,6 +1,6 @@
 """The whole fault bench: `python -m bench.faults`, which writes docs/faults.md; `--quick` tries everything a little.
 
-It runs for about ten minutes; `nice -n 19` leaves the cores to others.
+It runs for well over ten minutes; `nice -n 19` leaves the cores to others, and `--keep FOLDER` goes on where it was.
 """
 
 import argparse
@@ -17,7 +17,19 @@ from functools import cache, partial
 from pathlib import Path
 from tempfile import mkdtemp
 
-from bench.faults import calls, damage, discs, failing, histories, kills, servers, session, statements, writers
+from bench.faults import (
+    calls,
+    damage,
+    discs,
+    failing,
+    histories,
+    kills,
+    laptops,
+    servers,
+    session,
+    statements,
+    writers,
+)
 from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 
 PAGE = ROOT / "docs" / "faults.md"
@@ -85,6 +97,8 @@ def _of_a_server(folder: Path, trials: int) -> Iterator[Part]:
             for name in servers.COMMANDS:
                 part = partial(servers.crashes, ours, name, trials, SEED, of_the_server=of_the_server)
                 yield f"postgres_{name}_{'server' if of_the_server else 'command'}", part
+        work = partial(laptops.mixed_work, ours, folder.with_name("laptops"), 2, 3.0 * trials, trials, SEED)
+        yield "postgres_laptops", work
         yield "postgres_statements", partial(statements.process_killed, ours.url, range(1, 2 + 2 * trials))
 
 
@@ -120,7 +134,7 @@ def page(found: Sequence[Outcome], command: str) -> str:
     listed = "\n".join(f"- {fault}" for fault in faults[:50]) or "None."
     return text.format(
         command=command, killed=killed, faults=len(faults), rows="\n".join(rows), listed=listed,
-        system=system, measured=kills.MEASURED,
+        system=system, measured=kills.MEASURED, slow=f"{failing.SLOW:g}",
     )  # fmt: skip
 
 

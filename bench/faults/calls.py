@@ -5,12 +5,14 @@ the program is replaced. A call that does its work in part, as on a disc that is
 size of files instead, which the system itself keeps.
 """
 
+import fcntl
 import os
 import re
 import resource
 import shutil
 import signal
 import subprocess
+import sys
 import time
 from collections import Counter
 from collections.abc import Callable, Sequence
@@ -31,8 +33,10 @@ GROUPS = {
 CALLS = tuple(name for names in GROUPS.values() for name in names)
 TRACEBACK = 99
 """Exit status of a command that ended in a traceback."""
-PATIENCE = 120.0
+PATIENCE = 60.0
 """How long a command may take under a fault. [s]"""
+ROOM = 1 << 20
+"""What a command may print. [byte]"""
 
 _LINE = re.compile(r"^(?:\[pid\s+\d+\]\s+|\d+\s+)?(\w+)\((.*)$")
 
@@ -74,9 +78,13 @@ def run_with(
     `largest` is a limit on the size of a file. [byte]
     """
     notes.mkdir(parents=True, exist_ok=True)
+    pipes = [_pipe(), _pipe()]
     pid = os.fork()
     if not pid:
-        _child(work, notes, largest)
+        try:
+            _child(work, [writing for _, writing in pipes], largest)
+        finally:
+            os._exit(TRACEBACK)
     tracer = _attached(pid, notes / "calls.txt", fault) if largest is None else None
     if tracer is None:
         os.waitpid(pid, os.WUNTRACED)
@@ -86,20 +94,37 @@ def run_with(
         tracer.wait(PATIENCE)
     trace = (notes / "calls.txt").read_text(errors="replace") if tracer is not None else ""
     came = any("(INJECTED)" in line and str(folder) in line for line in trace.splitlines()) or status == -signal.SIGKILL
-    out, said = ((notes / name).read_text(errors="replace") for name in ("out.txt", "err.txt"))
+    out, said = map(_poured, pipes)
     return Ended(status, out, said, came)
 
 
-def _child(work: Callable[[], int], notes: Path, largest: int | None) -> None:
+def _pipe() -> tuple[int, int]:
+    """A pipe that takes all that a command prints: no limit on files counts for it."""
+    reading, writing = os.pipe()
+    fcntl.fcntl(writing, fcntl.F_SETPIPE_SZ, ROOM)
+    return reading, writing
+
+
+def _poured(pipe: tuple[int, int]) -> str:
+    """What came out of a pipe whose writer has ended."""
+    os.close(pipe[1])
+    with os.fdopen(pipe[0], "rb") as reading:
+        return reading.read().decode(errors="replace")
+
+
+def _child(work: Callable[[], int], streams: Sequence[int], largest: int | None) -> None:
     """The forked process: it waits for whoever looks at it, and does its work."""
     status = TRACEBACK
     try:
-        for stream, name in ((1, "out.txt"), (2, "err.txt")):
-            os.dup2(os.open(notes / name, os.O_WRONLY | os.O_CREAT | os.O_TRUNC), stream)
+        for number, stream in enumerate(streams, start=1):
+            os.dup2(stream, number)
+        sys.stdout, sys.stderr = (os.fdopen(number, "w", encoding="utf-8", closefd=False) for number in (1, 2))
         if largest is not None:
             resource.setrlimit(resource.RLIMIT_FSIZE, (largest, largest))
         os.kill(os.getpid(), signal.SIGSTOP)
         status = work()
+        sys.stdout.flush()
+        sys.stderr.flush()
     except BaseException as error:
         os.write(2, f"Traceback: {type(error).__name__}: {error}\n".encode())
     os._exit(status)

@@ -9,6 +9,7 @@ import os
 import random
 import shutil
 import signal
+import time
 from collections.abc import Callable, Sequence
 from contextlib import chdir
 from pathlib import Path
@@ -19,6 +20,10 @@ from bench.faults.session import Call, named
 
 KEPT_FILES = ("ledger.db", "home", "sample_logs", "fieldkit", "home-backups", "ledger.db-backups")
 """What stands beside the files that a command is asked to write."""
+
+
+SLOW = 3.0
+"""Of a command that takes this long, with looking at its ledger, one call of each kind goes wrong. [s]"""
 
 
 class Bench:
@@ -105,7 +110,10 @@ def every_call(folder: Path, name: str, session: Callable[[], Sequence[Call]], r
 
 
 def _each(outcome: Outcome, bench: "Bench", reads: int, others: int) -> None:
+    began = time.monotonic()
     found, line = bench.learn(), bench.call.line
+    if time.monotonic() - began > SLOW:
+        reads = others = 1
     size = bench.file.stat().st_size
     for fault in faults(found, reads, others):
         ended = bench.tried(fault)

@@ -72,15 +72,23 @@ def _lines(file: Path) -> list[tuple[str, ...]]:
     return [tuple(words[1:]) for words in lines if words[:1] == ["fieldkit"]]
 
 
+def lines() -> list[tuple[str, ...]]:
+    """The lines of the session, and of what the manual shows beside it."""
+    return [*_lines(SESSION), *(words for words in _lines(LONG) if named(words) not in LEFT_OUT)]
+
+
+def more() -> list[tuple[str, ...]]:
+    """The calls beside those."""
+    return [tuple(shlex.split(line)) for line in MORE]
+
+
 def calls(folder: Path) -> list[Call]:
     """The lines of the session, each with a copy of what it finds; those that stay open or compute for long are not
     among them. The copies lie in this folder."""
     desk = furnished(folder / "desk")
-    extra = [tuple(shlex.split(line)) for line in MORE]
-    quick = [words for words in _lines(LONG) if named(words) not in LEFT_OUT]
     made: list[Call] = []
     with chdir(desk):
-        for number, words in enumerate((*_lines(SESSION), *extra, *quick)):
+        for number, words in enumerate((*lines(), *more())):
             found = folder / "found" / str(number)
             shutil.copytree(desk, found, symlinks=True)
             made.append(Call(words, found))

@@ -11,9 +11,9 @@ from fieldkit.safe_text import printable
 
 GAP = "  "
 """Between two columns."""
-LEAST = 5
+MIN_COLUMN_WIDTH = 5
 """Cells that a column keeps in a terminal that is too narrow. [1]"""
-CUT = "…"
+CUT_MARK = "…"
 
 
 def stream_table(headers: Sequence[str], pages: Iterable[Sequence[Sequence[str]]], numbers: Sequence[str] = ()) -> None:
@@ -56,7 +56,7 @@ def _fitted(wanted: Sequence[int], right: Sequence[bool], room: int) -> list[int
     texts = [place for place, number in enumerate(right) if not number]
     while sum(widths) + len(GAP) * (len(widths) - 1) > room:
         widest = max(texts, key=lambda place: widths[place])
-        if widths[widest] <= LEAST:
+        if widths[widest] <= MIN_COLUMN_WIDTH:
             break
         widths[widest] -= 1
     return widths
@@ -85,7 +85,7 @@ def _cell(text: str, width: int, right: bool) -> str:
 def _cut(text: str, width: int) -> str:
     while cells(text) > width - 1:
         text = text[:-1]
-    return text + CUT
+    return text + CUT_MARK
 
 
 def cells(text: str) -> int:

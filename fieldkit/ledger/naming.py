@@ -12,12 +12,15 @@ from fieldkit.ledger.tables import MAX_ROWS_BY_NAME, flights
 
 
 def ids(connection: Connection, wanted: Collection[Identity]) -> dict[Identity, str]:
-    """The id of each of these flights: its flight_id where that says enough, else `rocket/flight_id`."""
+    """The id of each of these flights: its flight_id where that says enough, else `rocket/flight_id`.
+
+    One that another program has removed in the meantime has the id that it would have alone.
+    """
     meant: dict[str, int] = {}
     for rocket, flight_id in _meant(connection, {flight_id for _, flight_id in wanted}):
         for name in {flight_id, f"{rocket}/{flight_id}"}:
             meant[name] = meant.get(name, 0) + 1
-    return {(r, f): f if meant[f] == 1 else f"{r}/{f}" for r, f in wanted}
+    return {(r, f): f if meant.get(f, 1) == 1 else f"{r}/{f}" for r, f in wanted}
 
 
 def _meant(connection: Connection, texts: Collection[str]) -> list[Identity]:

@@ -26,6 +26,8 @@ def report(found: Findings) -> Iterator[str]:
     yield f"  verdict: {diagnosis.effect}: {diagnosis.why}"
     for line in beside_verdict(found):
         yield f"  {line}"
+    for line in found.implausible:
+        yield f"  {line}"
     yield ""
     yield from _errors(found)
 

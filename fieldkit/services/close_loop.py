@@ -3,7 +3,7 @@
 import hashlib
 import json
 from collections.abc import Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import Any
 
 from fieldkit.errors import NoFlights
@@ -18,6 +18,7 @@ from fieldkit.selection.unexplained import Leftover, leftover
 from fieldkit.services.findings import Findings, findings
 from fieldkit.services.flight_logs import recorded_logs
 from fieldkit.services.forecasts import accepted_average, flown
+from fieldkit.services.plausible_flights import implausible_flights
 
 SAME_PROBABILITY = 0.01
 """Difference of a probability below which an average is the same. [1]"""
@@ -78,7 +79,8 @@ def look(
         declined=declined,
     )
     logs = recorded_logs(ledger, diagnosis, part(on_progress, 0.6, 0.1))
-    return findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
+    found = findings(rocket, diagnosis, part(on_progress, 0.7, 0.3), logs)
+    return replace(found, implausible=tuple(implausible_flights(ledger.flights(rocket), motors)))
 
 
 def adopt(ledger: Ledger, rocket: str, diagnosis: Diagnosis) -> None:

@@ -80,6 +80,8 @@ class Findings:
     unexplained: Leftover | None
     next_flight: NextFlight
     testimony: LogEvidence
+    implausible: tuple[str, ...] = ()
+    """A line for each flight that no rocket can have flown, and that had no part in any of this."""
 
 
 def findings(

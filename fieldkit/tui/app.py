@@ -39,7 +39,7 @@ PAUSE = 0.05
 TERMINAL_CHECK_INTERVAL = 1.0
 """Time between checks that the terminal is still there. [s]"""
 
-MAX_RESTARTS, WITHIN = 3, 60.0
+MAX_RESTARTS, RESTART_PERIOD = 3, 60.0
 """How often in a time the app is opened again after an error, before it gives up. [1], [s]"""
 
 LOOKS = {"units", "theme", "target"}
@@ -47,7 +47,7 @@ LOOKS = {"units", "theme", "target"}
 
 
 @dataclass(frozen=True, slots=True)
-class Place:
+class Whereabouts:
     """Where a flyer was: the page, the row of its first table, and what went wrong there."""
 
     page: str
@@ -86,12 +86,12 @@ class FieldkitApp(InOrder):
         settings_file: Path | None = None,
         *,
         stays: bool = False,
-        back: Place | None = None,
+        back: Whereabouts | None = None,
     ) -> None:
         super().__init__()
         self.error_console = Console(stderr=True, quiet=True)  # what fails is told in a line
         self._back = back
-        self.place: Place | None = None
+        self.place: Whereabouts | None = None
         """Where the flyer was when an error ended the app."""
         self.errors: list[Exception] = []
         """What nobody foresaw and was survived."""
@@ -211,7 +211,7 @@ class FieldkitApp(InOrder):
         """Textual rings it where an error has reached it, which ends the app; nothing else rings it."""
         error = sys.exception()
         if error is not None and self.place is None:
-            self.place = Place(self.current_mode, self._row(), self._crash(error))
+            self.place = Whereabouts(self.current_mode, self._row(), self._crash(error))
         super().bell()
 
     def _row(self) -> Any:
@@ -391,12 +391,12 @@ def run(where: str | None) -> None:
     Raises FieldkitError where one error follows the other.
     """
     began: list[float] = []
-    place: Place | None = None
+    place: Whereabouts | None = None
     while True:
         app = FieldkitApp(where, stays=True, back=place)
         app.run()
         place, ended = app.place, time.monotonic()
-        began = [one for one in began if ended - one < WITHIN] + [ended]
+        began = [one for one in began if ended - one < RESTART_PERIOD] + [ended]
         if place is None:
             return
         if len(began) > MAX_RESTARTS or app.is_web:

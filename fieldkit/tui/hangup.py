@@ -1,5 +1,7 @@
-"""A terminal that has gone without a signal, as it goes where the app has a session of its own."""
+"""Whoever sends keys has gone without a signal: a terminal, where the app has a session of its own, or the server that
+shows the app in a browser."""
 
+import os
 import sys
 
 try:
@@ -9,9 +11,10 @@ except ImportError:  # Windows, which ends the app itself when its console close
 
 
 def terminal() -> int | None:
-    """The terminal that keys come from, None where they come from elsewhere or it cannot be asked."""
+    """The terminal or the server that keys come from, None where they come from elsewhere or it cannot be asked."""
     keys = sys.__stdin__
-    return keys.fileno() if keys is not None and poll is not None and keys.isatty() else None
+    served = "TEXTUAL_DRIVER" in os.environ
+    return keys.fileno() if keys is not None and poll is not None and (served or keys.isatty()) else None
 
 
 def gone(terminal: int) -> bool:

@@ -22,6 +22,7 @@ from textual.worker import get_current_worker
 
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.help import Help
+from fieldkit.tui.promptly import give_back
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:
@@ -248,7 +249,14 @@ class PageScreen(Screen[None]):
         """Work a question out when the one before it is over, also where that was dropped."""
         while (before := self._threads.get(group)) is not None and not before.done():
             await asyncio.wait([before])
-        running = asyncio.ensure_future(asyncio.to_thread(question))
+
+        def work() -> T:
+            try:
+                return question()
+            finally:
+                give_back()
+
+        running = asyncio.ensure_future(asyncio.to_thread(work))
         running.add_done_callback(lambda ended: ended.cancelled() or ended.exception())  # of one that was dropped
         self._threads[group] = running
         return await asyncio.shield(running)

@@ -16,7 +16,7 @@ from fieldkit.ledger import Ledger, journal
 if not hasattr(os, "fork"):
     pytest.skip("the bench forks what it kills; Windows has no fork", allow_module_level=True)
 
-from bench.faults import damage, histories, kills, ledgers, servers, statements
+from bench.faults import calls, damage, failing, histories, kills, laptops, ledgers, servers, session, statements
 
 FIRST, SECOND = (Flight(flight_id=id, rocket="Astra", apogee=100.0) for id in "12")
 
@@ -57,6 +57,49 @@ def test_what_was_acknowledged_beside_restores_is_kept(tmp_path: Path) -> None:
     assert outcome.faults == []
 
 
+def test_every_command_of_the_tree_is_called_or_left_out_with_a_reason() -> None:
+    called = {session.named(words) for words in (*session.lines(), *session.more())}
+    assert set(session.commands()) == called | session.LEFT_OUT.keys()
+    assert not called & session.LEFT_OUT.keys()
+
+
+traced = pytest.mark.skipif(not calls.can_trace(), reason="there is no strace that may look at a process here")
+
+
+@traced
+def test_a_command_whose_calls_fail_says_what_is_so(tmp_path: Path) -> None:
+    found = tmp_path / "found"
+    found.mkdir()
+    ledgers.season(found / "ledger.db")
+    call = session.Call(("tag", "3", "mine"), found)
+    outcome = failing.every_call(tmp_path / "trials", "tag", lambda: [call], 2, 2)
+    assert outcome.faults == []
+    assert outcome.tried > 10
+    assert {"refused in a line", "killed, before"} <= outcome.counts.keys()
+
+
+@traced
+def test_the_bench_sees_a_command_that_says_what_is_not_so(tmp_path: Path) -> None:
+    found = tmp_path / "found"
+    found.mkdir()
+    ledgers.season(found / "ledger.db")
+    bench = failing.Bench(tmp_path / "trial", session.Call(("tag", "3", "mine"), found))
+    bench.learn()
+    done = calls.Ended(0, "", "", True)
+    assert bench.judged(done) == ("done all the same", "")
+    assert bench.judged(calls.Ended(1, "", "x: nothing was changed", True))[1] == "it said that nothing was changed"
+    bench.fresh()
+    assert bench.judged(done)[1] == "it said that it was done"
+    assert "traceback" in bench.judged(calls.Ended(calls.TRACEBACK, "", "Traceback: KeyError", True))[1]
+
+
+@traced
+def test_what_was_acknowledged_among_faults_is_what_a_replay_holds(tmp_path: Path) -> None:
+    outcome = failing.history(tmp_path, 12, seed=3)
+    assert outcome.faults == []
+    assert outcome.tried == 12
+
+
 @pytest.fixture(scope="module")
 def server() -> Iterator[servers.Server]:
     """A PostgreSQL server that may be killed."""
@@ -75,6 +118,15 @@ def url(server: servers.Server) -> str:
     """Where an empty ledger may be made on it."""
     servers.emptied(server.url)
     return server.url
+
+
+@pytest.mark.postgres
+def test_laptops_on_a_server_that_dies_lose_nothing_that_was_acknowledged(
+    server: servers.Server, tmp_path: Path
+) -> None:
+    outcome = laptops.mixed_work(server, tmp_path / "laptops", 2, seconds=4.0, kills=1, seed=5)
+    assert outcome.faults == []
+    assert outcome.counts["acknowledged"] > 5
 
 
 @pytest.mark.postgres

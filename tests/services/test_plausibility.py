@@ -120,6 +120,14 @@ def test_an_impossible_flight_is_named_and_no_command_shows_a_number_that_is_non
         assert status == 0 or what.startswith("all"), err
 
 
+def test_the_loop_hands_on_which_flights_had_no_part(told: Told) -> None:
+    told(rows=with_one(dry_mass_g=32200))
+    document = json.loads(told("loop", "--look", "--json")[1])
+    (line,) = document["implausible"]
+    assert "flight 10" in line
+    assert document["n_flights"] == 9
+
+
 def median(told: Told, rows: list[dict[str, object]]) -> dict[str, Any]:
     told(rows=rows)
     plan = ["--motor", "F24-4W", "--config", "A", "--dry-mass", "322g", "--diameter", "66mm"]

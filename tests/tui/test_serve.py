@@ -298,3 +298,40 @@ async def test_the_app_comes_through_the_socket(served: str) -> None:
                     await socket.send_str(json.dumps(["stdin", "q"]))
                     break
     assert b"Astra" in shown
+
+
+def children(process: int) -> set[int]:
+    """The processes that a process has begun, and those that they have."""
+    found: set[int] = set()
+    for status in Path("/proc").glob("[0-9]*/stat"):
+        try:
+            number, parent = int(status.parent.name), int(status.read_text().rpartition(")")[2].split()[1])
+        except OSError:  # it has ended
+            continue
+        if parent == process:
+            found |= {number} | children(number)
+    return found
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="processes are read from /proc")
+async def test_apps_end_when_their_server_is_killed(unused_tcp_port: int, tmp_path: Path) -> None:
+    season(tmp_path / "ledger.db")
+    command = [sys.executable, "-m", "fieldkit.cli.main", "--ledger", str(tmp_path / "ledger.db")]
+    home = {"PYTHONPATH": str(ROOT), "FIELDKIT_HOME": str(tmp_path)}
+    with child([*command, "serve", "--port", str(unused_tcp_port)], home, stderr=subprocess.PIPE) as process:
+        assert process.stderr is not None
+        link = next(line.decode().split()[1] for line in process.stderr if line.startswith(b"open http"))
+        base, query = link.split("/?")
+        async with asyncio.timeout(PATIENCE), ClientSession() as http:
+            await listening(http, link)
+            async with http.ws_connect(f"{base}/ws?width=80&height=24&{query}", origin=base) as socket:
+                shown = b""
+                async for message in socket:
+                    shown += message.data if message.type is WSMsgType.BINARY else b""
+                    if b"12 of 12" in shown:
+                        break
+                apps = children(process.pid)
+                assert apps
+                process.kill()
+            while any(Path(f"/proc/{app}").exists() for app in apps):
+                await asyncio.sleep(0.1)

@@ -29,7 +29,7 @@ def verdict(found: "Findings", system: str) -> Content:
 
     diagnosis = found.diagnosis
     parts: Parts = [(f"Verdict: {diagnosis.effect}", "b $primary"), "\n", printable(diagnosis.why), "\n"]
-    parts += [f"{printable(line)}\n" for line in beside_verdict(found)]
+    parts += [f"{printable(line)}\n" for line in (*beside_verdict(found), *found.implausible)]
     parts += [("\nError of the forecast on flights not seen\n", "b $primary")]
     for title, compared in (("each from all others", found.left_out), ("each from earlier ones", found.forward)):
         parts += [f"{line}\n" for line in _errors(title, compared, system)]

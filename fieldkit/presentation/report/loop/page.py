@@ -59,6 +59,7 @@ def content(found: Findings) -> dict[str, Any]:
         ],
         "pictures": {name: embedded(svg(name, found)) for name in pictures(found)},
         "climbs": [f"{_begun(line)}." for line in climbs_in_words(found.testimony)],
+        "implausible": [f"{_begun(line)}." for line in found.implausible],
         "errors": [
             row
             for title, compared in (("left out", found.left_out), ("forward in time", found.forward))

@@ -1,0 +1,67 @@
+"""The app under random keys, in a process of its own: `python -m tests.tui.random_keys SEED KEYS LEDGER` prints a line
+of JSON: memory at the start, the most of it, and at rest [MB], and what nobody foresaw."""
+
+import asyncio
+import json
+import os
+import random
+import sys
+from pathlib import Path
+
+from textual.events import Key
+
+from fieldkit.tui.app import FieldkitApp
+from fieldkit.tui.promptly import give_back
+
+LETTERS = "123456789abcdefghijklmnoprstuvwxyzNTUW/?.-=;"
+NAMED = (
+    "up",
+    "down",
+    "left",
+    "right",
+    "enter",
+    "tab",
+    "shift+tab",
+    "space",
+    "backspace",
+    "delete",
+    "pageup",
+    "pagedown",
+)
+OTHER = ("home", "end", "ctrl+p", "ctrl+s", "ctrl+n", "ctrl+z", "ctrl+c", "f1", "ctrl+end", "question_mark")
+KEYS = (*LETTERS, *NAMED, *OTHER, *["escape"] * 7, *"123456" * 2)
+"""Keys, those that lead to another place more often than the others; none leaves the app."""
+REST = 5.0
+"""After the last key. [s]"""
+
+
+def resident() -> float:
+    """Memory of this process. [MB]"""
+    return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE") / 1e6
+
+
+async def pressed(seed: int, keys: int, ledger: Path) -> dict[str, object]:
+    """What came of so many keys."""
+    rng, app = random.Random(seed), FieldkitApp(ledger, ledger.with_name("settings.json"), stays=True)
+    async with app.run_test(size=(80, 24)) as pilot:
+        await asyncio.sleep(REST)
+        start = most = resident()
+        for _ in range(keys):
+            key = rng.choice(KEYS)
+            app.post_message(Key(key, key if len(key) == 1 else None))
+            await pilot.pause(0.001)
+            most = max(most, resident())
+        for worker in app.workers:
+            worker.cancel()
+        await asyncio.sleep(REST)
+        give_back()
+        rest = resident()
+    errors = [f"{type(error).__name__}: {error}" for error in app.errors]
+    return {"start": round(start), "most": round(most), "rest": round(rest), "errors": errors}
+
+
+if __name__ == "__main__":
+    found = asyncio.run(pressed(int(sys.argv[1]), int(sys.argv[2]), Path(sys.argv[3])))
+    sys.stdout.write(json.dumps(found) + "\n")
+    sys.stdout.flush()
+    os._exit(0)

@@ -1,0 +1,52 @@
+"""Long questions are worked out one at a time, and given up where nobody waits for them any more."""
+
+import threading
+import time
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from fieldkit.tui.screens import loop
+from tests.pressing import opened, press, season
+
+PATIENCE = 20.0
+"""How long a look may take to be given up on a machine that does ten other things. [s]"""
+
+
+async def test_a_look_is_given_up_for_the_next_and_when_the_app_is_left(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    begun: list[int] = []
+    running: list[int] = []
+    most = [0]
+    lock = threading.Lock()
+
+    def looks_for_ever(_desk: Any, _rocket: str, on_progress: Any) -> None:
+        with lock:
+            begun.append(len(begun))
+            running.append(begun[-1])
+            most[0] = max(most[0], len(running))
+        ends = time.monotonic() + PATIENCE
+        try:
+            while time.monotonic() < ends:
+                on_progress("looking", 0.5)
+                time.sleep(0.01)
+        finally:
+            with lock:
+                running.pop()
+
+    monkeypatch.setattr(loop, "look", looks_for_ever)
+    season(tmp_path / "ledger.db")
+    began = time.monotonic()
+    async with opened(tmp_path / "ledger.db") as pilot:
+        await press(pilot, "5")
+        for count in (1, 2, 3):
+            await pilot.press("l")
+            while len(begun) < count:
+                await pilot.pause(0.01)
+        assert most == [1]
+        pilot.app.workers.cancel_all()
+        while running:
+            await pilot.pause(0.01)
+    assert time.monotonic() - began < PATIENCE

@@ -1,0 +1,40 @@
+"""Random keys: nothing that nobody foresaw comes of them, and the app's memory stays within bounds."""
+
+import json
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from tests.pressing import ROOT, season
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="memory is read from /proc")
+SEEDS = (1, 2, 3)
+"""Those that have found something stay: 2 closed the palette twice, and listed a flight while it was removed."""
+MAX_GROWTH = 400
+"""Of the memory over 10,000 keys. [MB] Of it the loop takes up to 300, the libraries that it calls included."""
+
+
+def pressed(seed: int, keys: int, folder: Path) -> dict[str, object]:
+    """What came of so many keys on a season, in a process of its own."""
+    season(folder / "ledger.db")
+    command = [sys.executable, "-m", "tests.tui.random_keys", str(seed), str(keys), str(folder / "ledger.db")]
+    environment = os.environ | {"FIELDKIT_HOME": str(folder / "home"), "PYTHONPATH": str(ROOT)}
+    ended = subprocess.run(command, cwd=folder, env=environment, capture_output=True, text=True)
+    assert ended.returncode == 0, ended.stderr[-2000:]
+    found: dict[str, object] = json.loads(ended.stdout.splitlines()[-1])
+    return found
+
+
+def test_some_random_keys_do_no_harm(tmp_path: Path) -> None:
+    assert pressed(1, 150, tmp_path)["errors"] == []
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("seed", SEEDS)
+def test_random_keys_do_no_harm_and_cost_no_memory(seed: int, tmp_path: Path) -> None:
+    found = pressed(seed, 10_000, tmp_path)
+    assert found["errors"] == []
+    assert int(str(found["rest"])) - int(str(found["start"])) < MAX_GROWTH
