@@ -216,6 +216,7 @@ COMMANDS: dict[str, list[str]] = {
     "sites": [ROCKET, "--elevation", "212m"],
     "remeasure": [],
     "report": ["2", "--out", "card.md"],
+    "track": ["2", "--out", "track.kml"],
     "ork": ["DESIGN"],
     "history": [],
     "backups": [],
@@ -241,6 +242,8 @@ LONG = {
     "delay": ["--motor", "F24-4W"],
     "ballast": ["--motor", "F24-4W", "--target", "240m"],
     "contest": ["--season", "2026"],
+    "finals": ["--season", "2027", "--motor", "F24-4W", "--targets", "795-800"],
+    "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
 }
 APART = {"serve", "tui", "train"}
 """Commands that are there to listen, that want a terminal, and that run for hours in processes of their own."""
