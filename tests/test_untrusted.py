@@ -216,7 +216,6 @@ COMMANDS: dict[str, list[str]] = {
     "sites": [ROCKET, "--elevation", "212m"],
     "remeasure": [],
     "report": ["2", "--out", "card.md"],
-    "track": ["2", "--out", "track.kml"],
     "ork": ["DESIGN"],
     "history": [],
     "backups": [],
@@ -245,8 +244,9 @@ LONG = {
     "finals": ["--season", "2027", "--motor", "F24-4W", "--targets", "795-800"],
     "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
 }
-APART = {"serve", "tui", "train"}
-"""Commands that are there to listen, that want a terminal, and that run for hours in processes of their own."""
+APART = {"serve", "tui", "train", "track"}
+"""Commands that are there to listen, that want a terminal, that run for hours in processes of their own, and that ask for
+a log with satellite positions (`tests/presentation/test_kml.py`)."""
 REACHING = {"socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto", "socket.sendmsg", "urllib.Request"}
 _forbidden: list[str] | None = None
 
