@@ -245,8 +245,8 @@ LONG = {
     "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
 }
 APART = {"serve", "tui", "train", "track"}
-"""Commands that are there to listen, that want a terminal, that run for hours in processes of their own, and that ask for
-a log with satellite positions (`tests/presentation/test_kml.py`)."""
+"""Commands that are there to listen, that want a terminal, that run for hours in processes of their own, and that ask
+for a log with satellite positions (`tests/presentation/test_kml.py`)."""
 REACHING = {"socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto", "socket.sendmsg", "urllib.Request"}
 _forbidden: list[str] | None = None
 
