@@ -242,9 +242,12 @@ LONG = {
     "delay": ["--motor", "F24-4W"],
     "ballast": ["--motor", "F24-4W", "--target", "240m"],
     "contest": ["--season", "2026"],
+    "finals": ["--season", "2027", "--motor", "F24-4W", "--targets", "795-800"],
+    "landing": ["--motor", "F24-4W", "--wind", "3m/s"],
 }
-APART = {"serve", "tui", "train"}
-"""Commands that are there to listen, that want a terminal, and that run for hours in processes of their own."""
+APART = {"serve", "tui", "train", "track"}
+"""Commands that are there to listen, that want a terminal, that run for hours in processes of their own, and that ask
+for a log with satellite positions (`tests/presentation/test_kml.py`)."""
 REACHING = {"socket.connect", "socket.bind", "socket.getaddrinfo", "socket.sendto", "socket.sendmsg", "urllib.Request"}
 _forbidden: list[str] | None = None
 

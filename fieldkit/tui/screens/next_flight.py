@@ -62,7 +62,8 @@ class NextScreen(PageScreen):
             (
                 "checks",
                 "Rail exit speed, thrust to weight, ground wind, launch angle, ceiling, field size, ejection speed, "
-                "motor temperature, and the class that the law puts the rocket in.",
+                "motor temperature, distances of people and bystanders, mass, certification, the class that the law "
+                "puts the rocket in, whether it is complex, and what the sky must be.",
             ),
             ("off rail", "Speed at the end of the rail. Below 15 m/s fins may not hold the rocket straight."),
             ("rail", "The same for every motor, under c."),
