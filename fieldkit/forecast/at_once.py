@@ -28,11 +28,13 @@ def forecast_at_once(
     Flights with an anomaly tag count as flown and are not used. `shared` is what the flyer's other rockets show,
     `hyperprior` by default the learned one. Raises ImpossibleFlight for a flight without a dry mass.
     """
-    both = [*flown, plan]
+    flight, motor = plan
+    name = flight.flight_id or "planned"  # a plan without a name would be where places without a beginning begin
+    both = [*flown, (flight.with_changes(flight_id=name), motor)]
     history = History(
-        tuple(flight for flight, _ in both),
-        tuple(motor for _, motor in both),
-        tuple(flight.clean for flight, _ in flown),
+        tuple(one for one, _ in both),
+        tuple(found for _, found in both),
+        tuple(one.clean for one, _ in flown),
         certified(),
         hyperprior or learned(),
         shared,

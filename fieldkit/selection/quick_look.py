@@ -76,7 +76,8 @@ class QuickLook:
 
 def repeated(flight: Flight) -> Flight:
     """The plan to fly the same again a week later."""
-    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id="", sd={}, source={}, tags=())
+    name = f"{flight.flight_id} again"  # a plan without a name would be where places without a beginning begin
+    plan = flight.with_changes(**dict.fromkeys(flight.readouts()), flight_id=name, sd={}, source={}, tags=())
     return replace(plan, date_time=flight.date_time + timedelta(days=7) if flight.date_time else None)
 
 

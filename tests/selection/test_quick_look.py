@@ -1,0 +1,27 @@
+"""A quick look: the plan that it adds to a history changes nothing of what the flown flights show."""
+
+from dataclasses import replace
+
+import pytest
+
+from fieldkit.forecast.at_once import forecast_at_once
+from fieldkit.selection.quick_look import quick_look
+from tests.inference.history.histories import history
+
+
+def test_strong_wear_is_the_verdict() -> None:
+    worn = history(24, wear=0.05)
+    look = quick_look("Test", list(zip(worn.flights[:-1], worn.found[:-1], strict=True)), worn.used_in_fit)
+    assert "wear" in look.effect.split("+")
+    assert look.candidates[0].effect == "wear"
+    assert look.candidates[0].log_bayes > 5
+    assert look.after.mae < look.before.mae
+
+
+def test_a_plan_without_a_name_is_forecast_as_one_with() -> None:
+    worn = history(12, wear=0.05)
+    flown = list(zip(worn.flights[:-1], worn.found[:-1], strict=True))
+    plan, found = worn.flights[-1], worn.found[-1]
+    named, unnamed = (forecast_at_once(flown, (replace(plan, flight_id=name), found)) for name in ("next", ""))
+    assert unnamed.inclusion == pytest.approx(named.inclusion)
+    assert unnamed.log_apogee == pytest.approx(named.log_apogee)
