@@ -22,7 +22,7 @@ from textual.worker import get_current_worker
 
 from fieldkit.errors import FieldkitError
 from fieldkit.tui.help import Help
-from fieldkit.tui.promptly import give_back
+from fieldkit.tui.memory import give_back
 from fieldkit.tui.widgets.bars import KeyBar, NoticeBar, TopBar
 
 if TYPE_CHECKING:

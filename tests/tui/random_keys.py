@@ -11,7 +11,7 @@ from pathlib import Path
 from textual.events import Key
 
 from fieldkit.tui.app import FieldkitApp
-from fieldkit.tui.promptly import give_back
+from fieldkit.tui.memory import give_back
 
 LETTERS = "123456789abcdefghijklmnoprstuvwxyzNTUW/?.-=;"
 NAMED = (
