@@ -34,8 +34,7 @@ from fieldkit.model.readout_data import observe
 from fieldkit.motors import Found, catalogue
 from fieldkit.plugins import trained_folder
 from fieldkit.scoring.proper_scores import crps
-from fieldkit.selection.choice import Ranked
-from fieldkit.selection.diagnose import Diagnosis, diagnose
+from fieldkit.selection.diagnose import diagnose
 from fieldkit.selection.extended_model import rocket_model
 from fieldkit.selection.quick_candidates import quick_candidates
 from fieldkit.selection.quick_look import quick_look
@@ -149,17 +148,6 @@ def flights_of(path: Path) -> FlownFlights:
         return followed(ledger.flights(), motors)
 
 
-def inclusion(found: Diagnosis) -> dict[str, float]:
-    """Posterior probability of each effect by the loop, from the log odds of all that it tried."""
-    options: list[Ranked] = [*found.ranking, *(pair for second in found.seconds for pair in second.ranking)]
-    beliefs = np.array([0.0, *(item.whole_belief for item in options)])
-    weights = np.exp(beliefs - np.logaddexp.reduce(beliefs))
-    names = {name for item in options for name in item.effects if name}
-    return {
-        name: float(sum(weights[i + 1] for i, item in enumerate(options) if name in item.effects)) for name in names
-    } | {"none": float(weights[0])}
-
-
 def bench(folder: Path, loops: int, first: int | None) -> None:
     """Both on sets with undeclared effects: forecasts of the later flights of all; the search on the first `loops`."""
     labels = json.loads((folder / "labels.json").read_text())[:first]
@@ -192,7 +180,10 @@ def bench(folder: Path, loops: int, first: int | None) -> None:
             began = time.process_time()
             model = rocket_model([flight for flight, _ in history], [motor for _, motor in history])
             found = diagnose(model, observe([flight for flight, _ in history], used))
-            entry |= {"fit": inclusion(found), "fit_verdict": found.effect}
+            entry |= {
+                "fit": {**found.posterior.inclusion, "none": found.posterior.nothing},
+                "fit_verdict": found.effect,
+            }
             entry["fit_seconds"] = time.process_time() - began
         judged.append(entry)
     command = f"python tools/history_report.py --bench SETS --loops {loops}" + (f" --first {first}" if first else "")
