@@ -1,12 +1,12 @@
 """What a ledger keeps beside flights: models, predictions, starting configurations, drafts."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from fieldkit.flight.start import Start
 from fieldkit.ledger import drafts, models, opening, starts
 from fieldkit.ledger.opened import OpenLedger
-from fieldkit.ledger.records import StoredPrediction, Version
+from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
 
 
 class BesideFlights(OpenLedger):
@@ -46,6 +46,12 @@ class BesideFlights(OpenLedger):
         """
         with opening.writing(self._engine) as connection:
             return models.keep_prediction(connection, payload, digest, rocket, flight_id)
+
+    def keep_predictions(self, made: Sequence[NewPrediction]) -> None:
+        """Keep several predictions as `keep_prediction` does, all of them or none."""
+        with opening.writing(self._engine) as connection:
+            for one in made:
+                models.keep_prediction(connection, one.payload, one.digest, one.rocket, one.flight_id)
 
     def keep_plan(
         self, payload: Mapping[str, Any], *, digest: str, what: str, rocket: str = "", flight_id: str = ""

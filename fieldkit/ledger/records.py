@@ -48,6 +48,16 @@ class Version:
 
 
 @dataclass(frozen=True, slots=True)
+class NewPrediction:
+    """A prediction to be kept, as in `StoredPrediction`."""
+
+    payload: Mapping[str, Any]
+    digest: str
+    rocket: str
+    flight_id: str
+
+
+@dataclass(frozen=True, slots=True)
 class StoredPrediction:
     """A prediction as it was made; `digest` is of everything it was made from."""
 

@@ -14,7 +14,7 @@ from fieldkit.flight.start import Start, completed, design_cds, start_among
 from fieldkit.forecast.conformal import saved_surprises, stretch
 from fieldkit.forecast.predict import predict
 from fieldkit.forecast.prediction import Prediction, quantiles
-from fieldkit.ledger import Ledger
+from fieldkit.ledger import Ledger, NewPrediction
 from fieldkit.motors import Catalogue, Found
 from fieldkit.progress import ReportProgress, no_op
 from fieldkit.selection.candidates import Averaged, Place
@@ -185,17 +185,20 @@ def used_version(ledger: Ledger, rocket: str) -> int:
 
 
 def keep_forecasts(ledger: Ledger, rows: "Sequence[Forecast]") -> None:
-    """Keep forecasts beside what was flown, so that the next ones are as wide as these had to be."""
-    for row in rows:
-        payload = {
-            "rocket": row.rocket,
-            "flight_id": row.flight_id,
-            "flown_m": float(row.flown),
-            "interval_m": [float(end) for end in row.interval],
-            "evaluation": "forward in time",
-        }
-        digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
-        ledger.keep_prediction(payload, digest=digest, rocket=row.rocket, flight_id=row.flight_id)
+    """Keep forecasts beside what was flown, all or none, so that the next ones are as wide as these had to be."""
+    ledger.keep_predictions([_kept_forecast(row) for row in rows])
+
+
+def _kept_forecast(row: "Forecast") -> NewPrediction:
+    payload = {
+        "rocket": row.rocket,
+        "flight_id": row.flight_id,
+        "flown_m": float(row.flown),
+        "interval_m": [float(end) for end in row.interval],
+        "evaluation": "forward in time",
+    }
+    digest = hashlib.sha256(json.dumps(payload, sort_keys=True).encode()).hexdigest()
+    return NewPrediction(payload, digest, row.rocket, row.flight_id)
 
 
 def forecast_from_others(ledger: Ledger, motors: Catalogue, flight: Flight) -> Prediction:
