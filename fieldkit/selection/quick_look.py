@@ -23,12 +23,11 @@ from fieldkit.physics.effect import Effect
 from fieldkit.scoring.score import Score, forecasts_of, score
 from fieldkit.selection.candidates import Candidate
 from fieldkit.selection.quick_candidates import quick_candidates
+from fieldkit.selection.verdict import NAMING_PROBABILITY
 
 if TYPE_CHECKING:
     from fieldkit.inference.network.ensemble import Ensemble
 
-MIN_PROBABILITY = 0.5
-"""Probability from which on an effect is in the verdict: it is then likelier there than not. [1]"""
 SIMILAR_ODDS = 0.5
 """Probability over that of the verdict's effect from which on another is named beside it. [1]"""
 
@@ -123,21 +122,21 @@ def quick_look(
 
 
 def _verdict(said: QuickAnswer) -> tuple[str, float]:
-    """Effects that are likelier there than not, else what is likeliest; and its probability."""
+    """What the costs of a false and a missed name ask for, as in `fieldkit.selection.verdict`, and its probability."""
     ranked = sorted(said.inclusion, key=lambda name: -said.inclusion[name])
-    likely = [name for name in ranked if said.inclusion[name] >= MIN_PROBABILITY]
+    likely = [name for name in ranked if said.inclusion[name] > NAMING_PROBABILITY]
     if likely:
         return "+".join(likely), min(said.inclusion[name] for name in likely)
-    options = {"none": said.none, "unexplained": said.unexplained} | {name: said.inclusion[name] for name in ranked[:1]}
-    best = max(options, key=lambda name: options[name])
-    return best, options[best]
+    if 1 - said.none > NAMING_PROBABILITY:
+        return "unexplained", 1 - said.none
+    return "none", said.none
 
 
 def _because(effect: str, named: Sequence[QuickCandidate]) -> str:
     if effect == "none":
         return "the flights differ from the model by no more than their own scatter, as the network sees them"
     if effect == "unexplained":
-        return "the flights differ from the model in a way that no known effect makes, as the network sees them"
+        return "the flights differ from the model, and the network finds nothing known probable enough to be named"
     return "; ".join(f"{one.place}: {one.mean:.3g} +/- {one.sd:.2g} {one.unit}" for one in named)
 
 
