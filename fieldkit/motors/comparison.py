@@ -5,7 +5,6 @@ its `note` may begin with `basis=letter`, `basis=stated` or `basis=curve`, the b
 """
 
 import csv
-import io
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -81,7 +80,7 @@ def compare_tests(
     Of several tests of a motor those on the best basis count, by their mean. Raises BadValue that names the row and the
     column at fault.
     """
-    table = csv.DictReader(io.StringIO(content.decode("utf-8-sig", "replace")))
+    table = csv.DictReader(content.decode("utf-8-sig", "replace").splitlines())
     if not set(NAMES[:2]) <= set(table.fieldnames or ()):
         raise BadValue(f"{name}: found the columns {table.fieldnames}, expected manufacturer, designation and figures")
     tests: dict[int, tuple[Motor, dict[str, list[tuple[int, float, str]]]]] = {}

@@ -15,7 +15,7 @@ from fieldkit.physics.state import Force, Setup
 from fieldkit.plugins import plugins
 from fieldkit.shapes import Array, Float
 
-Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "wear", "device"]
+Family = Literal["path", "launch", "recovery", "air", "mass", "motor", "drag", "aging", "device"]
 """What an effect is about: the path through wind, leaving the rail, the delay and parachute, the air, the mass, the
 motor, the law of drag, change with use, or the instrument. Prior probability is shared equally between families."""
 Strength = Float[Array, "*#draw"]

@@ -46,7 +46,7 @@ class Together:
 
 
 @dataclass(frozen=True, slots=True)
-class Trials:
+class TrialFlights:
     """Flights of a plan at several masses [kg], on common draws: what the altimeter shows [m] and what a duration at
     each area takes [s]."""
 
@@ -72,7 +72,7 @@ class Trials:
 
 def trials(
     rocket: Rocket, plan: Flight, found: Found, rule: Season, bounds: tuple[float | None, float | None] = (None, None)
-) -> Trials:
+) -> TrialFlights:
     """Fly a plan at masses within what is legal, or within bounds of the dry mass [kg]. Raises ImpossibleFlight."""
     from scipy.interpolate import PchipInterpolator
 
@@ -98,7 +98,7 @@ def trials(
     fine = np.linspace(low, most, FINE_MASSES)
     apogee = PchipInterpolator(flown, np.stack([one.apogee for one in said]), axis=0)(fine)
     duration = np.stack([PchipInterpolator(flown, timed(float(area)), axis=0)(fine) for area in AREAS])
-    return Trials(fine, np.asarray(apogee), np.asarray(duration))
+    return TrialFlights(fine, np.asarray(apogee), np.asarray(duration))
 
 
 def finals_targets(rule: Season) -> list[float]:
@@ -109,6 +109,6 @@ def finals_targets(rule: Season) -> list[float]:
     return [float(one) for one in np.arange(low, high + 0.5 * STEP, STEP)]
 
 
-def finals_table(flown: Trials, rule: Season, targets: Sequence[float]) -> list[Together]:
+def finals_table(flown: TrialFlights, rule: Season, targets: Sequence[float]) -> list[Together]:
     """What to fly for each of some targets [m], in the window of the rule."""
     return [flown.best(rule.announced(target, None)) for target in targets]

@@ -15,7 +15,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 EFFECT = Effect(
     title="wear",
-    family="wear",
+    family="aging",
     explains="drag grows from flight to flight, as finish and fins suffer",
     unit="share of Cd a flight",
     prior=Prior(mean=0.02, sd=0.02, low=0.0, high=0.2),

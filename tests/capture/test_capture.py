@@ -262,7 +262,7 @@ def test_a_fault_in_a_parser_loses_nothing(
     def faulty(*_: object, **__: object) -> None:
         raise ZeroDivisionError
 
-    monkeypatch.setattr(import_module("fieldkit.services.imports.gather"), "read_together", faulty)
+    monkeypatch.setattr(import_module("fieldkit.services.imports.gather"), "open_file", faulty)
     with played(devices.mawd(HEIGHTS)) as wire, pytest.raises(ZeroDivisionError):
         main(["capture", wire.name, "--device", "mawd"])
     monkeypatch.undo()

@@ -174,16 +174,16 @@ def test_a_changed_row_is_rejected_with_the_way_to_change_it(full: Run, table: P
     assert "fieldkit edit" in row["error"]
 
 
-def test_a_missing_or_unreadable_file_ends_with_one_and_takes_nothing_in(run: Run, table: Path) -> None:
+def test_a_missing_or_unreadable_file_ends_with_one_and_the_others_go_in(run: Run, table: Path) -> None:
     junk = table.with_name("junk.csv")
     junk.write_bytes(bytes(range(256)) * 64)
-    for bad in (table.with_name("absent.csv"), junk, table.parent):
+    for bad in (table.with_name("absent.csv"), junk):
         said = run("import", table, bad)
         assert said.status == 1
         assert bad.name in said.err
         assert len(said.err.splitlines()) == 1
     assert run("import", table, "--format", "nonsense").status == 1
-    assert run("flights", "--json").document == {"flights": []}
+    assert len(run("flights", "--json").document["flights"]) == 3
 
 
 def test_several_files_are_one_command(run: Run, table: Path) -> None:

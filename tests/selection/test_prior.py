@@ -22,7 +22,7 @@ pytestmark = pytest.mark.fast
 def test_another_effect_takes_from_its_own_family_alone() -> None:
     more = {**effects(), "novelty": replace(effects()["wear"], title="novelty")}
     before, after = inclusion_probabilities(), inclusion_probabilities(more)
-    others = [name for name, effect in effects().items() if effect.family != "wear" and not effect.form_of]
+    others = [name for name, effect in effects().items() if effect.family != "aging" and not effect.form_of]
     assert {name: after[name] for name in others} == {name: before[name] for name in others}
     assert after["novelty"] + after["wear"] == pytest.approx(before["wear"])
     assert sum(after.values()) == pytest.approx(sum(before.values()))

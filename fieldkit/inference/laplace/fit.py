@@ -10,7 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from fieldkit.inference.laplace.linearization import Tangent, launch_angle_slope, tangents
-from fieldkit.inference.laplace.odd_flights import flight_weights
+from fieldkit.inference.laplace.odd_flights import readouts_used
 from fieldkit.inference.laplace.posterior import Fit, residual_variance, solve
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data
 from fieldkit.model.rocket_model import OPENING, Model
@@ -28,6 +28,8 @@ DISTINCT_STEP = 1e-4
 """Difference of a term from which on two points are distinct. [1]"""
 OPENINGS = (0.15, 0.6, 1.2)
 """Opening times from which a fit is begun. [s]"""
+NEGLIGIBLE_SCALE_WEIGHT = 0.01
+"""Posterior weight of a pair of scales below which it has no part in the weights of flights. [1]"""
 ROBUST_ROUNDS = 2
 """Times the point is moved after the weights of outliers have settled."""
 TRUST_ROUNDS = 4
@@ -247,6 +249,21 @@ def fit_robustly(model: Model, data: Data) -> Fit:
             result = solve(model, replace(data, trust=outlier_weights(result)), result.tangent)
         result = _followed(result)
     return solve(replace(model, hyperprior=model.hyperprior.refined()), result.data, result.tangent)
+
+
+def flight_weights(result: Fit) -> Float[Array, "flight"]:
+    """Expected precision of each flight over that of an ordinary one, as a fit has it. [1]"""
+    weight = np.ones(len(result.data.seen)) if result.flight_weight is None else result.flight_weight
+    scales = np.flatnonzero(result.weights > NEGLIGIBLE_SCALE_WEIGHT)
+    nu, told, sharpness = result.model.hyperprior.tail, result.told, result.told.sharpness[scales]
+    offset = result.mean[scales] - np.array([term.mean for term in result.model.terms])
+    left = told.miss - np.moveaxis(told.slope @ offset.T, -1, 0)
+    square = (left * (sharpness @ left[..., None])[..., 0]).sum(axis=-1)
+    spread = (told.slope.reshape(told.miss.size, -1) @ result.covariance[scales]).reshape(len(left), *told.slope.shape)
+    open_square = ((sharpness @ told.slope) * spread).sum(axis=(-2, -1))
+    expected = result.weights[scales] / result.weights[scales].sum() @ (square + open_square) / weight
+    count = readouts_used(result.data, result.tangent)
+    return np.asarray((nu + count) / (nu + expected))
 
 
 def outlier_weights(result: Fit) -> Float[Array, "flight readout"]:

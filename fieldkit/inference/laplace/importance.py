@@ -129,7 +129,7 @@ def _log_likelihood(
     miss = np.where(usable, np.where(np.isfinite(flown), fit.data.values - flown, NO_FLIGHT_MISS), 0.0)
     told = flight_evidence(model, fit.data, near)
     square = _squares(miss, told.sharpness[scales])
-    nu, count = model.hyperprior.tail, readouts_used(fit)
+    nu, count = model.hyperprior.tail, readouts_used(fit.data, fit.tangent)
     constant = gammaln((nu + count) / 2) - gammaln(nu / 2) - count / 2 * np.log(nu / 2)
     likelihood = constant - 0.5 * told.log_det[scales] - (nu + count) / 2 * np.log1p(square / nu)
     apogee = np.where(np.isfinite(flown[..., 0]), flown[..., 0], near.values[:, 0])

@@ -125,7 +125,7 @@ def solve(model: Model, data: Data, near: Tangent, flight_weight: Float[Array, "
     found = _concluded(model, data, near, told, slope.T @ weighed, missed @ slope, missed @ miss)
     if flight_weight is None:
         return found
-    tail = log_tail(flight_weight, readouts_used(found), model.hyperprior.tail)
+    tail = log_tail(flight_weight, readouts_used(data, found.tangent), model.hyperprior.tail)
     return replace(found, log_weight=found.log_weight + tail.sum(), flight_weight=flight_weight)
 
 
@@ -237,7 +237,7 @@ def growing(whole: Fit) -> Growing:
     gain = _before(np.einsum("fo,sfot->sft", told.miss, weighed))
     own = (told.miss * missed).sum(axis=-1) + told.log_det
     if whole.flight_weight is not None:
-        own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole), model.hyperprior.tail)
+        own = own - 2 * log_tail(whole.flight_weight, readouts_used(whole.data, whole.tangent), model.hyperprior.tail)
     prior, log_det_prior = prior_precision(model)
     precision = information + prior[:, None]
     covariance = np.asarray(np.linalg.inv(precision), float)

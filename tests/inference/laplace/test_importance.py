@@ -7,9 +7,8 @@ import numpy as np
 import pytest
 from scipy.stats import genpareto
 
-from fieldkit.inference.laplace.fit import fit, refits_without
+from fieldkit.inference.laplace.fit import fit, flight_weights, refits_without
 from fieldkit.inference.laplace.importance import RELIABLE_PARETO_K, Sampled, sampled
-from fieldkit.inference.laplace.odd_flights import flight_weights
 from fieldkit.inference.laplace.pareto import smoothed
 from fieldkit.inference.laplace.posterior import Fit
 from fieldkit.model.readout_data import OBSERVED_READOUTS, Data, observe
