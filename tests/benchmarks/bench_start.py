@@ -99,7 +99,7 @@ def test_a_command(benchmark: BenchmarkFixture, command: str, ledger: str, tmp_p
 
 @pytest.mark.parametrize("what", ["12 apogees", "20 flights with all readouts"])
 def test_a_prediction(benchmark: BenchmarkFixture, what: str, ledger: str, whole: str) -> None:
-    """Beside the libraries it stands on; of whole flights the ensemble looks at every readout first."""
+    """Beside the libraries that the program stands on."""
     arguments = ["--ledger", ledger if what == "12 apogees" else whole, "predict", *COMMANDS["predict"]]
     took = measured(benchmark, whole_process, FIELDKIT.format(arguments))
     assert beside(benchmark, took, least(BARE.format(LIBRARIES)), "bare " + ", ".join(LIBRARIES)) <= PREDICT
