@@ -165,8 +165,8 @@ def _document(receipt: "Receipt") -> dict[str, object]:
     }
 
 
-def _say(receipt: "Receipt", done: str, foretold: Sequence[str]) -> None:
-    """What came in, in a line; what each file was; and beside it what had been foretold."""
+def _say(receipt: "Receipt", done: str, forecasts: Sequence[str]) -> None:
+    """What came in, in a line; what each file was; and beside it what had been forecast."""
     from fieldkit.presentation.import_view import in_a_line
 
     counts = f"{receipt.duplicates} there already, {len(receipt.rejected)} rejected"
@@ -176,10 +176,10 @@ def _say(receipt: "Receipt", done: str, foretold: Sequence[str]) -> None:
         say_wrapped(in_a_line(one), "  ")
     if len(receipt.files) > FILES:
         say(f"and {len(receipt.files) - FILES} more files; --json lists all")
-    for line in foretold[:MAX_COMPARED_FLIGHTS]:
+    for line in forecasts[:MAX_COMPARED_FLIGHTS]:
         say_wrapped(line, "  ")
-    if len(foretold) > MAX_COMPARED_FLIGHTS:
-        say(f"and {len(foretold) - MAX_COMPARED_FLIGHTS} more that were foretold; see `fieldkit predictions`")
+    if len(forecasts) > MAX_COMPARED_FLIGHTS:
+        say(f"and {len(forecasts) - MAX_COMPARED_FLIGHTS} more with a forecast; see `fieldkit predictions`")
 
 
 def _foretold(ledger: "Ledger", ids: Sequence[str]) -> Iterator[str]:

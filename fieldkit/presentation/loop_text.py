@@ -111,7 +111,7 @@ def _what_now(found: Findings) -> Iterator[str]:
         yield "forecasts stay those of the plain model"
         return
     parts = [f"{chance:.0%} {'+'.join(map(str, places)) or 'the plain model'}" for chance, places in averaged]
-    yield f"forecasts with it are averaged: {', '.join(parts)}"
+    yield f"forecasts average what is probable enough to matter: {', '.join(parts)}"
     if found.diagnosis.accepted:
         name = found.diagnosis.effect
         yield f"--effect {name} takes it for certain, --decline {name} leaves it out"

@@ -8,8 +8,7 @@ effect that some flights could not show changes nothing there.
 """
 
 from collections.abc import Iterable, Mapping
-from itertools import combinations
-from math import log, log1p, prod
+from math import log, log1p
 from typing import get_args
 
 from fieldkit.physics.effect import Effect, Family, effects
@@ -40,17 +39,3 @@ def log_prior_odds(names: Iterable[str], catalogue: Mapping[str, Effect] | None 
     """Log of the prior probability of a set over that of nothing, whatever other families hold. [nat]"""
     known = inclusion_probabilities(catalogue)
     return sum(log(known[name]) - log1p(-known[name]) for name in names)
-
-
-def set_probabilities(most: int = 2, catalogue: Mapping[str, Effect] | None = None) -> dict[frozenset[str], float]:
-    """Prior probability of every set of at most so many members, `UNEXPLAINED` as any other, given that no more are
-    there; they add up to one."""
-    known = inclusion_probabilities(catalogue)
-    odds = {name: chance / (1 - chance) for name, chance in known.items()}
-    weight = {
-        frozenset(names): prod(odds[name] for name in names)
-        for count in range(most + 1)
-        for names in combinations(odds, count)
-    }
-    total = sum(weight.values())
-    return {names: one / total for names, one in weight.items()}

@@ -55,14 +55,6 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     return wanted
 
 
-def accepted_places(ledger: Ledger, rocket: str, which: Which = "after") -> tuple[Place, ...]:
-    """The effects in a rocket's model as it is used now, or as it was before the loop added any."""
-    version = ledger.active_version(rocket) if which == "after" else None
-    if version is None:
-        return ()
-    return version_places(version.payload)
-
-
 def accepted_average(ledger: Ledger, rocket: str, which: Which = "after") -> Averaged:
     """The sets of effects that a rocket's forecasts are averaged over now, or were before the loop; empty for the plain
     model."""

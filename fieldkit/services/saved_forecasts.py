@@ -117,7 +117,7 @@ def in_words(one: SavedForecast) -> Iterator[str]:
     """What was foretold for a flight and what was flown, a line each."""
     low, middle, high = one.interval
     said = f"{middle:.0f} m, 90 % between {low:.0f} and {high:.0f} m"
-    yield f"foretold {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
+    yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
         yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} of the interval"

@@ -189,7 +189,7 @@ def test_the_commands_show_foretold_against_flown(
     table.write_text("flight_id,rocket,config,motor,dry_mass_g,apogee_m\n4,Astra,A,F24-4W,330,255\n")
     assert main(["import", str(table)]) == 0
     said = " ".join(capsys.readouterr().out.split())
-    assert "4: foretold 2026-06-01" in said
+    assert "4: forecast 2026-06-01" in said
     assert "stale by then: dry mass was 320 g, is 330 g" in said
     assert main(["show", "4"]) == 0
     assert "flown 255.0 m" in capsys.readouterr().out
