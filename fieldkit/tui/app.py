@@ -392,12 +392,13 @@ def run(where: str | None) -> None:
     """
     began: list[float] = []
     place: Whereabouts | None = None
+    held = terminal()
     while True:
         app = FieldkitApp(where, stays=True, back=place)
         app.run()
         place, ended = app.place, time.monotonic()
         began = [one for one in began if ended - one < RESTART_PERIOD] + [ended]
-        if place is None:
+        if place is None or (held is not None and gone(held)):  # drawing on a terminal that was closed is an error too
             return
         if len(began) > MAX_RESTARTS or app.is_web:
             raise FieldkitError(place.crash.line())
