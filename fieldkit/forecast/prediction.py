@@ -65,28 +65,32 @@ class Prediction:
         return replace(self, apogee=spread_out(self.apogee, factor), stretched_by=factor, earlier_forecasts=earlier)
 
     def narrowed(self, more: float) -> float:
-        """How wide the interval would be, over what it is, after so many more clean flights like the plan. [1]
+        """How wide the 90 % interval would be, over what it is, after so many more clean flights like the plan. [1]
 
         What flights differ by stays; what is common to all and not known yet falls as a normal mean's variance does
-        (with q the share of the variance that stays and t the rest, to t / (1 + n t / q) after n; Gelman et al.,
+        (with q the squared width of what stays and t that of the rest, to t / (1 + n t / q) after n; Gelman et al.,
         Bayesian Data Analysis, 3rd edition, 2013, section 2.5), the logarithm of the apogee being about linear in all
-        of it. How much flights scatter is taken as known: of a new rocket it is not, and its interval narrows more.
+        of it. Widths are those of intervals: of a variance with a Student t's tails a thousand draws say little. How
+        much flights scatter is taken as known: of a new rocket it is not, and its interval narrows more.
         """
-        stays = self._luck_share()
-        rest = 1 - stays
-        left = rest / (1 + more * rest / stays) if stays else 0.0
-        return float(np.sqrt(stays + left))
-
-    def _luck_share(self) -> float:
-        """Share of the variance of the logarithm of the apogee that single flights' luck makes. [1]"""
-        flown = self.apogee > 0
-        if np.count_nonzero(flown) <= len(self.random_draws):
+        luck, rest = self._luck_and_rest()
+        stays, left = interval_width(luck) ** 2, interval_width(rest) ** 2
+        if not stays + left:
             return 1.0
+        shrunk = 1 / np.sqrt(1 + more * left / stays) if stays else float(more == 0)
+        return float(interval_width(luck + shrunk * rest) / interval_width(luck + rest))
+
+    def _luck_and_rest(self) -> tuple[Float[Array, "draw"], Float[Array, "draw"]]:
+        """The part of the logarithm of the apogee that single flights' luck makes, by regression on it, and the rest
+        of it, each about zero, of the draws that fly."""
+        flown = self.apogee > 0
         logs = np.log(self.apogee[flown])
+        if len(logs) <= len(self.random_draws):
+            return np.zeros(0), np.zeros(0)
         causes = np.stack(self.random_draws, axis=-1)[flown]
         logs, causes = logs - logs.mean(), causes - causes.mean(axis=0)
-        explained = causes @ np.linalg.lstsq(causes, logs, rcond=None)[0]
-        return float(explained @ explained / (logs @ logs)) if logs.any() else 1.0
+        luck = causes @ np.linalg.lstsq(causes, logs, rcond=None)[0]
+        return luck, logs - luck
 
     @property
     def median_eject(self) -> float | None:
@@ -97,6 +101,11 @@ class Prediction:
 def quantiles(draws: Float[Array, "draw"], levels: Float[Array, "level"]) -> Float[Array, "level"]:
     """As np.quantile has them, which is slower and wakes numpy's masked arrays."""
     return np.interp(levels * (len(draws) - 1), np.arange(len(draws)), np.sort(draws))
+
+
+def interval_width(draws: Float[Array, "draw"]) -> float:
+    """From the 5 % to the 95 % quantile; 0 without draws."""
+    return float(np.ptp(quantiles(draws, LEVELS))) if len(draws) else 0.0
 
 
 def spread_out(apogee: Float[Array, "draw"], factor: float) -> Float[Array, "draw"]:

@@ -15,6 +15,7 @@ from fieldkit.planning.descent import durations, fall_of, landing_mass
 from fieldkit.planning.forecasts import Rocket, forecasts
 from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
+from fieldkit.units import FOOT
 
 GRID = 16
 """Masses that are flown. [1]"""
@@ -84,7 +85,8 @@ class Ballast:
     `forecast` is the flight at that mass, `slope` how the apogee changes with mass [m/kg], `there` what it brings
     and `today` what is without change. `reach` is the lowest and the highest median apogee of the masses tried [m];
     the target is `met` where it lies between. `gain` is by how many points a flight the change is better on average,
-    `gain_error` the standard error of that for as many flights as the forecast rests on; None without a season.
+    `gain_error` the standard error of that for as many flights as the forecast rests on; without a season a point is
+    a foot off the target, as in contests for altitude.
     """
 
     mass: float
@@ -95,17 +97,12 @@ class Ballast:
     today: Result
     reach: tuple[float, float]
     met: bool
-    gain: float | None = None
-    gain_error: float | None = None
+    gain: float
+    gain_error: float
 
     @property
     def clear(self) -> bool:
-        """Whether the change is worth it: the points that it saves are clear against their uncertainty.
-
-        Without a season there are no points to gain, and the mass is what was asked for.
-        """
-        if self.gain is None or self.gain_error is None:
-            return True
+        """Whether the change is worth it: the points that it saves are clear against their uncertainty."""
         return self.gain > max(CLEAR_ERRORS * self.gain_error, LEAST_GAIN)
 
     @property
@@ -175,16 +172,19 @@ def ballast(
 
 def _gain(
     goal: Goal, there: tuple[Figures, Figures], today: tuple[Figures, Figures], flights: int
-) -> tuple[float | None, float | None]:
+) -> tuple[float, float]:
     """By how many points a flight a change is better on average, and how uncertain that is after so many flights.
 
     Both fly on the same draws; their difference scatters from flight to flight, and its mean is known as well as that
     many flights tell it.
     """
-    if goal.rule is None:
-        return None, None
-    saved = goal.rule.points(*today) - goal.rule.points(*there)
+    saved = _points(goal, *today) - _points(goal, *there)
     return float(saved.mean()), float(saved.std() / np.sqrt(max(flights, 1)))
+
+
+def _points(goal: Goal, apogee: Figures, duration: Figures) -> Figures:
+    """Points of a season; without one, feet off the target."""
+    return np.abs(apogee - goal.target) / FOOT if goal.rule is None else goal.rule.points(apogee, duration)
 
 
 def _legal(goal: Goal, found: Found, bounds: tuple[float | None, float | None]) -> tuple[float | None, float | None]:

@@ -58,9 +58,10 @@ def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
     said = best.forecast
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {length(goal.target)}"
-    if not best.clear and best.gain is not None and best.gain_error is not None:
-        yield f"  no change: {best.gain:.1f} points a flight to gain, give or take {best.gain_error:.1f}, is not clear"
-        yield "            one more flight at today's mass narrows it; below is what the change would bring"
+    if not best.clear:
+        points = "ft a flight" if goal.rule is None else "points a flight"
+        yield f"  no change: a gain of {best.gain:.0f} ± {best.gain_error:.0f} {points} is not clear;"
+        yield "            one more flight at today's mass narrows it. With the change:"
     yield f"  dry mass  {best.mass * 1e3:.0f} g: {'add' if best.add >= 0 else 'take off'} {abs(best.add) * 1e3:.0f} g"
     yield f"  apogee    {length(p50)} as the altimeter will show it"
     yield f"  90 %      between {length(p05)} and {length(p95)}"

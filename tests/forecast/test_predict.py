@@ -4,6 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import norm
+from scipy.stats.qmc import Sobol
 
 from fieldkit.flight import Flight
 from fieldkit.forecast.predict import predict
@@ -115,10 +117,10 @@ def test_what_is_said_of_a_plan_does_not_hang_on_the_plans_beside_it(past: int, 
     assert beside.cd == pytest.approx(alone.cd, rel=1e-9)
 
 
-def made(known: float, luck: float, draws: int = 500) -> Prediction:
+def made(known: float, luck: float, draws: int = 4096) -> Prediction:
     """A forecast whose logarithm has so much of what more flights would tell, and so much that they would not."""
     (said,) = predict([], [(PLAN, catalogue().resolve("F24"))], draws=draws)
-    apart = np.random.default_rng(8).normal(size=(draws, 2))
+    apart = norm.ppf(Sobol(2, rng=np.random.default_rng(8)).random(draws))
     common, chance = (np.linalg.qr(apart - apart.mean(axis=0))[0] * np.sqrt(draws)).T  # uncorrelated to the last digit
     return replace(said, apogee=250 * np.exp(known * common + luck * chance), random_draws=(chance,))
 
@@ -128,7 +130,7 @@ def test_an_interval_narrows_as_a_normal_mean_becomes_known(more: float) -> None
     known, luck = 0.08, 0.05
     left = 1 / (1 / known**2 + more / luck**2)
     exact = np.sqrt((left + luck**2) / (known**2 + luck**2))
-    assert made(known, luck).narrowed(more) == pytest.approx(exact, rel=1e-9)
+    assert made(known, luck).narrowed(more) == pytest.approx(exact, abs=5e-3)
 
 
 def test_nothing_narrows_what_is_luck_alone_and_all_goes_where_there_is_none() -> None:
