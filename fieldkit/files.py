@@ -79,7 +79,7 @@ def check_target(file: Path, *, force: bool = False) -> None:
     except (OSError, RuntimeError, ValueError) as error:  # a loop of links, a name with a zero in it
         raise FieldkitError(f"{file}: cannot be written ({getattr(error, 'strerror', None) or error})") from error
     if kept:
-        raise FieldkitError(f"{file}: found {kept} there, which is never written over; expected another name")
+        raise FieldkitError(f"{file}: found {kept} there, which is never overwritten; expected another name")
     if not force and is_taken(file):
         raise _taken(file)
 
@@ -171,9 +171,9 @@ def _kept(target: Path) -> str:
     if _is_ledger(target):
         return "a ledger's name"
     if any(_belongs_to_ledger(place) or _holds_copies(place) for place in (target, *target.parents)):
-        return "what belongs to a ledger"
+        return "a file that belongs to a ledger"
     if any(_same(target, own) or own in target.parents for own in own_files()):
-        return "what fieldkit keeps for you"
+        return "a file that fieldkit manages"
     return ""
 
 
@@ -232,7 +232,7 @@ def replace(file: Path, content: bytes) -> None:
 
 
 def _taken(file: Path) -> FieldkitError:
-    return FieldkitError(f"{file}: found a file there already, expected a new name, or --force to replace it")
+    return FieldkitError(f"{file}: found an existing file, expected a new name, or --force to replace it")
 
 
 def _unwritten(file: Path, error: OSError) -> FieldkitError:

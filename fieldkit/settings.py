@@ -55,4 +55,4 @@ def keep_settings(settings: Settings, file: Path | None = None) -> None:
     try:
         replace(file or settings_file(), document.encode())
     except FieldkitError as error:
-        raise FieldkitError(f"{error}, what was chosen holds until you quit") from error
+        raise FieldkitError(f"{error}; the setting applies until you quit") from error

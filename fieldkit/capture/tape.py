@@ -91,7 +91,7 @@ class Tape:
                 content = content[file.write(content) :]
         except OSError as error:
             raise CaptureTrouble(
-                f"{self.file}: cannot be written ({error.strerror}); what came before is kept"
+                f"{self.file}: cannot be written ({error.strerror}); what came before is saved"
             ) from error
 
     def _sync(self) -> None:
@@ -111,7 +111,7 @@ def begin(folder: Path, about: Mapping[str, object]) -> Tape:
         file, raw = _new(folder, f"{began:%Y%m%d-%H%M%S}")
         journal = FileIO(file.with_suffix(JOURNAL), "x")
     except OSError as error:
-        raise CaptureTrouble(f"{folder}: no capture can be kept here ({error.strerror})") from error
+        raise CaptureTrouble(f"{folder}: no capture can be saved here ({error.strerror})") from error
     tape = Tape(file, raw, journal, began, _start=time.monotonic())
     tape.note(capture=1, began=began.isoformat(timespec="milliseconds"), **about)
     tape._sync()
@@ -146,7 +146,7 @@ def go_on(file: Path, began: datetime) -> Tape:
         raw = FileIO(file, "a")
         journal = FileIO(file.with_suffix(JOURNAL), "a")
     except OSError as error:
-        raise CaptureTrouble(f"{file}: cannot go on ({error.strerror})") from error
+        raise CaptureTrouble(f"{file}: cannot continue ({error.strerror})") from error
     passed = max(0.0, (datetime.now().astimezone() - began).total_seconds())
     tape = Tape(file, raw, journal, began, raw.seek(0, os.SEEK_END), time.monotonic() - passed)
     tape._marked_size = tape.size

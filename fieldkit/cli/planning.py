@@ -47,7 +47,7 @@ class PlanContext:
 
         last = self.ledger.latest(self.flight.rocket)
         if not self.flight.motor and last is None:
-            raise UnknownMotor(f"{self.flight.rocket}: found no flights to know a motor from, expected --motor")
+            raise UnknownMotor(f"{self.flight.rocket}: found no flights to take a motor from, expected --motor")
         return self.motors.resolve_several(self.flight.motor or (last.motor if last else ""))
 
     def safety(self, said: "Prediction") -> "list[SafetyCheck]":
@@ -69,7 +69,7 @@ def planning(context: typer.Context, given: Given) -> Iterator[PlanContext]:
     motors = known_motors()
     with open_ledger(context) as ledger, progress("planning") as on_progress:
         name = known_rocket(ledger, given)
-        on_progress(f"flying {name} on what its flights taught", 0.3)
+        on_progress(f"forecasting {name} from its flights", 0.3)
         flight = plan_from_options(ledger, motors, {**given, "rocket": name})
         rocket = rocket_of(ledger, motors, name)
         kit = _kit(given)

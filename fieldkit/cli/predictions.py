@@ -18,11 +18,13 @@ app = typer.Typer()
 @app.command()
 def predictions(
     context: typer.Context,
-    rocket: Annotated[str | None, typer.Option(help="Of this rocket only.", show_default=False)] = None,
-    every: Annotated[bool, typer.Option("--all", help="Those too that were replaced, or lapsed unflown.")] = False,
+    rocket: Annotated[str | None, typer.Option(help="Predictions of this rocket only.", show_default=False)] = None,
+    every: Annotated[
+        bool, typer.Option("--all", help="Include predictions that were replaced or that lapsed without a flight.")
+    ] = False,
     json: Annotated[bool, typer.Option("--json", help="Print JSON.")] = False,
 ) -> None:
-    """List the predictions kept: those still open, those that became stale and why, and those flown."""
+    """List saved predictions: open, stale (with the reason), and flown."""
     from fieldkit.services.forecasts import which_rocket
     from fieldkit.services.saved_forecasts import LISTED_STATES, list_forecasts, standing
 
@@ -35,7 +37,7 @@ def predictions(
         print_json({"predictions": [one.json() for one in shown]})
         return
     if not found:
-        complain(f"no predictions kept in {where} yet; `fieldkit predict` makes one")
+        complain(f"no predictions saved in {where} yet; `fieldkit predict` saves one")
         return
     rockets = {one.made.rocket for one in found}
     headers = ["no", "made", "flight", "motor", "apogee m", "90 %", "flown", "miss", ""]

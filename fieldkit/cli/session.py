@@ -31,7 +31,7 @@ def open_ledger(context: typer.Context) -> "Iterator[Ledger]":
             for line in ledger.remarks[:REMARKS]:
                 complain(f"note: {line}")
             if len(ledger.remarks) > REMARKS:
-                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are left out of every fit")
+                complain(f"note: {len(ledger.remarks) - REMARKS} more flights are excluded from every fit")
             if ledger.trouble:
                 complain(f"warning: {ledger.trouble}")
 

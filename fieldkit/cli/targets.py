@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-Force = Annotated[bool, typer.Option("--force", help="Replace a file that is there already.")]
+Force = Annotated[bool, typer.Option("--force", help="Replace an existing file.")]
 
 
 def settled(file: Path, force: bool) -> bool:
@@ -19,5 +19,5 @@ def settled(file: Path, force: bool) -> bool:
     asks = is_taken(file) and not force and sys.stdin.isatty() and sys.stderr.isatty()
     check_target(file, force=force or asks)
     if asks:
-        typer.confirm(f"{file} is there already. Replace it?", abort=True, err=True)
+        typer.confirm(f"{file} already exists. Replace it?", abort=True, err=True)
     return force or asks

@@ -6,11 +6,11 @@ from types import MappingProxyType
 
 TAGS: Mapping[str, str] = MappingProxyType(
     {
-        "weak_launch": "The motor pushed less than it should: slow off the pad.",
+        "weak_launch": "The motor delivered too little thrust: slow off the pad.",
         "off_axis": "The rocket flew clearly off the vertical.",
-        "extra_drag": "Something stuck out or came loose: more drag than this rocket has.",
+        "extra_drag": "Something stuck out or came loose: more drag than usual.",
         "early_ejection": "The ejection charge fired well before apogee.",
-        "altimeter_fault": "The altimeter's figures are not to be believed.",
+        "altimeter_fault": "The altimeter's readings are not reliable.",
         "damaged": "The rocket broke in flight.",
         "cato": "The motor failed.",
         "staged": "A flight with more than one stage burning.",
@@ -20,7 +20,7 @@ TAGS: Mapping[str, str] = MappingProxyType(
 """Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
 CHECKED_TAG = "checked"
 KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
-    {**TAGS, CHECKED_TAG: "No anomaly: every readout was looked at and is right, however little one fits the others."}
+    {**TAGS, CHECKED_TAG: "No anomaly: every readout was checked and is right, even if one disagrees with the others."}
 )
 """Every tag that means something to fieldkit."""
 

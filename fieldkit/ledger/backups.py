@@ -193,9 +193,9 @@ def offer(file: Path) -> str:
     """What can be done about a damaged ledger, for the end of a message."""
     newest = next(iter(backups(file)), None)
     if newest is None:
-        return "no backup of it is kept; `sqlite3 FILE .recover` may save some of it"
+        return "it has no backup; `sqlite3 FILE .recover` may recover some of it"
     when = f"{newest.at.astimezone():%Y-%m-%d %H:%M}"
-    return f"`fieldkit backups restore` puts back the copy of {when} and keeps what is left"
+    return f"`fieldkit backups restore` restores the backup of {when} and saves what is left"
 
 
 def restore(file: Path, backup: Backup) -> Path | None:
@@ -210,7 +210,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
     file = file.resolve()
     try:
         if found := fault(backup.file):
-            raise LedgerError(f"{backup.file}: this copy is damaged too ({found}); restore another one")
+            raise LedgerError(f"{backup.file}: this backup is damaged too ({found}); restore another one")
         if not file.exists() or not file.stat().st_size:
             return _put_aside(file, backup, keep=False)
         with opened(file) as ledger:

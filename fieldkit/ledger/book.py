@@ -117,7 +117,7 @@ def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
     if not flight.flight_id:
         raise LedgerError("found an empty flight_id, expected one that is unique within the rocket")
     if identity != (held.flight.rocket, held.flight.flight_id) and _is_there(pen.connection, identity):
-        raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is in the ledger already")
+        raise LedgerError(f"flight {flight.flight_id} of {flight.rocket} is already in the ledger")
     changes = {name: value for name, value in after.items() if value != before[name] and name != "tags"}
     if held.entered is None:
         changes["entered"] = before

@@ -43,7 +43,7 @@ def checked(row: Row) -> Row:
         sound = False
     if not sound:
         name = " of ".join(str(row[key]) for key in ("flight_id", "number", "config", "rocket") if row.get(key))
-        raise DamagedRow(f"the row of {name} is not as it was written")
+        raise DamagedRow(f"a row of {name} does not match its checksum")
     return row
 
 

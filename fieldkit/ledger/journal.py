@@ -189,7 +189,7 @@ def _change_rows(connection: Connection, images: Iterable[Image]) -> None:
         if image.before is None:
             taken = table in (drafts, predictions) and _stands(connection, table, image.after or {})
             if taken and table is predictions:
-                raise LedgerError("another forecast was made since, so this one cannot be kept again; ask for it anew")
+                raise LedgerError("a newer forecast exists, so this one cannot be restored; run the forecast again")
             if not taken:
                 connection.execute(insert(table).values(**(image.after or {})))
         elif image.after is None:

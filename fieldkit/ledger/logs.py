@@ -23,7 +23,7 @@ def log_of(connection: Connection, held: Held) -> bytes | None:
     """The original bytes of a held flight's log, None where it came without. Raises DamagedRow where they are gone."""
     content = _content(connection, held.log_digest)
     if held.log_digest and content is None:
-        raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is gone")
+        raise DamagedRow(f"the log {held.log_digest} of flight {held.flight.flight_id} is missing")
     return content
 
 
@@ -50,7 +50,7 @@ def _unpacked(packed: bytes, size: int, digest: str) -> bytes:
         raise DamagedRow(f"found a log of {size} bytes, expected at most {MAX_FILE_SIZE}")
     content = zlib.decompressobj().decompress(packed, size + 1)
     if len(content) != size:
-        raise DamagedRow(f"found a log of another size than the {size} bytes of its row")
+        raise DamagedRow(f"found a log whose size differs from the {size} bytes on record")
     if digest_of(content) != digest:
-        raise DamagedRow(f"the bytes of the log {digest} are not as they were written")
+        raise DamagedRow(f"the bytes of the log {digest} do not match their checksum")
     return content

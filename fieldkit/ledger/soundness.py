@@ -111,7 +111,7 @@ def _first_fault(connection: Connection, unlike: dict[Table, Keys]) -> str:
     if version(connection) == STEPS[-1] and (lost := missing(connection)):
         return lost
     if stray := connection.execute(text("PRAGMA main.foreign_key_check")).first():
-        return f"a row of {stray[0]} names one of {stray[2]} that is gone"
+        return f"a row of {stray[0]} refers to a missing row of {stray[2]}"
     there = inspect(connection)
     for table in (table for table in metadata.sorted_tables if there.has_table(table.name)):
         names = {column["name"] for column in there.get_columns(table.name)}

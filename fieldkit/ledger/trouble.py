@@ -19,13 +19,13 @@ _SQLITE = {
     "SQLITE_NOTADB": "this file is not a ledger, expected a file made by fieldkit",
     "SQLITE_CORRUPT": "the file is damaged",
     "SQLITE_READONLY_DBMOVED": "the file was moved, removed or replaced; nothing was changed, open it again",
-    "SQLITE_READONLY": "the ledger is read-only, expected a file and folder that may be written",
+    "SQLITE_READONLY": "the ledger is read-only, expected a writable file and folder",
     "SQLITE_FULL": "the disk is full; nothing was changed, free some space and try again",
-    "SQLITE_BUSY": f"another program has kept it locked for {PATIENCE:.0f} s; nothing was changed, try again",
+    "SQLITE_BUSY": f"another program has locked it for {PATIENCE:.0f} s; nothing was changed, try again",
     "SQLITE_LOCKED": "another program has locked the ledger; nothing was changed, try again",
-    "SQLITE_CANTOPEN": "cannot open the file, expected one in a folder that exists and may be read",
+    "SQLITE_CANTOPEN": "cannot open the file, expected one in an existing, readable folder",
     "SQLITE_IOERR_READ": "the disk failed to read; nothing was changed",
-    "SQLITE_IOERR": "the disk failed; `fieldkit history` tells whether the change was made, look before trying again",
+    "SQLITE_IOERR": "the disk failed; check `fieldkit history` for the change before trying again",
     "SQLITE_PERM": "no permission to use the file",
 }
 

@@ -51,7 +51,7 @@ class Correction:
         if self.applied:
             before = f" instead of {was}" if self.field != "motor" else ""
             return f"{what} {now}{before} ({self.confidence}: {self.source})"
-        other = f"; {now} by another document" if self.value else ""
+        other = f"; {now} in another document" if self.value else ""
         return f"{what} {was}{other} (open: {self.source})"
 
     def json(self) -> dict[str, object]:

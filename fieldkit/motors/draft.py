@@ -73,7 +73,7 @@ class MotorDraft:
     def motor(self) -> Motor:
         """The motor. Raises DamagedLog for a curve that is cut short, or masses that cannot be."""
         if not self.samples:
-            raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below it")
+            raise self.place.damaged(f"found no thrust for {self.designation}, expected samples below its header")
         last, _, end = self.samples[-1]
         if end > BURN_THRUST_FRACTION * max(thrust for _, _, thrust in self.samples):
             raise last.damaged(f"found a curve that ends at {end:g} N, expected 0: the file may be cut short")

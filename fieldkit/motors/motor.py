@@ -142,11 +142,11 @@ def knots(time: Sequence[float], thrust: Sequence[float]) -> tuple[Float[Array, 
     """
     t, f = np.array(time, dtype=float), np.array(thrust, dtype=float)
     if t.size < 2 or not (np.isfinite(t).all() and np.isfinite(f).all()):
-        raise BadValue("found fewer than two samples or a value that is no number, expected a thrust curve")
+        raise BadValue("found fewer than two samples or a value that is not a number, expected a thrust curve")
     if (np.diff(t) < 0).any() or t[0] < 0 or t[-1] == 0:
-        raise BadValue("found times that run backwards or stand still, expected times that increase from 0")
+        raise BadValue("found times that do not increase, expected times that increase from 0")
     if (f < 0).any() or not f.any():
-        raise BadValue("found negative thrust or none at all, expected thrust in newtons")
+        raise BadValue("found negative or no thrust, expected thrust in newtons")
     if t[0] > 0 or f[0] > 0:
         t, f = np.append(0.0, t), np.append(0.0, f)
     if f[-1] > 0:

@@ -98,7 +98,7 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
     """
     name, candidates = _candidates(listings, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
-    note = f"taken for {best.label}; it could be {', '.join(other.label for other in others)}" if others else ""
+    note = f"read as {best.label}; it could also be {', '.join(other.label for other in others)}" if others else ""
     return _found(name, best, note)
 
 
@@ -197,9 +197,11 @@ def _found(name: Name, listing: Listing, note: str = "") -> Found:
         asked = "plugged" if name.delay == PLUGGED_DELAY else f"a delay of {name.delay:g} s"
         notes.append(f"{listing.label} is not sold {asked}, only with {delays_text(motor.delays)}")
         if any(one.field == "delays" and not one.applied for one in motor.corrections):
-            notes.append(f"that list is an old one; give the longest delay on the bag, as {listing.designation}-14A")
+            notes.append(
+                f"that delay list is outdated; give the longest delay on the package, as in {listing.designation}-14A"
+            )
     if motor.estimated:
-        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not on record, estimated")
+        notes.append(f"{listing.label}: {' and '.join(motor.estimated)} not listed, estimated")
     return Found(motor, name.delay, tuple(notes))
 
 
@@ -250,7 +252,7 @@ def _all(listings: Listings) -> Iterable[Listing]:
 def _unknown(listings: Listings, text: str, name: Name) -> str:
     if _UNKNOWN_CLASS.match(tidy(text)):
         return (
-            f"{text.strip()!r}: found a class above O, of which the catalogue has none; expected the motor's own file"
+            f"{text.strip()!r}: found a class above O, which the catalog does not have; expected the motor's own file"
         )
     elsewhere = listings.get(name.core, ())
     if elsewhere and (swapped := _SWAPPED_SUFFIX.fullmatch(name.letters)):

@@ -17,12 +17,12 @@ from fieldkit.motors.search import Found
 from fieldkit.shapes import Array
 
 CLUSTER_NOTE = (
-    "a cluster: thrusts are added as if every motor lights; the delay counts from the end of the last burn; drag and "
-    "the loss of one motor are not reckoned with"
+    "a cluster: thrusts are added as if every motor lights; the delay counts from the end of the last burn; changes in "
+    "drag and failed ignitions are not modeled"
 )
 STAGES_NOTE = (
     "two stages: the booster drops at its burnout and the upper motor lights then; both fly on one diameter and one "
-    "Cd, and how the booster comes down is not reckoned with"
+    "Cd, and the descent of the booster is not modeled"
 )
 DROP_TIME = 1e-3
 """In which a booster is gone. [s]"""
@@ -52,9 +52,9 @@ def resolve_several(text: str, resolve: Callable[[str], Found], booster_mass: fl
     if len(stages) == 1:
         return _cluster(text, resolve)
     if len(stages) > 2:
-        raise UnknownMotor(f"{text}: found {len(stages)} stages, expected two at most: more are not modelled")
+        raise UnknownMotor(f"{text}: found {len(stages)} stages, expected at most two: more are not modeled")
     if booster_mass is None:
-        raise UnknownMotor(f"{text}: found two stages, expected --booster-mass too, without its motor: 60g")
+        raise UnknownMotor(f"{text}: found two stages, expected --booster-mass too, without its motor, as in 60g")
     booster, sustainer = (_cluster(stage, resolve) for stage in stages)
     motor = two_stages(booster.motor, sustainer.motor, booster_mass)
     return Found(motor, sustainer.delay, (*booster.notes, *sustainer.notes, STAGES_NOTE))

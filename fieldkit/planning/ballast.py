@@ -202,7 +202,7 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
         edge or plan.dry_mass * share for edge, share in zip(bounds, (MIN_MASS_RATIO, MAX_MASS_RATIO), strict=True)
     )
     if not 0 < low < high:
-        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lighter first")
+        raise ImpossibleFlight(f"found masses from {low * 1e3:g} to {high * 1e3:g} g, expected the lower one first")
     return np.linspace(low, high, GRID)
 
 

@@ -6,7 +6,7 @@ from typing import Literal
 
 from fieldkit.units import FOOT, MILE
 
-ADVICE_NOTE = "These lines advise; the range safety officer decides."
+ADVICE_NOTE = "These checks are advice; the range safety officer decides."
 MPH = MILE / 3600
 SAFE_RISK, UNSAFE_RISK = 0.05, 0.5
 """Probability of missing a limit up to which a check passes, and from which on it fails. [1]"""

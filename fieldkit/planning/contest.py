@@ -129,9 +129,7 @@ def season(year: int, own: Path | None = None) -> Season:
             **{key: str(rule[key]) for key in ("eggs", "body", "launch", "finals", "mark", "source") if key in rule},
         )
     except (KeyError, ValueError, RecursionError, TypeError, AttributeError, OSError) as error:
-        raise BadValue(
-            f"{file.name}: found {error}, expected every key of a season with a value of its kind"
-        ) from error
+        raise BadValue(f"{file.name}: found {error}, expected every key of a season with a valid value") from error
 
 
 def _finals(feet: Sequence[float] | None) -> tuple[float, float] | None:
@@ -247,9 +245,9 @@ def motor_line(rule: Season, found: Found, approved: frozenset[str] | None) -> S
     motor = found.motor
     name = f"{motor.maker} {motor.designation}"
     if approved is None:
-        kept = "impulse kept; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
+        kept = "impulse unchanged; " if rule.impulse is None or motor.total_impulse <= rule.impulse else ""
         where = f"{rule.year}_motors.txt among your own seasons"
-        return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's list ({where})", "")
+        return SafetyCheck("contest motor list", "unknown", f"{kept}check the season's motor list ({where})", "")
     listed = {squeeze(name), squeeze(motor.designation), squeeze(f"{motor.maker} {motor.name}")} & approved
     text = f"{name} is {'on' if listed else 'not on'} your copy of the list"
     return SafetyCheck("contest motor list", "ok" if listed else "unsafe", text, f"{rule.year}_motors.txt")

@@ -25,7 +25,7 @@ class Day:
 
 def read_window(text: str) -> tuple[float, float]:
     """The window of durations as announced, typed as `37-40`. Raises BadValue. [s]"""
-    wanted = BadValue(f"found {text!r}, expected seconds, the fewer first, such as 37-40")
+    wanted = BadValue(f"found {text!r}, expected seconds, the lower first, such as 37-40")
     try:
         low, high = (float(part.strip(" s")) for part in text.split("-"))
     except ValueError:
@@ -63,5 +63,5 @@ def read_part(name: str, text: str, unit: str) -> object:
         return read_points(text)
     length = units.parse(text, "length", unit)
     if not 0 < length < 1e5:
-        raise BadValue(f"found {text!r}, expected a length above nothing, such as 800ft")
+        raise BadValue(f"found {text!r}, expected a length above zero, such as 800ft")
     return length

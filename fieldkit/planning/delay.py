@@ -49,7 +49,7 @@ class Drill:
             return ""
         steps = ", ".join(f"{off:g}" for off in self.takes_off)
         why = f"was not checked against its instructions ({self.source})"
-        return f"What {self.maker}'s tool takes off ({steps} s) {why}: go by the marks on yours."
+        return f"What {self.maker}'s tool removes ({steps} s) {why}: go by the marks on yours."
 
 
 @dataclass(frozen=True, slots=True)
@@ -171,7 +171,9 @@ def delays(
     said = forecasts(rocket, planned, draws=draws, delay_sd=sd)
     lifted = said[0].apogee > 0
     if lifted.mean() < 0.5:
-        raise ImpossibleFlight(f"{found.motor.designation}: found too little thrust to lift the rocket, expected more")
+        raise ImpossibleFlight(
+            f"{found.motor.designation}: found too little thrust to lift the rocket, expected a stronger motor"
+        )
     coast = said[0].coast_time[lifted]
     judged = [_judged(one, delay, limit, on_sale) for one, (delay, on_sale) in zip(said[1:], ways, strict=True)]
     order = sorted(range(len(judged)), key=lambda i: (round(judged[i][1].too_fast, 2), judged[i][0]))
@@ -193,19 +195,19 @@ def _words(coast: Float[Array, "draw"], found: Found, ranked: Sequence[Delay]) -
     """What cannot be, said in words."""
     name, middle, motor = found.motor.designation, float(np.median(coast)), found.motor
     if middle < 0:
-        text = (
-            f"{name}: the rocket is over the top {-middle:.1f} s before the motor burns out, so a delay would have to"
-        )
-        return [f"{text} be negative and none fits: it is too heavy for this motor, or the motor burns too long."]
+        text = f"{name}: the rocket passes apogee {-middle:.1f} s before burnout, so a delay would have to"
+        return [
+            f"{text} be negative and none fits: the rocket is too heavy for this motor, or the motor burns too long."
+        ]
     if not motor.delays:
-        return [f"{name}: no delays are on record; the best would be {middle:.1f} s."]
+        return [f"{name}: no delays are listed; the best would be {middle:.1f} s."]
     if not ranked:
-        return [f"{name} is sold plugged alone: it has no ejection charge, the altimeter must deploy."]
+        return [f"{name} is sold only plugged: it has no ejection charge, so the altimeter must deploy."]
     short, long = min(one.delay for one in ranked), max(one.delay for one in ranked)
     if middle < short - MIN_DELAY_TOLERANCE:
-        text = f"{name}: coasts {middle:.1f} s, the shortest delay there can be is {short:g} s: every charge fires"
+        text = f"{name}: coasts {middle:.1f} s, the shortest available delay is {short:g} s: every charge fires"
         return [f"{text} late, on the way down. A lighter rocket or a faster motor coasts longer."]
     if middle > long + MIN_DELAY_TOLERANCE:
-        text = f"{name}: coasts {middle:.1f} s, the longest delay there can be is {long:g} s: every charge fires"
-        return [f"{text} early, on the way up. A heavier rocket coasts less, or the altimeter must deploy."]
+        text = f"{name}: coasts {middle:.1f} s, the longest available delay is {long:g} s: every charge fires"
+        return [f"{text} early, on the way up. A heavier rocket coasts less, or let the altimeter deploy."]
     return []

@@ -161,7 +161,7 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
     motors = [motor for listing in near if wanted.fits(motor := listing.motor())]
     if not motors:
         mount = "any" if wanted.mount is None else f"a {wanted.mount * 1e3:g} mm"
-        raise UnknownMotor(f"found no motor for {mount} mount within these limits, expected wider ones")
+        raise UnknownMotor(f"found no motor for {mount} mount within these limits, expected wider limits")
     return motors
 
 

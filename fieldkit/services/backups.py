@@ -12,7 +12,9 @@ def copies(where: str | Path | None) -> tuple[Path, list[Backup]]:
     url = whereabouts.location(where)
     file = whereabouts.file_of(url)
     if file is None:
-        raise LedgerError(f"{whereabouts.name_of(url)}: is not a file of its own; back it up with what its server has")
+        raise LedgerError(
+            f"{whereabouts.name_of(url)}: found a ledger on a server, expected a file; use the server's own backups"
+        )
     return file, backups(file)
 
 

@@ -19,13 +19,13 @@ from fieldkit.selection.trial import Trial
 from fieldkit.selection.unexplained import Leftover, leftover
 
 EVALUATION = (
-    "leave-one-flight-out, effects weighed anew inside every fold "
-    "(Pareto-smoothed importance sampling, fitted again without the flight where that is unsure; "
-    "which effects are averaged over was found with all flights)"
+    "leave-one-flight-out, effects reweighted within every fold "
+    "(Pareto-smoothed importance sampling, refitted without the flight if that is unreliable; "
+    "the set of effects averaged over was chosen with all flights)"
 )
 FORWARD_METHOD = (
-    "each flight forecast from the flights before it, effects weighed anew by those at every flight "
-    "(readouts linear about the fits to all flights, which found the effects averaged over)"
+    "each flight forecast from the flights before it, effects reweighted by those at every flight "
+    "(readouts linearized about the fits to all flights, which chose the effects averaged over)"
 )
 NEXT_FLIGHT_DRAWS = 400
 """Draws of the forecast that shows what a verdict is worth. [1]"""

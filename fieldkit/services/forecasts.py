@@ -48,7 +48,7 @@ def which_rocket(ledger: Ledger, wanted: str | None) -> str:
     rockets = ledger.names("rocket")
     if wanted is None:
         if not rockets:
-            raise NoFlights(f"{ledger.name}: found no flights, expected some; import or add them first")
+            raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
         return rockets[0]
     if wanted not in rockets and not ledger.starts(wanted):
         raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none yet'}")

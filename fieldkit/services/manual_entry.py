@@ -123,9 +123,9 @@ def enter(ledger: Ledger, flight: Flight, draft: str | None = None) -> tuple[Fli
     Raises BadValue for a flight without a rocket or without anything that was observed of it.
     """
     if not flight.rocket:
-        raise BadValue("the answers ended before the rocket was named, nothing was added")
+        raise BadValue("input ended before the rocket was named; nothing was saved")
     if not (flight.readouts() or flight.tags):
-        raise BadValue("found no readout and no tag, expected at least one; nothing was added")
+        raise BadValue("found no readout and no tag, expected at least one; nothing was saved")
     if flight.site and flight.site_elevation is None:
         flight = flight.with_changes(site_elevation=site_of(ledger, flight.site).elevation)
     flight = flight.with_changes(

@@ -58,7 +58,7 @@ def _part(flight: Flight, readings: list[Reading], id: str) -> Reading:
         return readings[int(part) - 1]
     named = [one for one in readings if one.stated.get("flight_id") == flight.flight_id]
     if len(named) != 1:
-        raise LedgerError(f"{id}: its log holds {len(readings)} flights and none of them is called so")
+        raise LedgerError(f"{id}: its log holds {len(readings)} flights and none has this id")
     return named[0]
 
 
@@ -74,7 +74,7 @@ def recordings(
     if path.is_file():
         return _in_file(path, format, choices)
     if ledger is None:
-        raise NoFlights(f"{what}: there is no such file")
+        raise NoFlights(f"{what}: no such file")
     found = recording_of(ledger, what, choices)
     return [found or _by_readouts(ledger.flight(what), what)]
 

@@ -114,15 +114,15 @@ def by_flight(found: Sequence[SavedForecast]) -> dict[tuple[str, str], SavedFore
 
 
 def in_words(one: SavedForecast) -> Iterator[str]:
-    """What was foretold for a flight and what was flown, a line each."""
+    """Forecast and flown apogee of a flight, a line each."""
     low, middle, high = one.interval
-    said = f"{middle:.0f} m, 90 % between {low:.0f} and {high:.0f} m"
+    said = f"{middle:.0f} m, 90 % interval {low:.0f} to {high:.0f} m"
     yield f"forecast {one.made.at.astimezone():%Y-%m-%d %H:%M}: {said}"
     if one.flown is not None and one.miss is not None:
         way, where = "higher" if one.miss >= 0 else "lower", "inside" if low <= one.flown <= high else "outside"
-        yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} of the interval"
+        yield f"flown {one.flown:.1f} m: {abs(one.miss):.1f} m {way}, {where} the interval"
     if one.stale:
-        yield f"stale {'by then' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
+        yield f"stale {'at launch' if one.flown is not None else 'now'}: {'; '.join(one.changes)}"
 
 
 def _replaced(predictions: Sequence[StoredPrediction]) -> dict[int, State]:
@@ -163,4 +163,4 @@ def standing(found: Sequence[SavedForecast]) -> str:
     counts = Counter(one.state for one in found)
     stale = sum(one.stale for one in found if one.state == "flown")
     words = [f"{count} {state}" for state, count in counts.items()]
-    return ", ".join(words) + (f" ({stale} of the flown were stale by then)" if stale else "")
+    return ", ".join(words) + (f" ({stale} of the flown were stale at launch)" if stale else "")

@@ -17,13 +17,13 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 
 
 EFFECT = Effect(
-    title="a leaning rail",
+    title="a rail off vertical",
     family="launch",
     explains="the rocket leaves the pad at an angle from vertical, so part of its speed is spent sideways",
     unit="deg",
     prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),
     source="projection of thrust and speed; angle from vertical",
-    tell_apart="measure the rail's angle, or fly once with the rail plumb",
+    tell_apart="measure the rail's angle, or fly once with the rail vertical",
     setup=setup,
     per="site",
     squared=True,

@@ -30,7 +30,7 @@ def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequenc
 EFFECT = Effect(
     title="tip-off",
     family="launch",
-    explains="the rocket leaves the rail slowly and turns aside, most with heavy loads and weak motors",
+    explains="the rocket leaves the rail slowly and turns, most with heavy loads and weak motors",
     unit="deg at 15 m/s off the rail",
     prior=Prior(mean=60.0, sd=80.0, low=0.0, high=900.0),
     source="Mandell, Caporaso and Bengen, Topics in Advanced Model Rocketry (1973), launch of unguided rockets",

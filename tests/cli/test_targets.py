@@ -196,7 +196,7 @@ def test_the_place_of_a_ledger_that_is_gone_or_damaged_is_kept(home: Path) -> No
     ledger = home / "ledger.db"
     for harm in (lambda: ledger.write_bytes(b"\0" * 4096), ledger.unlink):
         harm()
-        with pytest.raises(FieldkitError, match="never written over"):
+        with pytest.raises(FieldkitError, match="never overwritten"):
             files.write(ledger, b"x", force=True)
 
 

@@ -191,7 +191,7 @@ def test_a_delay_that_is_not_sold_is_a_note_and_not_a_refusal() -> None:
 def test_a_mass_that_was_estimated_is_said_aloud() -> None:
     found = catalogue().find("G35-4")
     assert found.motor.estimated == ("casing mass",)
-    assert "casing mass not on record, estimated" in found.notes[0]
+    assert "casing mass not listed, estimated" in found.notes[0]
 
 
 def test_every_motor_is_found_by_maker_and_designation() -> None:
@@ -290,7 +290,7 @@ def test_a_longest_delay_that_is_typed_is_what_is_drilled_from() -> None:
     assert drill is not None
     assert sorted(offered(found.motor, drill.takes_off)) == [6.0, 8.0, 10.0, 12.0, 14.0]
     assert catalogue().find("H128W").motor.delays == (4.0, 6.0, 8.0, 10.0)
-    assert "old one; give the longest delay on the bag" in catalogue().find("H128W-14").notes[1]
+    assert "outdated; give the longest delay on the package" in catalogue().find("H128W-14").notes[1]
     assert catalogue().find("H238T-14A").motor is catalogue().find("H238T").motor
 
 

@@ -166,7 +166,7 @@ def _same_unit(link: Link, count: int, captured: Captured) -> None:
     settings = {",".join(one.fields) for one in told if one.name == "alticonfig"}
     mine = link.about.get("settings")
     if (counts and str(count) not in counts) or (mine and settings and mine not in settings):
-        raise PortTrouble(f"{link.line.name}: this is another unit than that of the capture; begin a new capture")
+        raise PortTrouble(f"{link.line.name}: this is not the unit of the capture; start a new capture")
 
 
 def _flight(link: Link, number: int) -> Dialogue[bool]:
@@ -176,7 +176,7 @@ def _flight(link: Link, number: int) -> Dialogue[bool]:
         if ended and not bad:
             return True
         fault = f"{bad} sentences with a wrong checksum" if ended else "it stopped in the middle"
-        again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are kept"
+        again = "; reading it again" if attempt < TRIES else f"; {good} samples of it are saved"
         yield Instruction(f"flight {number}: {fault}{again}")
         yield from link.drain(0.3)
     return False

@@ -81,7 +81,7 @@ def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None
     if before and mine and mine.encode("latin-1") not in before:
         known = ", ".join(sorted(one.decode() for one in before))
         raise PortTrouble(
-            f"{link.line.name}: found serial number {mine}, expected {known} of the capture; begin a new one"
+            f"{link.line.name}: found serial number {mine}, expected {known} of the capture; start a new one"
         )
 
 

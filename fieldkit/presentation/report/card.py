@@ -90,7 +90,7 @@ def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForeca
     except FieldkitError:
         return None
     low, middle, high = (float(x) for x in made.apogee_quantiles())
-    words = f"no prediction was kept; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
+    words = f"no saved prediction; from the {made.rests_on} other clean flights it would have been {middle:.0f} m"
     return CardForecast(made.apogee, (low, middle, high), False, words)
 
 
@@ -133,7 +133,7 @@ def _learned(flight: Flight, motors: Catalogue) -> Rows:
     rows = []
     if np.isfinite(one.cd):
         rows.append(("Drag coefficient Cd", f"{one.cd:.2f} ± {one.cd_sd:.2f}", ""))
-    rows.append(("Thrust over certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
+    rows.append(("Thrust / certified", f"{one.alpha:.3f} ± {one.alpha_sd:.3f}", ""))
     return tuple(rows)
 
 

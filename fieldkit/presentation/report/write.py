@@ -97,7 +97,7 @@ def _card(card: Card) -> dict[str, Any]:
         "figures": headline(card),
         "forecast": embedded(picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "svg")),
         "log": embedded(picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "svg")),
-        "columns": [("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)],
+        "columns": [("Readouts", card.readouts), ("Setup and conditions", card.circumstances)],
         "remarks": remarks(card),
     }
 
@@ -121,7 +121,7 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         headers, rows = table(book)
         lines += [f"# {as_markdown(book.title)}", "", as_markdown(book.subtitle), ""]
         lines += [", ".join(f"{as_markdown(value)} {what}" for value, what in book.figures) + ".", ""]
-        yield beside("flights", _overview(book, "png"), "Foretold and flown")
+        yield beside("flights", _overview(book, "png"), "Predicted and flown")
         lines += [*_grid(headers, rows), ""]
         lines += [piece for one in book.findings for piece in (as_markdown(one), "")]
     for number, card in enumerate(_told(book.cards, on_progress), start=1):
@@ -131,9 +131,9 @@ def _markdown(book: FlightReport, path: Path, on_progress: ReportProgress) -> It
         yield beside(
             f"{number}-forecast", picture(partial(forecast, card=card), (PICTURE_WIDTH, 2.2), "png"), "Predicted"
         )
-        told = "The log" if card.trace else "The flights of this rocket so far"
+        told = "The log" if card.trace else "Flights of this rocket so far"
         yield beside(f"{number}-log", picture(partial(log, card=card), (PICTURE_WIDTH, 3.1), "png"), told)
-        for name, figures in (("Readouts", card.readouts), ("Set-up and conditions", card.circumstances)):
+        for name, figures in (("Readouts", card.readouts), ("Setup and conditions", card.circumstances)):
             if figures:
                 lines += [*_grid((name, "SI", "US"), figures), ""]
         lines += [piece for one in remarks(card) for piece in (as_markdown(one), "")]

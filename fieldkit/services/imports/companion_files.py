@@ -53,9 +53,9 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
             continue
         sorting.new.append(arrival)
         if maybe := certain or [id for id, flight in held if _maybe(flight, arrival)]:
-            why = "which has its number" if _number(arrival.flight) else "whose lift-off is not known for certain"
+            why = "which has the same number" if _number(arrival.flight) else "whose lift-off time is uncertain"
             sorting.notes.append(
-                f"{arrival.source}: may be of the flight {' or '.join(maybe[:3])}, {why}; "
+                f"{arrival.source}: may belong to flight {' or '.join(maybe[:3])}, {why}; "
                 f"where it is, `fieldkit remove` that flight and import its files together"
             )
     return sorting
@@ -137,14 +137,14 @@ def _join(ledger: "Ledger", id: str, arrival: Arrival, sorting: Sorting, choices
     except (DamagedLog, UnknownFormat, LedgerError) as error:
         sorting.new.append(arrival)
         sorting.notes.append(
-            f"{arrival.source}: is of the flight {id}, but cannot be read with its other files: {error}"
+            f"{arrival.source}: belongs to flight {id} but cannot be read with its other files: {error}"
         )
         return
     fresh = as_held(read, flight, " ".join(one.digest for one in (*kept[1:], *new)))
     given = {name: value for name, value in (arrival.given or {}).items() if getattr(flight, name) in (None, "", ())}
     again = None if entered is None else renewed(entered, None, fresh)
     sorting.renewals.append(Renewal(id, renewed(flight, entered, fresh).with_changes(**given), again, tuple(new)))
-    sorting.notes.append(f"{arrival.source}: is a further file of the flight {id}, and was added to it")
+    sorting.notes.append(f"{arrival.source}: added to flight {id}, to which it belongs")
 
 
 def _is_there(flight: Flight, arrival: Arrival, sorting: Sorting) -> bool:

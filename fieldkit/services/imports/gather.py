@@ -215,11 +215,11 @@ def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[
     try:
         content = files.read(_inside(folder, flight.log), plain=True)
     except OSError as error:
-        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}), taken without it"]
+        return arrival, [f"found {flight.log!r}, which cannot be read ({error.strerror}); imported without it"]
     try:
         found = read(content, flight.log, check_motor)
     except (UnknownFormat, DamagedLog) as error:
-        return replace(arrival, log=Original.of(content), given=None), [f"kept but not read: {error}"]
+        return replace(arrival, log=Original.of(content), given=None), [f"stored but not read: {error}"]
     measured = {column.name for column in MEASURED if flight.number(column.name) is None}
     row = {name: getattr(flight, name) for name in FIELDS if name not in measured}
     filled = _filled(flight, found.flights)

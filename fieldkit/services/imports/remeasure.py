@@ -91,7 +91,7 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
     if len(found) != 1:
         found = [one for one in fresh if one.extra.get("log_part", "") == flight.extra.get("log_part", "")]
     if len(found) != 1:
-        raise LedgerError(f"{id}: its log holds {len(fresh)} flights now, and none of them is surely this one")
+        raise LedgerError(f"{id}: its log now holds {len(fresh)} flights, and none clearly matches this one")
     return found[0]
 
 
