@@ -29,7 +29,7 @@ _LOCK = 0x666B  # any number that nobody else on the server is likely to use
 
 
 def connect(url: URL) -> Engine:
-    """An engine whose connections keep what they are told; touches no file yet."""
+    """An engine whose connections write durably; touches no file yet. Raises LedgerError."""
     sqlite = url.get_backend_name() == "sqlite"
     try:
         engine = create_engine(url, connect_args={"timeout": PATIENCE} if sqlite else {})

@@ -50,7 +50,7 @@ def rests_in_words(prediction: Prediction) -> str:
     if count:
         return f"{counted(count, 'clean flight')}, model {prediction.model}"
     narrower = 1 - prediction.narrowed(1)
-    return f"other rockets only, no flight of this one; one clean flight would narrow the apogee by {narrower:.0%}"
+    return f"no flights of this rocket, only other rockets; one clean flight would narrow the apogee by {narrower:.0%}"
 
 
 def narrows(prediction: Prediction) -> str:

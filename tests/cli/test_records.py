@@ -270,7 +270,7 @@ def test_an_empty_ledger_says_so(run: Run) -> None:
     said = run("flights")
     assert (said.status, said.out) == (0, "")
     assert "no flights in" in said.err
-    assert "nothing was changed" in run("history").err
+    assert "no changes in" in run("history").err
 
 
 def test_the_json_of_flights_has_the_columns_of_the_table(full: Run) -> None:
@@ -310,7 +310,7 @@ def test_two_rockets_with_one_flight_id_are_told_apart(full: Run, table: Path) -
     table.write_text(TABLE.replace("Astra", "Comet"), encoding="utf-8")
     full("import", table)
     said = full("show", "2")
-    assert (said.status, said.err) == (1, "2 may be Astra/2 or Comet/2\n")
+    assert (said.status, said.err) == (1, "2 is ambiguous: Astra/2 or Comet/2\n")
     assert full("show", "Comet/2", "--json").document["rocket"] == "Comet"
     assert "Comet/2" in full("flights").out
 
@@ -325,7 +325,7 @@ def test_edit_takes_units_in_the_name_or_with_the_value(full: Run) -> None:
     said = full("show", "1", "--json").document
     assert (said["apogee_m"], said["date_time"]) == (None, "2026-05-01T10:30:00")
     assert "Lot" not in said
-    assert "so already" in full("edit", "1", "apogee=").out
+    assert "unchanged" in full("edit", "1", "apogee=").out
 
 
 @pytest.mark.parametrize(
@@ -362,7 +362,7 @@ def test_undo_and_redo_go_through_every_change(full: Run) -> None:
     assert full("remove", "1", "2").out.startswith("2 removed")
     assert full("undo").out == "undone: remove 1, 2\n"
     assert full("undo").out == "undone: tag 1 mine\n"
-    assert full("redo").out == "done again: tag 1 mine\n"
+    assert full("redo").out == "redone: tag 1 mine\n"
     assert full("undo").status == full("undo").status == 0
     said = full("undo")
     assert (said.status, said.err) == (1, "nothing left to undo\n")

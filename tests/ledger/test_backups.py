@@ -141,7 +141,7 @@ CHANGES = (
     ("DELETE FROM tags WHERE entry = 1", "a row of 1 of Astra does not match its checksum"),
     ("INSERT INTO tags VALUES (1, 7, 'new')", "a row of 1 of Astra does not match its checksum"),
     ("UPDATE journal SET what = 'some' WHERE number = 1", "a row of 1 does not match its checksum"),
-    ("UPDATE logs SET size = size - 1", "another size"),
+    ("UPDATE logs SET size = size - 1", "whose size differs"),
     (f"UPDATE logs SET content = x'{zlib.compress(b'a lag').hex()}'", "the bytes of the log .* do not match"),
     ("PRAGMA foreign_keys = OFF; DELETE FROM logs", "a row of flights refers to a missing row of logs"),
     ("ALTER TABLE flights RENAME COLUMN notes TO nodes", "column notes of flights is missing"),

@@ -116,7 +116,7 @@ def test_of_several_motors_the_likeliest_is_taken_and_the_others_are_named(
     found = catalogue().resolve(text)
     assert (_label(found.motor), found.delay) == expected
     if text != "G75-11":  # only one of them is sold with 11 s
-        assert "it could be" in found.notes[0]
+        assert "it could also be" in found.notes[0]
         with pytest.raises(AmbiguousMotor, match=_label(found.motor)):
             catalogue().find(text)
 

@@ -31,7 +31,7 @@ def test_mass_and_diameter_alone_make_a_plan(
     assert main([*ledger, *command, *body]) == 0
     out = " ".join(capsys.readouterr().out.split())
     if command[0] != "finals":
-        assert "no flight of this rocket" in out
+        assert "no flights of this rocket" in out
     if command[0] not in ("predict", "finals"):
         assert "one clean flight would narrow the apogee by" in out
 

@@ -361,7 +361,7 @@ def test_every_plan_prints_its_air_and_all_safety_lines(
     assert main(["--ledger", path, *command, *motor, *day]) == 0
     out = " ".join(capsys.readouterr().out.split())
     assert "1.145 kg/m³ at the pad" in out
-    assert "too little" in out
+    assert "% low" in out
     assert "the range safety officer decides" in out
     for failed in ("ground wind: unsafe", "ceiling: unsafe", "motor temperature: caution"):
         assert failed in out

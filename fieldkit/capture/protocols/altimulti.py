@@ -44,6 +44,7 @@ class AnswerFrame:
 
     @property
     def whole(self) -> bool:
+        """Whether the answer ended and every sentence has a valid checksum."""
         return self.ended and not self.bad
 
 
@@ -73,6 +74,7 @@ def _frame(content: bytes) -> AnswerFrame:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download the flights that are wanted, or follow telemetry; whether all arrived. Raises PortTrouble."""
     yield from _greeted(link)
     yield from _identified(link)
     return (yield from (_followed if wishes.live else _downloaded)(link, wishes, captured))

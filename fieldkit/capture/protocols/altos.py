@@ -47,6 +47,7 @@ class Block:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download the flights that are wanted, block by block; whether all arrived. Raises PortTrouble."""
     yield from silence_echo(link)
     identity = yield from _identity(link)
     _same_unit(link, identity, captured)

@@ -26,6 +26,7 @@ _ROW = re.compile(rb"^.\d{4}\r$", re.MULTILINE)
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Download the one flight, again where samples are missing; whether all arrived. Raises PortTrouble."""
     model = yield from _lines(link, b"I", 2)
     if not model:
         raise PortTrouble(f"{link.line.name}: no model in answer to I from a MAWD; is it on, and is the cable its own?")

@@ -39,6 +39,7 @@ class Record:
 
     @property
     def model(self) -> int:
+        """The model number of the device, as the record states it."""
         return self.payload[9] >> 4
 
     @property
@@ -120,6 +121,7 @@ def recognizes_stream(heard: bytes) -> bool:
 
 
 def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue[bool]:
+    """Record what the unit sends by its LED; whether the record is sound. Raises PortTrouble if nothing comes."""
     stream = Stream()
     useful = time.monotonic()
     base = link.samples

@@ -92,7 +92,7 @@ def test_every_file_of_a_logger_that_writes_several_is_kept(ledger: Ledger) -> N
 
 def test_a_file_alone_says_that_others_may_belong_to_it(ledger: Ledger) -> None:
     receipt = taken(ledger, RAVEN["app__low"])
-    assert any("imported with it or after it" in note for note in receipt.notes)
+    assert any("with it or after it to use them" in note for note in receipt.notes)
 
 
 @pytest.mark.parametrize("order", [("app__low", "app__high", "summary"), ("summary", "app__high", "app__low")])
