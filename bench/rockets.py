@@ -70,7 +70,7 @@ class Rocket:
     rail: float
     chute: float
     lean: float
-    """Nominal tilt of the rail, declared. [rad]"""
+    """Nominal angle of the rail, declared. [rad]"""
     combinations: tuple[Combination, ...] = field(default=())
 
 

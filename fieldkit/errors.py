@@ -1,4 +1,4 @@
-"""Every error raised on purpose: trouble the flyer can mend, said in one line.
+"""Every error raised on purpose: trouble the flyer can fix, in one line.
 
 The message names the file, the row and the column where there are any, what was found, and what
 would be right. Anything that is not a `FieldkitError` is a fault of the program and keeps its traceback.
@@ -6,7 +6,7 @@ would be right. Anything that is not a `FieldkitError` is a fault of the program
 
 
 class FieldkitError(Exception):
-    """Trouble the flyer can mend; `str()` of it is one complete line."""
+    """Trouble the flyer can fix; `str()` of it is one complete line."""
 
 
 class DamagedLog(FieldkitError):

@@ -131,7 +131,7 @@ def _write(file: Path, content: bytes, force: bool) -> None:
 
 
 def _name(new: Path, target: Path) -> None:
-    """Give a new file its name. Raises FileExistsError where another one bears it."""
+    """Give a new file its name. Raises FileExistsError if another file has it."""
     try:
         os.link(new, target)
     except FileExistsError:

@@ -56,7 +56,7 @@ def capture_folder() -> Path:
 
 
 def crash_folder() -> Path:
-    """The folder of what failed in the app, for whoever mends it; it may not be there."""
+    """The folder of crash reports of the app, for its developers; it may not exist."""
     return data_folder() / "crashes"
 
 

@@ -1,6 +1,6 @@
 """Writes the pages of the manual that follow from the program: `python tools/manual.py`.
 
-`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the shelf of effects, `models.md` from the
+`commands.md` from the command line and `docs/examples.sh`, `effects.md` from the effects, `models.md` from the
 cards of the trained ensembles, `priors.md` from the hyperprior, `map.md` from the layers in `pyproject.toml` and the
 first words of the code. A test compares them with what is there.
 """
@@ -82,7 +82,7 @@ def _first_sentence(text: str) -> str:
 
 
 def effect_table() -> str:
-    """Every effect of the shelf: what it is, its parameter, what is believed of it beforehand, its source."""
+    """Every effect: what it is, its parameter, its prior, its source."""
     rows = [_effect_row(name, effect) for name, effect in effects().items()]
     return f"""# The effects
 
@@ -97,7 +97,7 @@ is fitted is the square of the strength, it is the square that the prior speaks 
 
 ## Which flight tells one from another
 
-| effect | what a flyer sees | what would tell |
+| effect | what a flyer sees | how to find out |
 |---|---|---|
 {chr(10).join(f"| `{name}` | {effect.explains} | {effect.tell_apart} |" for name, effect in effects().items())}
 """
@@ -144,7 +144,7 @@ flights alone, of no real flyer. How good the field ensemble is, on what readout
 ## What they are for, and what not
 
 For model rockets on certified single-use and reloadable motors up to class I, one stage, one motor, below the speed
-of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight unlike those of the training is
+of sound or shortly above it. Not for clusters, staging, hybrids, gliders. A flight outside the training set is
 answered with a warning, or not at all. Cd here is that of the altimeter's whole flight, on the frontal area of the
 body, fins and base included. Forecasts are advice: at the field the range safety officer decides.
 """

@@ -1,6 +1,6 @@
 """What the published logs say of the force along a climb: `python tools/real_forces.py LOGS OUT.md`.
 
-LOGS is the folder of recordings with their SOURCES.md. For each log that bears a climb: whether the push was felt, what
+LOGS is the folder of recordings with their SOURCES.md. For each log with a climb: whether the push was felt, what
 is known of rocket and motor, and so whether a missing force can be had; where mass and motor are known, the law that
 this one flight asks for, beside a drag of its own. Of every coast, drag area over mass, which needs neither.
 """

@@ -63,7 +63,7 @@ def by_sbi(observed: np.ndarray, target: np.ndarray) -> tuple[LogDensity, dict]:
 
 
 def by_zuko(observe: Callable, first: np.ndarray, count: int) -> tuple[LogDensity, dict]:
-    """A neural spline flow of zuko, by the ensemble's loop: flights observed afresh each epoch, one cycle of Adam."""
+    """A neural spline flow of zuko, by the ensemble's loop: flights observed again each epoch, one cycle of Adam."""
     import zuko
 
     scale = scaler(first)

@@ -3,7 +3,7 @@
     python tools/tested_impulses.py TESTS.csv thrustcurve-db.json
 
 TESTS.csv has a row per test: manufacturer, designation, tested_impulse_ns, tested_peak_n, source and note, where the
-note begins with `basis=letter`, `basis=stated` or `basis=curve` and tells the `file class`. Printed are rows of
+note begins with `basis=letter`, `basis=stated` or `basis=curve` and states the `file class`. Printed are rows of
 `fieldkit/data/motor_corrections.csv`.
 
 The rule: an impulse is nominal where it is the upper limit of its class (2.5, 5, 10 ... N s). It gives way to the best

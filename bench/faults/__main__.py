@@ -110,7 +110,7 @@ def tried(part: Callable[[], Outcome], file: Path) -> Outcome:
 
 
 def _commit() -> str:
-    """The commit that is checked out, empty where git does not tell."""
+    """The commit that is checked out, empty if git does not know it."""
     command = ["git", "rev-parse", "--short", "HEAD"]
     return subprocess.run(command, cwd=ROOT, capture_output=True, text=True).stdout.strip()
 

@@ -113,7 +113,7 @@ def _poured(pipe: tuple[int, int]) -> str:
 
 
 def _child(work: Callable[[], int], streams: Sequence[int], largest: int | None) -> None:
-    """The forked process: it waits for whoever looks at it, and does its work."""
+    """The forked process: it waits for its tracer, and does its work."""
     status = TRACEBACK
     try:
         for number, stream in enumerate(streams, start=1):

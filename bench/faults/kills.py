@@ -68,7 +68,7 @@ def _with_an_import(file: Path) -> None:
 
 SET_UP = ("--rocket", "Astra", "--config", "A", "--motor", "F24-4W", "--dry-mass", "322g")
 ADD = ("add", *SET_UP, "--date-time", "2026-05-02T10:00", "--apogee", "935ft")
-"""With its time: else it is that of the trial, and no two ledgers are alike."""
+"""With its time: else it is that of the trial, and every ledger differs."""
 CASES = (
     Case("add", ADD, season),
     Case("import", ("import", str(TABLE), str(LOG), "--set", "rocket=Comet"), season),
@@ -186,7 +186,7 @@ class _Bench:
     def _fresh(self) -> None:
         put(self.template, self.file)
         shutil.rmtree(capture_folder(), ignore_errors=True)
-        if self.rng.random() < 0.5:  # else a backup is there already, and the command makes none
+        if self.rng.random() < 0.5:  # else a backup exists, and the command makes none
             shutil.rmtree(folder_of(self.file), ignore_errors=True)
 
     def _forked(self, delay: float | None) -> bool:

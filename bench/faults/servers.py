@@ -94,7 +94,7 @@ def server(folder: Path) -> Iterator[Server]:
 def witnessed(url: str, patience: float = 60.0) -> Iterator[Callable[[], None]]:
     """A server's process may be killed inside; call what is given to wait until it has recovered from that.
 
-    A connection from before tells when the server has seen it, and ends that too: until then it takes new ones as if
+    A connection from before shows when the server has seen it, and ends that too: until then it takes new ones as if
     nothing had been.
     """
     import psycopg

@@ -1,4 +1,4 @@
-"""What a capture tells while it runs, for whatever shows it: a line in a terminal, a screen, a test."""
+"""Events that a running capture reports to whatever shows them: a line in a terminal, a screen, a test."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -100,7 +100,7 @@ class Ended:
     why: str
     whole: bool
     about: Mapping[str, str] = field(default_factory=dict)
-    """What the unit said of itself."""
+    """What the unit reports about itself."""
 
 
 Event = PortOpened | Recognised | Instruction | FlightsListed | Progress | Lost | Back | Ended

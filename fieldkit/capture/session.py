@@ -143,7 +143,7 @@ def _run(
 
 
 def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
-    """Talk until a unit has told what it has, over cables that are pulled; whether it is whole.
+    """Run the dialogue until a unit has sent what it has, across reconnections; whether the capture is complete.
 
     Raises PortLost where it stays away, or is lost again and again and says nothing between.
     """

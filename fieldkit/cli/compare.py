@@ -49,10 +49,10 @@ def compare(
 
 
 def _print(found: "list[Recording]", compared: "list[Comparison]") -> None:
-    """A table of figures, a column a recording, with what is how far apart."""
+    """A table of figures, a column per recording, with their differences."""
     from fieldkit.analysis.labels import TITLES, spoken
 
-    headers = ["", *(recording.name for recording in found), *("apart" for _ in compared)]
+    headers = ["", *(recording.name for recording in found), *("difference" for _ in compared)]
     rows = []
     for name, title in TITLES.items():
         figures = [recording.recorded.figures.get(name) for recording in found]

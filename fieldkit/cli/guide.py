@@ -115,7 +115,8 @@ def _print(plan: PlanContext, wanted: "Wanted", choices: "list[MotorChoice]", of
 
 
 def _print_checks(choices: "list[MotorChoice]", shown: int, *, every: bool) -> None:
-    """A line for each check that fails, of as many motors as `shown`; what is not known of any motor is told once."""
+    """A line for each check that fails, of as many motors as `shown`; what is unknown for every motor is listed
+    once."""
     unknown = [line.name for line in choices[0].lines if all(_unknown(choice, line.name) for choice in choices)]
     if unknown and not every:
         say_wrapped(f"  ? not checked, inputs missing: {', '.join(unknown)} (details: --all)", "    ")

@@ -1,4 +1,4 @@
-"""`fieldkit landing`, `track`: where a plan lands and how to lean the rail; a track by satellite as KML."""
+"""`fieldkit landing`, `track`: where a plan lands and which rail angle is best; a GPS track as KML."""
 
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any

@@ -1,4 +1,4 @@
-"""A capture while it runs: counts and altitude, drawn where there is a terminal, told in lines where there is none."""
+"""A capture while it runs: counts and altitude, drawn in a terminal, otherwise reported in lines."""
 
 import sys
 import time
@@ -112,7 +112,7 @@ def printable_lines(lines: list[str]) -> str:
 
 
 def counts(progress: "Progress") -> str:
-    """How much has come: bytes, samples, what was damaged, the share of all."""
+    """How much was received: bytes, samples, damaged samples, the fraction of all."""
     parts = [f"{progress.bytes:,} bytes", f"{progress.samples:,} samples"]
     if progress.damaged:
         parts.append(f"{progress.damaged:,} damaged")

@@ -172,7 +172,7 @@ def _compared(file: Path, json: bool) -> None:
 
 
 def _own_corrections(json: bool) -> None:
-    """Print the flyer's own corrections and where they are kept; the file is begun where there is none."""
+    """Print the flyer's own corrections and their file, which is created if missing."""
     from fieldkit import files
     from fieldkit.motors.own_corrections import FILE_NAME, HEADER, read_own_corrections
     from fieldkit.paths import motor_folder

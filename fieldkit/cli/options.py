@@ -62,7 +62,7 @@ FIELD = (
     ("bystanders", "Distance to people and property not involved in the launch: 500m. Default: saved with the site."),
     ("rules", "Rules that govern the launch: NAR,FAA or UKRA. Default: saved with the site."),
 )
-"""Options of a plan that no column of a flight stands for; safety lines are told by them."""
+"""Options of a plan that are not columns of a flight; the safety lines use them."""
 
 
 def takes_plan(command: Callable[..., None], texts: Iterable[str] = PLAN_TEXTS) -> None:

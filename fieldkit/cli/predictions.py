@@ -1,4 +1,4 @@
-"""`fieldkit predictions`: what was foretold, what became of it, and what has changed since."""
+"""`fieldkit predictions`: saved forecasts, their outcome, and what has changed since."""
 
 from typing import TYPE_CHECKING, Annotated
 

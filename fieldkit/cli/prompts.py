@@ -93,7 +93,7 @@ def _unit(conversation: Conversation, question: Question) -> str:
 
 
 def _answered(conversation: Conversation, question: Question, text: str) -> bool:
-    """Take an answer if it can be read and, where it is odd, is kept on being asked."""
+    """Accept an answer if it can be read and, if it is unusual, is confirmed."""
     text = text.strip() or offer(conversation, question)
     while True:
         try:

@@ -115,9 +115,9 @@ def in_both_units(name: str, value: float | None) -> str:
 
 @contextmanager
 def progress(title: str) -> Iterator[ReportProgress]:
-    """A bar on stderr, where that is a terminal, told of what is being done and the share done.
+    """A progress bar on stderr if that is a terminal; the callback takes the current step and the fraction done.
 
-    It is drawn when it is told something and at no other time.
+    It is drawn only when progress is reported.
     """
     if not sys.stderr.isatty():
         yield no_op

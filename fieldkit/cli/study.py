@@ -1,4 +1,4 @@
-"""`fieldkit study`: what the flights at hand teach, as a page that is computed from the first word to the last."""
+"""`fieldkit study`: what the flights show, as a page whose every figure is computed."""
 
 from pathlib import Path
 from typing import Annotated

@@ -1,4 +1,4 @@
-"""Files that commands write where the flyer says: what is there already is replaced only after a yes or `--force`."""
+"""Files that commands write where the flyer says: an existing file is replaced only after a yes or `--force`."""
 
 import sys
 from pathlib import Path

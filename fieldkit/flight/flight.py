@@ -55,7 +55,7 @@ class Flight:
 
     @property
     def clean(self) -> bool:
-        """Whether the flight carries no anomaly tag, so that it may teach the model."""
+        """Whether the flight carries no anomaly tag, so that it is used in the fit."""
         return not any(tag in TAGS for tag in self.tags)
 
     def number(self, name: str) -> float | None:

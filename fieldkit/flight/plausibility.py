@@ -1,7 +1,7 @@
 """What the figures of a flight can be at all, and which of them contradict each other.
 
 `Column.low` and `high` say what is usual. Here are the bounds beyond which a number is a slip of the
-pen, and the relations that the ten readouts of one flight obey. A figure that is merely odd is taken.
+pen, and the relations that the ten readouts of one flight obey. A figure that is merely unusual is accepted.
 What no rocket on a flight's motor can do is `implausible`: the flight is kept, named and left out of every fit.
 """
 
@@ -65,7 +65,8 @@ MAX_THRUST_RATIO = 1 + 3 * IMPULSE_SCATTER
 READ_TOO_HIGH = 1.2
 """No altimeter shows more than the true figure times this, as one by the standard atmosphere in air of -35 °C. [1]"""
 MAX_LAUNCH_ANGLE = math.radians(45)
-"""A rail leans less: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes up. [rad]"""
+"""A rail is closer to vertical: the codes allow 20 and 30 degrees, and beyond 45 a rocket goes further than it goes
+up. [rad]"""
 MIN_CALIBER_RATIO, MAX_CALIBER_RATIO = 0.9, 25.0
 """The body's diameter over its motor's: a motor is inside a body, and saucers are about 15 times as wide. [1]"""
 
@@ -102,7 +103,7 @@ def implausible(flight: Flight, motor: Burning) -> str | None:
     """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None where one can.
 
     A plan is judged by what it says, a flight also by what its altimeter showed. Bounds are of physics, with room for
-    a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely odd passes.
+    a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely unusual passes.
     """
     found = (_not_a_number(flight), _misfit(flight, motor), _too_heavy(flight, motor), _too_far(flight, motor))
     return next((reason for reason in found if reason), None)

@@ -1,4 +1,5 @@
-"""How a flight is to come down, and where its rail leans: extra columns of a flight table, beside those of `COLUMNS`.
+"""How a flight is to come down, and which way its rail points: extra columns of a flight table, in addition to
+`COLUMNS`.
 
 A flight keeps them as text, as every column that only some flights have, with the unit in the column's name.
 """
@@ -94,9 +95,9 @@ def recovery_of(flight: Flight) -> Recovery:
 
 
 def rail_direction(flight: Flight) -> float:
-    """Where the rail leans: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
+    """Direction of the rail: 0 into the wind, pi away from it, pi/2 across it to the right. Raises BadValue. [rad]
 
-    A rail of which nobody says it leans into the wind, as flyers set it.
+    The default is into the wind, as flyers set it.
     """
     text = flight.extra.get("rail_direction", "").strip().lower()
     if not text:

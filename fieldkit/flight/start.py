@@ -47,6 +47,6 @@ def start_among(known: Sequence[Start], plan: Flight) -> Start | None:
 
 
 def design_cds(known: Sequence[Start], flights: Sequence[Flight]) -> dict[str, float]:
-    """The Cd that each configuration of some flights of a rocket starts from, where a design tells one. [1]"""
+    """The Cd that each configuration of some flights of a rocket starts from, if a design gives one. [1]"""
     starts = {flight.config: start_among(known, flight) for flight in flights}
     return {config: start.cd for config, start in starts.items() if start and start.cd}

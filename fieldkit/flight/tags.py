@@ -17,7 +17,7 @@ TAGS: Mapping[str, str] = MappingProxyType(
         "cluster": "A flight on several motors at once.",
     }
 )
-"""Tags that mark a flight as an anomaly: it stays in the ledger and does not teach the model."""
+"""Tags that mark a flight as an anomaly: it stays in the ledger and is not used in the fit."""
 CHECKED_TAG = "checked"
 KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
     {**TAGS, CHECKED_TAG: "No anomaly: every readout was checked and is right, even if one disagrees with the others."}
@@ -26,7 +26,7 @@ KNOWN_TAGS: Mapping[str, str] = MappingProxyType(
 
 
 def read_tags(text: str) -> tuple[str, ...]:
-    """Tags apart by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelt."""
+    """Tags separated by `;`, `|` or `,`, each once; `Weak launch` is `weak_launch`, others stay as spelled."""
     tags = [tag.strip() for tag in re.split(r"[;|,]", text) if tag.strip()]
     known = [re.sub(r"[\s-]+", "_", tag.lower()) for tag in tags]
     return tuple(dict.fromkeys(k if k in KNOWN_TAGS else tag for k, tag in zip(known, tags, strict=True)))

@@ -19,8 +19,8 @@ class Prediction:
     the ejection charge (nan without a delay), `duration` from lift-off to landing under the parachute of the plan,
     `drift` how far downwind the apogee lies, `across` how far to the right of that, `drift_speed` and
     `across_speed` how fast it still moves there. `cd` and `alpha` are the drag coefficient and thrust factor flown
-    with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that taught
-    the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts`
+    with, `random_draws` what single flights differ by, cause by cause. `rests_on` counts the flights that were fitted
+    by the model. `stretched_by` is by what the spread of `apogee` was multiplied because of how `earlier_forecasts`
     fared, 1 where there are too few of them. `left_out` has a line for each flight that was not used, and for each
     readout that is an outlier and hardly counts.
     """
@@ -68,7 +68,7 @@ class Prediction:
         """How wide the interval would be, over what it is, after so many more clean flights like the plan. [1]
 
         What flights differ by stays; what is common to all and not known yet falls as a normal mean's variance does
-        (with q the share of the variance that stays and t the rest, to t / (1 + n t / q) after n; Gelman et al.,
+        (with q the fraction of the variance that stays and t the rest, to t / (1 + n t / q) after n; Gelman et al.,
         Bayesian Data Analysis, 3rd edition, 2013, section 2.5), the logarithm of the apogee being about linear in all
         of it. How much flights scatter is taken as known: of a new rocket it is not, and its interval narrows more.
         """
@@ -78,7 +78,7 @@ class Prediction:
         return float(np.sqrt(stays + left))
 
     def _luck_share(self) -> float:
-        """Share of the variance of the logarithm of the apogee that single flights' luck makes. [1]"""
+        """Fraction of the variance of the log apogee that is due to the scatter of single flights. [1]"""
         flown = self.apogee > 0
         if np.count_nonzero(flown) <= len(self.random_draws):
             return 1.0

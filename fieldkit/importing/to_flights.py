@@ -58,8 +58,7 @@ def intake_of(
 
 _SIMULATION_NOTE = "is a simulation and is not imported as a flight; `fieldkit compare FLIGHT {}` compares it with one"
 _FOREIGN_MOTORS = (
-    "{} rockets have only a number and no mass; "
-    "import the file that lists the rockets together with this one"
+    "{} rockets have only a number and no mass; import the file that lists the rockets together with this one"
 )
 
 

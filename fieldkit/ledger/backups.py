@@ -2,7 +2,7 @@
 
 A copy is made by SQLite's own backup call, so that it is whole while another process writes, and it counts only
 once SQLite and the checksums of its rows have found it sound: a damaged ledger never pushes a good copy out. Copies
-are numbered, for a clock may go backwards. A ledger on a server is backed up by whoever runs the server.
+are numbered, for a clock may go backwards. A ledger on a server is backed up by its administrator.
 """
 
 import os
@@ -262,7 +262,7 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
     """Put a copy in a damaged file's place, which keeps its bytes under another name.
 
     The damaged file is never opened for that: closing it would let go of a lock that SQLite holds on it. Who waits
-    for that lock is told by SQLite that the file has moved.
+    for that lock learns from SQLite that the file has moved.
     """
     with _claimed(file) as (_, new):
         with opened(backup.file) as then:
@@ -288,6 +288,6 @@ def _also_named(file: Path, name: str) -> Path:
 
 
 def _free(file: Path, name: str) -> Path:
-    """A name beside a file that nothing bears, with a number where something does."""
+    """An unused name next to a file, with a number if needed."""
     names = (file.with_name(name if not number else f"{name}-{number}") for number in count())
     return next(one for one in names if not one.exists())

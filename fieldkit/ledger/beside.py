@@ -10,7 +10,7 @@ from fieldkit.ledger.records import NewPrediction, StoredPrediction, Version
 
 
 class BesideFlights(OpenLedger):
-    """Keeping what was found, foretold, drawn and half typed."""
+    """Saving model versions, forecasts, starting configurations and drafts."""
 
     def keep_version(self, rocket: str, payload: Mapping[str, Any], *, activate: bool = True) -> Version:
         """Keep a model of a rocket, under the next number, and predict with it from now on."""
@@ -57,7 +57,7 @@ class BesideFlights(OpenLedger):
         self, payload: Mapping[str, Any], *, digest: str, what: str, rocket: str = "", flight_id: str = ""
     ) -> StoredPrediction:
         """Keep the prediction of a flight that the flyer has decided on; `what` names it in the history, and `undo`
-        takes it back."""
+        undoes it."""
         with self._changing() as pen:
             kept = models.keep_plan(pen, payload, digest, rocket, flight_id)
             if pen.images:
@@ -70,7 +70,7 @@ class BesideFlights(OpenLedger):
             return models.predictions(connection, rocket, flight_id)
 
     def keep_start(self, start: Start) -> bool:
-        """Keep a starting configuration in place of an older one; False where it is there already."""
+        """Keep a starting configuration in place of an older one; False if it is a duplicate."""
         with self._changing() as pen:
             if kept := starts.keep(pen, start):
                 pen.sign("ork", " ".join((start.rocket, start.config)).strip() + f" from {start.source}")

@@ -108,7 +108,7 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
 def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
     """Put a changed flight in a held one's place; False where nothing changed.
 
-    Raises LedgerError when another flight bears its name, BadValue for what cannot be kept.
+    Raises LedgerError when another flight has its name, BadValue for what cannot be kept.
     """
     before, after = row_of(held.flight), row_of(flight)
     if before == after:

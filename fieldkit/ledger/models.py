@@ -80,7 +80,7 @@ def keep_plan(
 def _numbered(
     connection: Connection, payload: Mapping[str, Any], digest: str, rocket: str, flight_id: str
 ) -> tuple[StoredPrediction, Row]:
-    """A prediction under the next number and its row, or the one that is there already and no row."""
+    """A prediction under the next number and its row, or the existing one and no row."""
     for prediction in predictions(connection, rocket, flight_id, digest):
         if prediction.payload == payload:
             return prediction, {}

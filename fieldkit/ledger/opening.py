@@ -46,7 +46,7 @@ def connect(url: URL) -> Engine:
 
 
 def _prepare_sqlite(connection: object, _entry: ConnectionPoolEntry) -> None:
-    connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are begun below
+    connection.isolation_level = None  # type: ignore[attr-defined]  # transactions are started below
     for setting in ("foreign_keys = ON", "synchronous = EXTRA"):
         connection.execute(f"PRAGMA {setting}")  # type: ignore[attr-defined]
 
@@ -130,7 +130,7 @@ def never_recreate(engine: Engine) -> None:
 
 
 def _refuse_remains(file: Path | None) -> None:
-    """Raises LedgerError where SQLite would begin anew in a file that has lost what it held."""
+    """Raise LedgerError if SQLite would start an empty database in a file that has lost its content."""
     if file is None or not file.parent.is_dir():
         return
     size = file.stat().st_size if file.exists() else 0

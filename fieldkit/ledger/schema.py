@@ -41,7 +41,7 @@ def version(connection: Connection) -> str | None:
 
 
 def missing(connection: Connection) -> str:
-    """A table or a column that a ledger of the newest step has lost, or why not even that can be told; else empty."""
+    """A table or a column that a ledger of the newest step has lost, or why that cannot be determined; else empty."""
     try:
         there = inspect(connection)
         for name, table in metadata.tables.items():

@@ -1,7 +1,7 @@
 """Whether a ledger's file still says what was written: SQLite's own look at it, then the checksum of every row.
 
 SQLite finds a page out of shape, and not a letter or a figure that has become another one. The checksums do, but take
-their time; rows that a copy of the ledger holds alike, which was looked through when it was made, are passed over.
+their time; rows that are the same in a copy of the ledger, which was checked when it was made, are skipped.
 """
 
 import sqlite3
@@ -62,7 +62,7 @@ def file_fault(file: Path, *, thorough: bool = False) -> str:
 def row_fault(file: Path, *, since: Path | None = None) -> str:
     """The first row of a ledger that does not say what was written; empty for none. Raises sqlite3.Error.
 
-    Rows alike in `since`, a sound copy, are passed over. So are all of a newer fieldkit, whose columns are not known.
+    Rows that are the same in `since`, a sound copy, are skipped. So are all of a newer fieldkit with unknown columns.
     """
     with _connected(file) as connection:
         try:

@@ -13,7 +13,7 @@ FIELDS = tuple(field.name for field in fields(Start))
 
 
 def keep(pen: ChangeRecorder, start: Start) -> bool:
-    """Keep a starting configuration in place of what was there; False where it is there already."""
+    """Save a starting configuration in place of the old one; False if it is a duplicate."""
     there = starts(pen.connection, start.rocket)
     if start in there:
         return False

@@ -35,7 +35,7 @@ _GARBLED_TEXT_MESSAGES = ("Could not decode to UTF-8", "malformed JSON")
 
 @contextmanager
 def explained(engine: Engine) -> Iterator[None]:
-    """Raises LedgerError for whatever the flyer can mend; a fault of the program passes as it is."""
+    """Raise LedgerError for what the flyer can fix; a fault of the program passes as it is."""
     try:
         yield
     except DBAPIError as error:
@@ -54,7 +54,7 @@ def explained(engine: Engine) -> Iterator[None]:
 
 
 def _reason(error: DBAPIError) -> str | None:
-    """What the flyer can mend, or None where the fault is ours or the file's."""
+    """What the flyer can fix, or None if the fault is ours or the file's."""
     code = getattr(error.orig, "sqlite_errorname", "")
     for start, why in _SQLITE.items():
         if code.startswith(start):

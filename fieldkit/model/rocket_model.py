@@ -2,7 +2,7 @@
 
 Every unknown is a `Term`: a normal prior, possibly cut off, and the weight with which it acts on each
 flight. Terms that act on many flights are shared (drag of the rocket, thrust of a motor type, the strength
-of an effect); what differs from flight to flight is scatter, drawn anew for each.
+of an effect); what differs from flight to flight is scatter, drawn for each.
 """
 
 from collections.abc import Iterator, Mapping, Sequence

@@ -29,7 +29,7 @@ DROP_TIME = 1e-3
 _COUNT = r"(?:(\d{1,2})\s*[x×*]?\s+|(\d{1,2})\s*[x×*]\s*)?"
 _GROUP = re.compile(_COUNT + r"([^@]+?)(?:\s*@\s*(\d+(?:\.\d+)?)\s*s?)?", re.IGNORECASE)
 _FRACTION = "\N{FRACTION SLASH}"
-"""Stands for the stroke of a class such as 1/2A while stages are told apart."""
+"""Replaces the slash of a class such as 1/2A while stages are separated."""
 MAX_MOTORS = 20
 """In a cluster. [1]"""
 
@@ -111,7 +111,7 @@ def two_stages(booster: Motor, sustainer: Motor, booster_mass: float, gap: float
     """A booster below a sustainer, which is lit so long after the booster's end [s], when its airframe [kg], without
     its motor, and its casing are dropped. What counts as propellant is all that is gone at the end.
 
-    Raises BadValue for an upper motor too weak for its end to be told from that of the lower.
+    Raises BadValue for an upper motor too weak for its end to be distinguished from that of the lower.
     """
     end = booster.thrust_end
     if sustainer.peak_thrust < 2 * BURN_THRUST_FRACTION * booster.peak_thrust:

@@ -1,4 +1,4 @@
-"""A design as a starting configuration: mass without motor, largest diameter, length, and Cd where it is told."""
+"""A design as a starting configuration: mass without motor, largest diameter, length, and Cd if it is given."""
 
 import re
 from dataclasses import dataclass

@@ -87,7 +87,7 @@ def _radius(part: "Element", name: str) -> float | None:
 
 
 def mass(part: "Element", size: Size | None, unknown: list[str]) -> float:
-    """What a part and all in it weigh; parts whose mass cannot be told are named in `unknown`. [kg]"""
+    """What a part and all in it weigh; parts of unknown mass are named in `unknown`. [kg]"""
     own, below = override(part)
     if own is not None and below:
         return own

@@ -45,7 +45,7 @@ Columns = dict[str, Float[Array, "row"]]
 
 @dataclass(frozen=True, slots=True)
 class Simulation:
-    """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and the flight it tells of.
+    """A simulation in a file: its rocket without motors [kg], its Cd on `reference` [m], and its flight.
 
     `fresh` says that it is of the design as it is, `default` that it flew the default configuration. None is what
     it did not keep.

@@ -20,7 +20,7 @@ MOST_PARTS = 64
 """Into which a step is cut. [1]"""
 
 PARALLEL_DRAWS = 0.75
-"""Share of the draws that must need another part of a step for all of them to be taken through it. [1]"""
+"""Fraction of the draws that must need another part of a step for all of them to be taken through it. [1]"""
 
 NEWTON = 8
 """Rounds of Newton's method for the moment at which the rail ends. [1]"""

@@ -22,7 +22,7 @@ from fieldkit.physics.thrust_steps import Burns, burns
 from fieldkit.shapes import Array, Float, Int
 
 RISE = 0.08
-"""Share of the burn over which thrust rises to its peak. [1]"""
+"""Fraction of the burn over which thrust rises to its peak. [1]"""
 GRAVITY = 9.81
 """The paper's value. [m/s^2]"""
 SEA_LEVEL_DENSITY = 1.225

@@ -77,7 +77,7 @@ def field_setup(
 def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
     """Angle of every rail from vertical, away from the wind and across it to the right; 0 where not recorded. [rad]
 
-    A recorded angle leans into the wind where nobody said otherwise, a negative one away from it.
+    A recorded angle is into the wind by default, a negative one away from it.
     """
     angle = np.nan_to_num(recorded(flights, "rail_angle"), nan=0.0)
     turned = [row for row, flight in enumerate(flights) if angle[row] and flight.extra.get("rail_direction")]

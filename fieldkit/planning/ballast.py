@@ -27,8 +27,9 @@ CLEAR_ERRORS, LEAST_GAIN = 2.0, 1.0
 BAND_SMOOTHING = 0.5
 """Width over which the edge of the band is rounded, so that the probability is smooth in the mass. [m]"""
 SEARCH_SMOOTHING = 0.15
-"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the luck of so few
-draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986, section 3.4.2). [1]"""
+"""The same while the best mass is looked for, in standard deviations of the apogee: less, and it is the random
+scatter of so few draws that is found. Of the order of Silverman's bandwidth for `DRAWS` (Density Estimation, 1986,
+section 3.4.2). [1]"""
 
 Figures = Float[Array, "draw"]
 
@@ -139,7 +140,7 @@ def ballast(
     bounds: tuple[float | None, float | None] = (None, None),
     draws: int = DRAWS,
 ) -> Ballast:
-    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent is reckoned with as well.
+    """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent counts as well.
 
     The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight where no mass lifts off.
     """
@@ -179,7 +180,7 @@ def _gain(
     """By how many points a flight a change is better on average, and how uncertain that is after so many flights.
 
     Both fly on the same draws; their difference scatters from flight to flight, and its mean is known as well as that
-    many flights tell it.
+    many flights determine it.
     """
     if goal.rule is None:
         return None, None
@@ -209,8 +210,8 @@ def _masses(plan: Flight, bounds: tuple[float | None, float | None]) -> Float[Ar
 def _named(
     rocket: Rocket, plan: Flight, found: Found, mass: float, masses: Array, medians: Array, draws: int
 ) -> tuple[Prediction, float, float]:
-    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown together on one luck, so
-    that the flight that is named lies within the reach that is."""
+    """The flight at a mass, and the lowest and the highest that the masses reach [m]: flown with common random
+    numbers, so that the flight that is named lies within the reach that is."""
     ends = masses[int(np.argmin(medians))], masses[int(np.argmax(medians))]
     planned = [(plan.with_changes(dry_mass=float(one)), found) for one in (mass, *ends)]
     said = forecasts(rocket, planned, draws=draws)
@@ -219,7 +220,7 @@ def _named(
 
 
 def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw flight"]:
-    """From lift-off to landing of each mass, on the same luck. [s]"""
+    """From lift-off to landing of each mass, with common random numbers. [s]"""
     fall = fall_of(rocket.history, said[0].plan)
     density, draws = air_of(said[0].plan).density, len(said[0].apogee)
     speeds = [

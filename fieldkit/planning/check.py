@@ -51,7 +51,7 @@ class SafetyCheck:
 
 
 def worst(checks: Sequence[SafetyCheck]) -> SafetyCheck:
-    """The worst of some checks, the first of those that end alike."""
+    """The worst of some checks, the first of equally bad ones."""
     return max(checks, key=lambda check: SEVERITY.index(check.verdict))
 
 

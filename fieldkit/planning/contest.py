@@ -27,7 +27,7 @@ FOLDER = Path(__file__).parents[1] / "data" / "seasons"
 DRAWS = 1000
 """Rockets drawn, each of which flies all flights that may be declared. [1]"""
 AREAS = (0.4, 2.5)
-"""Shares of the parachute's area that are tried. [1]"""
+"""Fractions of the parachute's area that are tried. [1]"""
 
 
 @dataclass(frozen=True, slots=True)
@@ -183,8 +183,8 @@ def declared_score(rule: Season, scored: Sequence[tuple[Flight, float]], names: 
 class Outlook:
     """What a plan can expect: points of each flight that may be declared, as draws, and what they rest on.
 
-    `timed` counts the flights that told the descent; without any the duration is that of a usual parachute, and
-    `duration` [s] as wide as these are. `area` is the share of the parachute's area that has the fewest points, and
+    `timed` counts the flights that show the descent; without any the duration is that of a usual parachute, and
+    `duration` [s] as wide as these are. `area` is the fraction of the parachute's area that has the fewest points, and
     `points_there` what it would bring on average.
     """
 
@@ -201,10 +201,10 @@ class Outlook:
 
 
 def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: float = 1.0, draws: int = DRAWS) -> Outlook:
-    """Fly a plan as often as flights may be declared, on a share of the area of the parachute that was flown. [1]
+    """Fly a plan as often as flights may be declared, on a fraction of the area of the parachute that was flown. [1]
 
-    The flights of a row share what is not known of the rocket and differ in luck, so their sum is as uncertain as it
-    should be.
+    The flights of a row share what is not known of the rocket and differ in their random draws, so their sum is as
+    uncertain as it should be.
     """
     said = forecasts(rocket, [(plan, found)] * rule.declared, draws=draws, paired=False)
     fall, shape = fall_of(rocket.history, said[0].plan), (draws, rule.declared)
@@ -221,7 +221,8 @@ def outlook(rule: Season, rocket: Rocket, plan: Flight, found: Found, area: floa
 
 
 def _best_area(cost: Callable[[float], float]) -> tuple[float, float]:
-    """The share of the area that costs least, and that cost; by its logarithm, for half and double are alike."""
+    """The fraction of the area that costs least, and that cost; by its logarithm, so that half and double are equal
+    steps."""
     from scipy.optimize import minimize_scalar
 
     bounds = float(np.log(AREAS[0])), float(np.log(AREAS[1]))

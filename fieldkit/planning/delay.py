@@ -20,7 +20,7 @@ from fieldkit.planning.quantiles import Three, named, three
 from fieldkit.shapes import Array, Float
 
 RELATIVE_DELAY_TOLERANCE, MIN_DELAY_TOLERANCE, MAX_DELAY_TOLERANCE = 0.2, 1.5, 3.0
-"""How far a delay may be from what is printed: this share of it [1], no less than this and never more than that [s].
+"""How far a delay may be from what is printed: this fraction of it [1], no less than this and never more than that [s].
 Source: NFPA 1125, as cited in openrocket#3041; taken as two standard deviations, for makers stay within it."""
 DRILLS = Path(__file__).parents[1] / "data" / "drills.toml"
 DRAWS = 1000

@@ -44,7 +44,7 @@ def kit_of(file: Path, name: str) -> Kit:
     """The kit of a name. Raises BadValue that lists those there are."""
     kits = read_kits(file)
     if name.casefold() not in kits:
-        known = ", ".join(kit.name for kit in kits.values()) or f"none yet; add them in {file}"
+        known = ", ".join(kit.name for kit in kits.values()) or f"none; add them in {file}"
         raise BadValue(f"found no kit {name!r}, expected one of: {known}")
     return kits[name.casefold()]
 

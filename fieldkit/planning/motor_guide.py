@@ -1,4 +1,4 @@
-"""The motor guide: every motor that fits a rocket, flown on what its flights taught."""
+"""The motor guide: every motor that fits a rocket, forecast from its flights."""
 
 import math
 from collections.abc import Sequence
@@ -28,7 +28,8 @@ from fieldkit.units import STANDARD_GRAVITY
 DIAMETER_TOLERANCE = 0.0006
 """Largest difference between two diameters of one mount. [m]"""
 DRAWS = 64
-"""Flights flown for each motor, all on the same luck: a 5 % quantile is good to a quarter of a standard deviation."""
+"""Flights flown for each motor, all with common random numbers: a 5 % quantile is good to a quarter of a standard
+deviation."""
 SLANTED_PATH_DRAWS = 40
 """The same where wind or rail make the paths slanted, each of which costs several straight up: good to a third."""
 FIT_CHECKS = ("rail exit speed", "thrust to weight", "ejection speed", "ceiling")
@@ -85,7 +86,7 @@ def _letter(motor: Motor) -> str:
 class MotorChoice:
     """A motor with the delay that suits it best, the flight it would give and its safety lines.
 
-    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` tells
+    `ejections` are its delays on sale, and when each would fire after apogee, in the median [s]; `flown` says
     whether this rocket has flown it. Thrust to weight is of the first half second and of the average. [1]
     """
 
@@ -202,7 +203,7 @@ ForecastWithDelay = tuple[float | None, Prediction]
 
 
 def _flown(rocket: Rocket, fitted: FittedForecast) -> list[ForecastWithDelay]:
-    """Each motor of what was learnt, with the delay that suits it."""
+    """Each motor of the fit, with the delay that suits it."""
     coasts = coast_times(fitted.model, fitted.at)
     delays = [_nearest(found.motor, coast) for found, coast in zip(fitted.model.found, coasts, strict=True)]
     sd = tolerance(np.array([delay or np.nan for delay in delays]))

@@ -61,7 +61,7 @@ class RuleRow:
 class Rule:
     """What one set demands of one thing: rows of figures by installed impulse [N s] or altitude [m], or a single one.
 
-    `most` tells whether figures are the most that is allowed, or the least; `of_altitude` is the least as a fraction of
+    `most` says whether figures are the most that is allowed, or the least; `of_altitude` is the least as a fraction of
     the expected altitude [1]. A rule without rows is words alone. `only` are bounds of what it applies to.
     """
 

@@ -152,7 +152,7 @@ def _errors(found: Findings) -> Iterator[str]:
 
 
 def _signed(figure: float) -> str:
-    """A figure in a column of nine, a dash where there is none: residuals all alike, or too few of them."""
+    """A figure in a column of nine, a dash if undefined: residuals all the same, or too few of them."""
     return f"{figure:+9.2f}" if isfinite(figure) else f"{'-':>9}"
 
 

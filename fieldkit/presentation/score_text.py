@@ -112,7 +112,7 @@ def _errors(one: "Against", mean: str = "mean error ") -> str:
 
 
 def histogram(found: "Calibration") -> Iterator[str]:
-    """PITs as bars that should be as long as each other, and the share of flights in each interval."""
+    """PITs as bars that should be as long as each other, and the fraction of flights in each interval."""
     low, high = found.expected
     count = sum(found.counts)
     yield f"quantile of each flight in its forecast (should be uniform; {low:.0f} to {high:.0f} per bin by chance)"

@@ -62,9 +62,9 @@ class Findings:
     """A diagnosis of a rocket with everything that is said of it.
 
     `left_out` are errors of flights left out, `forward` of flights forecast from earlier ones. `fingerprints` are those
-    of the accepted effects, else of the likeliest. `tests` would tell the most probable explanation from the next.
-    `next_flight` is what all this is worth on the flight after the last. `unexplained` is there where the verdict is.
-    `testimony` is what logs of the climb say, which had no part in the verdict.
+    of the accepted effects, else of the likeliest. `tests` would distinguish the most probable explanation from the
+    next. `next_flight` is what all this is worth on the flight after the last. `unexplained` is there where the
+    verdict is. `testimony` is what logs of the climb say, which had no part in the verdict.
     """
 
     rocket: str
@@ -137,7 +137,7 @@ def next_flight(diagnosis: Diagnosis) -> NextFlight:
 
 
 def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
-    """What would tell the most probable explanation from the most probable of the others."""
+    """What would distinguish the most probable explanation from the most probable of the others."""
     posterior, names = diagnosis.posterior, frozenset(diagnosis.effect.split("+"))
     known = {members: chance for members, chance in posterior.sets.items() if UNEXPLAINED not in members}
     named = [members for members in known if diagnosis.accepted and names <= members]
@@ -151,7 +151,7 @@ def _tests(diagnosis: Diagnosis) -> tuple[Advice, ...]:
 
 
 def distinct(tests: list[Advice]) -> tuple[Advice, ...]:
-    """The most telling tests, one flight for each motor."""
+    """The most informative tests, one flight for each motor."""
     kept: dict[str, Advice] = {}
     for test in tests:
         kept.setdefault(test.subject, test)

@@ -44,14 +44,14 @@ def flown(ledger: Ledger, motors: Catalogue, rocket: str) -> list[tuple[Flight, 
 
 
 def which_rocket(ledger: Ledger, wanted: str | None) -> str:
-    """The rocket asked for, flown or begun from a design, or the one flown last. Raises NoFlights that lists them."""
+    """The rocket asked for, flown or started from a design, or the one flown last. Raises NoFlights that lists them."""
     rockets = ledger.names("rocket")
     if wanted is None:
         if not rockets:
             raise NoFlights(f"{ledger.name}: found no flights, expected at least one; import or add flights first")
         return rockets[0]
     if wanted not in rockets and not ledger.starts(wanted):
-        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none yet'}")
+        raise NoFlights(f"found no flights of {wanted!r}, expected one of: {', '.join(rockets) or 'none'}")
     return wanted
 
 

@@ -1,7 +1,7 @@
 """What a prediction is made from, part by part, and what of it is no longer so.
 
 A part is a few named texts, in the units of the flight table, so that a prediction that has become stale can say
-why: `dry mass was 322 g, now 330 g`. Flights that taught the model are kept as a digest each, of what the model reads
+why: `dry mass was 322 g, now 330 g`. Flights used in the fit are saved as a digest each, of what the model reads
 of them. The digest of a prediction is of all parts together.
 """
 
@@ -80,7 +80,7 @@ def digest(parts: Parts) -> str:
 
 
 def flight_digest(flight: Flight) -> str:
-    """Eight hex digits of what the model reads of a flight, behind a sign for whether it teaches."""
+    """Eight hex digits of what the model reads of a flight, behind a sign for whether it is used in the fit."""
     when = flight.date_time.isoformat() if flight.date_time else ""
     read = [flight.config, flight.motor, flight.site, when, *_columns(flight, BY_NAME).values()]
     read += [f"{c.header} {c.render(value)}" for c in LOGGED if (value := flight.number(c.name)) is not None]

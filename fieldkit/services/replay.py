@@ -19,7 +19,7 @@ from fieldkit.services.imports import read_file, recordings_of
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Recording:
-    """A flight as something recorded it: its name, what kind of thing it is, its samples and what they tell.
+    """A flight as something recorded it: its name, what kind of thing it is, its samples and what they show.
 
     `reading` is None for a flight of which only readouts are known.
     """

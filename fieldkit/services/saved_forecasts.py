@@ -48,7 +48,7 @@ class SavedForecast:
 
     @property
     def interval(self) -> tuple[float, float, float]:
-        """The apogee foretold, at 5, 50 and 95 %. [m]"""
+        """The forecast apogee, at 5, 50 and 95 %. [m]"""
         at = self.made.payload["apogee_m"]
         return float(at["p05"]), float(at["p50"]), float(at["p95"])
 
@@ -59,7 +59,7 @@ class SavedForecast:
 
     @property
     def miss(self) -> float | None:
-        """Flown less foretold. [m]"""
+        """Flown minus forecast. [m]"""
         return residual(self.flight, self.made) if self.flight else None
 
     def json(self) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """What the altimeter shows, corrected by this share of the error that the day's air makes."""
+    """What the altimeter shows, corrected by this fraction of the error due to the day's air."""
     return setup.with_changes(altimeter_gain=setup.altimeter_gain ** (1 - strength))
 
 

@@ -1,4 +1,4 @@
-"""Launch angle: a rail that leans, though nobody wrote it down."""
+"""Launch angle: a rail off vertical, though not recorded."""
 
 from collections.abc import Sequence
 
@@ -11,7 +11,7 @@ from fieldkit.shapes import Array, Float
 
 
 def setup(setup: Setup, strength: Float[Array, "*draw flight"], flights: Sequence[Flight]) -> Setup:
-    """The rail leans by this angle more, at right angles to a lean that was declared. [deg]"""
+    """The launch angle is larger by this, at right angles to a recorded one. [deg]"""
     angle = np.hypot(setup.rail_angle, np.radians(strength))
     return setup.with_changes(rail_angle=np.where(setup.rail_angle < 0, -angle, angle))
 

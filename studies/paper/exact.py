@@ -27,7 +27,7 @@ def exact_means(
     """Exact posterior mean of Cd and alpha of each flight, given its apogee and nothing else. [1]
 
     `heights` flies every flight with a Cd and alpha of its own. Uniform prior, normal noise of the paper's 3 m,
-    Gauss-Legendre quadrature with `count` nodes a side: its nodes crowd at the prior's ends, and there the
+    Gauss-Legendre quadrature with `count` nodes a side: its nodes cluster at the prior's ends, and there the
     posterior of a low flight sits.
     """
     node, share = np.polynomial.legendre.leggauss(count)

@@ -21,7 +21,7 @@ from studies.paper.two_flights import TwoFlights, two_flights
 
 @dataclass(frozen=True, slots=True)
 class BiasPart:
-    """A share of the published bias, its name and the mean over the eight flights. [m]"""
+    """A part of the published bias, its name and the mean over the eight flights. [m]"""
 
     title: str
     share: float

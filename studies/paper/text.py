@@ -50,7 +50,7 @@ def _thrust(report: PaperReport) -> str:
 def _limit(report: PaperReport) -> str:
     limit, found, stated = report.bayes_limit, report.synthetic, report.published["stated"]
     return (
-        "An apogee alone cannot tell drag from thrust. No method gets below a mean error of "
+        "An apogee alone cannot separate drag from thrust. No method gets below a mean error of "
         f"{limit['cd_mae']:.4f} for Cd and {limit['alpha_mae']:.4f} for alpha on these simulated flights; the "
         f"published {stated['cd_mae']} and {stated['alpha_mae']} are there already. Nor is the spread of the "
         "ensemble an uncertainty: within one standard deviation of it lies the true Cd of "
@@ -67,7 +67,7 @@ def _floor(report: PaperReport) -> str:
         f"{scatter['sd_m']:.1f} m ({scatter['degrees_of_freedom']} degrees of freedom): even a forecast that knew "
         f"their mean would miss by {scatter['perfect_mae_m']:.1f} m on average, and the mean of two earlier flights "
         f"by {scatter['two_peers_mae_m']:.1f} m. With a standard error of {min(taught):.0f} to {max(taught):.0f} m "
-        "on so few flights, the rules that learn from flights can hardly be told apart."
+        "on so few flights, the rules that are fitted to flights can hardly be distinguished."
     )
 
 

@@ -245,7 +245,7 @@ def test_two_flights_in_a_file_are_two_and_one_twice_is_one() -> None:
     assert [round(top(series)) for series in found(one + lower)[0]] == [285, 142]
     items = parsers()["mapped_table"].read(one + body)
     assert sum(isinstance(item, Reading) for item in items) == 1
-    assert any(isinstance(item, Note) and "taken once" in item.text for item in items)
+    assert any(isinstance(item, Note) and "imported once" in item.text for item in items)
 
 
 def test_rows_out_of_order_cost_themselves_alone() -> None:

@@ -63,7 +63,7 @@ def dialogue(link: Link, wishes: CaptureOptions, captured: Captured) -> Dialogue
 
 
 def _identity(link: Link) -> Dialogue[dict[str, str]]:
-    """What a unit says of itself. Raises PortTrouble where it says nothing."""
+    """What a unit reports about itself. Raises PortTrouble if it does not answer."""
     for _ in range(TRIES):
         link.send(b"c s\n")
         link.send(b"f\n")
@@ -177,7 +177,7 @@ def blocks(captured: Captured) -> dict[int, Block]:
 
 
 def logs(captured: Captured) -> list[Log]:
-    """Each flight as the vendor's own program saves it: what the unit says of itself, then its memory in hex."""
+    """Each flight as the vendor's own program saves it: what the unit reports about itself, then its memory in hex."""
     answers = {answer.command: answer.content.decode("latin-1").splitlines() for answer in captured.answers()}
     told = [line for command in (b"c s\n", b"f\n", b"v\n") for line in answers.get(command, [])]
     memory = blocks(captured)
@@ -195,7 +195,7 @@ def logs(captured: Captured) -> list[Log]:
 
 
 def settings(lines: Iterable[str]) -> dict[str, str | int]:
-    """What a unit says of itself, by names as the vendor's program spells them in its files."""
+    """What a unit reports about itself, by names as the vendor's program spells them in its files."""
     found: dict[str, str | int] = {}
     for line in lines:
         if match := _CALIBRATION.match(line):

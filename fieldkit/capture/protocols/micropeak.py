@@ -81,7 +81,7 @@ class Stream:
         return found
 
     def _begun(self, chunk: bytes, at: int) -> int:
-        """Where to go on: after the next `MP`, with a record begun, or at the end."""
+        """Where to go on: after the next `MP`, with a record started, or at the end."""
         while (letter := chunk.find(b"P", at)) >= 0:
             at = letter + 1
             if (chunk[letter - 1] if letter else self._last) == ord("M"):

@@ -213,14 +213,14 @@ def bounds_log_mass(model: Model) -> float:
 
 @lru_cache(maxsize=4096)
 def _mass(low: float, high: float, mean: float, sd: float) -> float:
-    """Share of a normal distribution between two bounds."""
+    """Probability of a normal distribution between two bounds."""
     return 0.5 * (erf((high - mean) / (sd * sqrt(2))) - erf((low - mean) / (sd * sqrt(2))))
 
 
 @dataclass(frozen=True, slots=True)
 class Growing:
     """A fit as it was before each of its flights, about the point that all of them led to: as in `Fit`, for every
-    number of earlier flights. Weights of odd flights are those of the whole."""
+    number of earlier flights. Weights of outlier flights are those of the fit to all."""
 
     mean: Float[Array, "scale flight term"]
     covariance: Float[Array, "scale flight term term"]

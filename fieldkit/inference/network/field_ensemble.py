@@ -54,7 +54,7 @@ class FieldPosterior:
 
     Without a diameter Cd spreads over every body that the motor and the mass
     allow; the drag area does not. `fits` is false where a readout did not fit and was left out: such a
-    flight should not teach a model before its flyer has looked at it. `density` is over the logarithm of
+    flight should not be used in a fit before its flyer has looked at it. `density` is over the logarithm of
     the drag area, and alpha.
     """
 
@@ -211,5 +211,9 @@ def _hardly(there: Sequence[str], area: float, alpha: float) -> str:
     unknown = [name for name, ratio in (("drag", area), ("thrust", alpha)) if ratio > UNINFORMATIVE_SD_RATIO]
     if not unknown:
         return ""
-    told = "apogee alone cannot tell drag from thrust here" if seen == ["apogee"] else "these readouts tell little here"
-    return f"{told}: {' and '.join(unknown)} hardly better known than before the flight"
+    limit = (
+        "apogee alone cannot separate drag from thrust here"
+        if seen == ["apogee"]
+        else "these readouts show little here"
+    )
+    return f"{limit}: {' and '.join(unknown)} hardly better known than before the flight"

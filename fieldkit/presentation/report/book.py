@@ -32,13 +32,13 @@ class FlightReport:
     def figures(self) -> tuple[tuple[str, str], ...]:
         """Figures of the whole: value and what it is."""
         apogees = [one.flight.apogee for one in self.cards if one.flight.apogee is not None]
-        told, miss, inside = totals(self.cards)
+        predicted, miss, inside = totals(self.cards)
         rows = [(str(len(self.cards)), "flights")]
         if apogees:
             rows.append((f"{max(apogees):.0f} m", "highest apogee"))
-        rows.append((str(told), "predicted"))
-        if told:
-            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {told}", "inside 90 %")]
+        rows.append((str(predicted), "predicted"))
+        if predicted:
+            rows += [(f"{miss:.1f} m", "mean miss"), (f"{inside} of {predicted}", "inside 90 %")]
         return tuple(rows)
 
     @property

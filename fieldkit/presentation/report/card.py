@@ -59,7 +59,7 @@ class Card:
 
     @property
     def miss(self) -> float | None:
-        """Flown less foretold. [m]"""
+        """Flown minus forecast. [m]"""
         if self.foretold is None or self.flight.apogee is None:
             return None
         return self.flight.apogee - self.foretold.interval[1]

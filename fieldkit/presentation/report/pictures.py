@@ -25,7 +25,7 @@ Draw = Callable[["Figure | SubFigure"], None]
 
 
 def forecast(figure: "Figure | SubFigure", card: Card) -> None:
-    """The foretold apogee as a hill with its 90 % interval, and where the flight went."""
+    """The density of the forecast apogee with its 90 % interval, and the flown apogee."""
     panel = figure.subplots()
     panel.set_title("Predicted and flown")
     panel.set_xlabel("apogee [m]")

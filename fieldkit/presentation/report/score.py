@@ -31,7 +31,7 @@ def check_picture(path: Path) -> None:
 def write_picture(found: LedgerScores, path: Path, *, force: bool = False) -> None:
     """Draw each report that there is as a row of three pictures, to a file of the kind that its name says.
 
-    Raises FieldkitError, where the file is there already too, unless with `force`.
+    Raises FieldkitError, also for an existing file unless with `force`.
     """
     from matplotlib.figure import Figure
 

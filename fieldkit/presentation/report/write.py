@@ -36,7 +36,7 @@ def write_report(
 ) -> list[Path]:
     """Write a report as the kind that its file's name says, all of it or nothing; the files written.
 
-    Raises FieldkitError, where one is there already too, unless with `force`.
+    Raises FieldkitError, also for an existing file unless with `force`.
     """
     check_report(path)
     files = dict(_files(book, path, on_progress))
@@ -61,7 +61,7 @@ def _files(book: FlightReport, path: Path, on_progress: ReportProgress) -> Itera
 
 
 def _told(pages: Sequence[T], on_progress: ReportProgress) -> Iterator[T]:
-    """Pages one after the other, each told of before it is drawn."""
+    """Pages one after the other, each reported before it is drawn."""
     for number, page in enumerate(pages):
         on_progress(f"page {number + 1} of {len(pages)}", number / len(pages))
         yield page

@@ -1,9 +1,9 @@
-"""Files that come after others of the same flight: each joins its flight, where that can be told for certain.
+"""Files that come after others of the same flight: each is added to its flight if that is certain.
 
 A logger may write a flight into several files: low rate, high rate, a summary. Files are of one flight where the
 device, and the serial number if both name one, are the same, the kinds of file differ, and they state the same
-lift-off to within two seconds. Or a download, an export and what was heard by radio tell of the same flight by the
-logger's serial number and its number of the flight; as numbers begin anew once a memory is erased, they have to be as
+lift-off to within two seconds. Or a download, an export and radio telemetry are of the same flight by the
+logger's serial number and its number of the flight; as numbers restart once a memory is erased, they have to be as
 high too. Where neither is certain it may be so: it is said, and the flyer decides.
 """
 
@@ -31,7 +31,7 @@ SAME_HEIGHT = 0.01
 
 @dataclass(slots=True)
 class Sorting:
-    """Arrivals that are new, flights that files are added to, how many are there already, and what is to be said."""
+    """Arrivals that are new, flights that files are added to, how many are duplicates, and the notes."""
 
     new: list[Arrival] = field(default_factory=list)
     renewals: list["Renewal"] = field(default_factory=list)
@@ -96,7 +96,7 @@ def _is_other_form(there: Flight, arrival: Arrival) -> bool:
 
 
 def _are_as_high(there: Flight, new: Flight) -> bool:
-    """Whether two files can tell of one apogee, by how well each measured it."""
+    """Whether two files can be of one apogee, by how well each measured it."""
     heights = [flight.number("apogee") for flight in (there, new)]
     if heights[0] is None or heights[1] is None:
         return False

@@ -207,7 +207,7 @@ def read_file(path: Path, *, most: int | None = None, kind: str = "a log or a fl
 def _with_log(arrival: Arrival, folder: Path, check_motor: CheckMotor) -> tuple[Arrival, list[str]]:
     """An arrival with the bytes and the readouts of the log it names, and what is to be said of that log.
 
-    Raises BadValue for a log outside the folder of its table, wherever links lead.
+    Raises BadValue for a log outside the folder of its table, links resolved.
     """
     flight = arrival.flight
     if not flight.log:

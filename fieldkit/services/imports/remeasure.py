@@ -83,7 +83,7 @@ def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = (
 def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
     """Which of the flights read in files a flight is: by its lift-off, else by its number among them.
 
-    Raises LedgerError where that cannot be told.
+    Raises LedgerError if that is not certain.
     """
     found = list(fresh)
     if len(found) > 1:
@@ -96,7 +96,7 @@ def which(flight: Flight, fresh: Sequence[Flight], id: str) -> Flight:
 
 
 def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
-    """A flight as read again, with what tells how the ledger keeps its files: the first of them, and the `others`."""
+    """A flight as read again, with how the ledger stores its files: the first of them, and the `others`."""
     ours = {name: text for name in FIRST_FILE if (text := flight.extra.get(name))}
     extra = {name: text for name, text in fresh.extra.items() if name not in FIRST_FILE}
     return fresh.with_changes(extra=extra | ours | ({OTHER_LOGS: others} if others else {}))

@@ -153,7 +153,7 @@ def test_a_clock_that_starts_anew_starts_a_flight() -> None:
     first, second = (b"".join(b"%d,%d\n" % (t, t * slope) for t in range(8)) for slope in (1, 2))
     parts, found = read_columns(first + second + first, CHANNELS, after=0).flights()
     assert [part.rows.tolist() for part in parts] == [list(range(1, 9)), list(range(9, 17))]
-    assert found == [Note("repeats an earlier flight of this file, taken once", 17)]
+    assert found == [Note("repeats an earlier flight of this file, imported once", 17)]
 
 
 @given(st.lists(st.integers(0, 9), min_size=1, max_size=40))
