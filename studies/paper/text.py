@@ -52,7 +52,7 @@ def _limit(report: PaperReport) -> str:
     return (
         "An apogee alone cannot separate drag from thrust. No method gets below a mean error of "
         f"{limit['cd_mae']:.4f} for Cd and {limit['alpha_mae']:.4f} for alpha on these simulated flights; the "
-        f"published {stated['cd_mae']} and {stated['alpha_mae']} are there already. Nor is the spread of the "
+        f"published {stated['cd_mae']} and {stated['alpha_mae']} already reach that limit. Nor is the spread of the "
         "ensemble an uncertainty: within one standard deviation of it lies the true Cd of "
         f"{found['cd_coverage_one_sd']:.0%} of the flights and the true alpha of {found['alpha_coverage_one_sd']:.0%}, "
         "where 68% would be right."
