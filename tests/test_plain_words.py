@@ -28,13 +28,13 @@ PAGES_REWORKED_ELSEWHERE = (
 GLOSSARY = ROOT / "docs/glossary.md"
 
 LEFT_COLUMN = """
-    afresh, alike, anew, apart by, askew, begun, evened, farewell, foretell, foretells, foretold, hopeless, in hand, lean,
-    leans, learnt, long work shared out, luck, lucks, lucky, oddities, one to the next alike, overheard, overhears, railed,
-    reflown, roughly, says nothing of, seldom, share of, shelf, shelves, small matrices turned over, steps back, surer,
-    takes it back, taught, teach, teaches, tell, telling, tells, testify, testimony, there already, thinning, told,
-    unlike, untold, wander, wanders, warmth, witness, woken
+    afresh, alike, anew, apart by, askew, begun, evened, farewell, foretell, foretells, foretold, hopeless, in
+    hand, lean, leans, learnt, long work shared out, luck, lucks, lucky, oddities, one to the next alike,
+    overheard, overhears, railed, reflown, roughly, says nothing of, seldom, share of, shelf, shelves, small
+    matrices turned over, steps back, surer, takes it back, taught, teach, teaches, tell, telling, tells, testify,
+    testimony, there already, thinning, told, unlike, untold, wander, wanders, warmth, witness, woken
 """
-"""Of the left column of the glossary what has no ordinary meaning in text about rockets; `took` and `steady` have one."""
+"""Words of the left column of the glossary that have no ordinary meaning here; `took` and `steady` have one."""
 DIALECT = """
     borne, hitherto, lest, of itself, ought, reckon, reckoned, reckons, shall, thereof, whence, wherever, whoever
 """

@@ -65,8 +65,8 @@ Most commands take `--json`; `fieldkit COMMAND --help` prints the same as this p
 `docs/examples.sh`, which the tests run from top to bottom; those of commands that stay open or run for long are in
 `docs/examples-long.sh`. {WRITTEN_BY}
 
-The exit status is 0 for success, 2 for wrong usage, and 1 for anything else, with a line on standard error that says what
-was found and what was expected. An `import` that rejects rows lists them, imports the others, and exits with 0.
+The exit status is 0 for success, 2 for wrong usage, and 1 for anything else, with a line on standard error that says
+what was found and what was expected. An `import` that rejects rows lists them, imports the others, and exits with 0.
 
 | command | does |
 |---|---|
@@ -228,7 +228,8 @@ plain model has to explain a misfit. {WRITTEN_BY}
 Noise of a single readout: a fixed part, and one that grows with it. The scatter of a rocket's flights is scaled by a
 factor of its own (log-normal about 1, standard deviation {card.scatter.log_sd:.2f} learned), the noise of its readouts
 by another ({card.reading.log_sd:g}, a judgment: the open flights come from one device). Single flights and readouts
-follow a Student t with {card.tail:g} degrees of freedom. If a readout has a standard deviation of its own, that is used.
+follow a Student t with {card.tail:g} degrees of freedom. If a readout has a standard deviation of its own, that is
+used.
 
 | readout | learned | search |
 |---|---|---|

@@ -20,11 +20,11 @@ Bends = tuple[tuple[Effect, Float[Array, "flight"]], ...]
 
 def known_effects(names: Sequence[str]) -> dict[str, Effect]:
     """The effects of these names, each once. Raises BadValue for one that is not registered."""
-    shelf = effects()
+    registry = effects()
     for name in names:
-        if name not in shelf:
+        if name not in registry:
             raise BadValue(f"found the effect {name!r}, expected some of: {', '.join(sorted(registry))}")
-    return {name: shelf[name] for name in dict.fromkeys(names)}
+    return {name: registry[name] for name in dict.fromkeys(names)}
 
 
 def priors(names: Sequence[str]) -> dict[str, str]:
