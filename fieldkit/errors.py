@@ -1,6 +1,6 @@
 """Every error raised on purpose: trouble the flyer can fix, in one line.
 
-The message names the file, the row and the column where there are any, what was found, and what
+The message names the file, the row and the column if there are any, what was found, and what
 would be right. Anything that is not a `FieldkitError` is a fault of the program and keeps its traceback.
 """
 

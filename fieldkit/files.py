@@ -53,7 +53,7 @@ def read_own(file: Path) -> str:
 
 
 def _poured(file: Path, most: int) -> bytes | None:
-    """What comes out of a pipe, None where that is more than so many bytes."""
+    """What comes out of a pipe, None if that is more than so many bytes."""
     content = bytearray()
     with file.open("rb") as source:
         while part := source.read(1 << 20):

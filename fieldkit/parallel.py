@@ -26,7 +26,7 @@ _LOCAL_ADDRESS = re.compile(r"local(?::(\d{1,3}))?")
 def workers(where: str) -> Iterator[Executor]:
     """Workers: `local` or `local:4` for so many processes of this computer, else those of the scheduler at an address.
 
-    Raises FieldkitError where Dask is not installed or nobody answers, BadValue for no workers.
+    Raises FieldkitError if Dask is not installed or nobody answers, BadValue for no workers.
     """
     try:
         from distributed import Client, LocalCluster

@@ -13,7 +13,7 @@ DATA_FILES = ("mappings.json", "limits.toml", "drills.toml", "motors", "seasons"
 
 
 def data_folder() -> Path:
-    """The folder of the user's data, made where it is not there yet and can be.
+    """The folder of the user's data, made if it is not there yet and can be.
 
     Where it cannot, there is nothing in it to read, and who writes there says why that fails.
     """

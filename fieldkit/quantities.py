@@ -45,7 +45,7 @@ def number(column: Column, value: float, system: str) -> str:
 
 
 def measure(column: Column, value: float | None, system: str) -> str:
-    """A value [SI] with its unit: `923 ft`; empty where there is none."""
+    """A value [SI] with its unit: `923 ft`; empty if there is none."""
     if value is None:
         return ""
     return f"{number(column, value, system)} {spelled(unit_of(column, system))}"

@@ -50,7 +50,7 @@ def _number(saved: object, most: float) -> float | None:
 
 
 def keep_settings(settings: Settings, file: Path | None = None) -> None:
-    """Keep the settings, as a whole or not at all. Raises FieldkitError where the file cannot be written."""
+    """Keep the settings, as a whole or not at all. Raises FieldkitError if the file cannot be written."""
     document = json.dumps(asdict(settings), indent=2) + "\n"
     try:
         replace(file or settings_file(), document.encode())

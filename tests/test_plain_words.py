@@ -39,7 +39,7 @@ DIALECT = """
     borne, hitherto, lest, of itself, ought, reckon, reckoned, reckons, shall, thereof, whence, wherever, whoever
 """
 """Words that a native speaker would not write here, besides those of the glossary."""
-WORDS = tuple(word.strip() for word in f"{LEFT_COLUMN}, {DIALECT}".replace("\n", " ").split(",") if word.strip())
+WORDS = tuple(word.strip() for word in " ".join(f"{LEFT_COLUMN}, {DIALECT}".split()).split(","))
 BANNED = re.compile(
     r"(?<![\w-])(" + "|".join(sorted(map(re.escape, WORDS), key=len, reverse=True)) + r")(?![\w-])", re.I
 )
@@ -117,5 +117,5 @@ def test_what_is_reworked_elsewhere_exists() -> None:
 def test_the_glossary_has_every_word_of_its_left_column_that_is_looked_for() -> None:
     rows = [line for line in GLOSSARY.read_text(encoding="utf-8").splitlines() if line.startswith("|")]
     left = " ".join(re.sub(r"[()]", "", row.split("|")[1]) for row in rows)
-    words = [word.strip() for word in LEFT_COLUMN.replace("\n", " ").split(",")]
+    words = [word.strip() for word in " ".join(LEFT_COLUMN.split()).split(",")]
     assert [word for word in words if word not in " ".join(left.split())] == []

@@ -255,7 +255,7 @@ def journal() -> Iterator[str]:
         "by the root of two: a forecast that knew all of the rocket and the motor would still miss by",
         f"{percent(again / 2**0.5)} in the median, and one that knows them by the mean of two flights by",
         f"{percent(again / 2**0.5 * 1.5**0.5)}.",
-        "The law that stands for a diameter where there is none, and how far forecasts doubt the simulator and the",
+        "The law that stands for a diameter if there is none, and how far forecasts doubt the simulator and the",
         "device, were set looking at these flights: to that extent this is in-sample.",
     )
     warned = found["guard"]

@@ -133,7 +133,7 @@ def row(motor: Row) -> Row:
 
 
 def certified_average(motor: Row) -> float | None:
-    """The average thrust that the source states, None where it only repeats the number of the name. [N]"""
+    """The average thrust that the source states, None if it only repeats the number of the name. [N]"""
     stated: float | None = motor.get("avgThrustN")
     number = motor["commonName"].lstrip("1/248").lstrip("ABCDEFGHIJKLMNO")
     return None if stated is None or f"{stated:g}" == number else stated

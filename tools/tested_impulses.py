@@ -62,7 +62,7 @@ def scatter(tests: Iterable[Test]) -> float:
 
 
 def replacement(motor: Motor, tests: Sequence[Test], sd: float) -> Test | None:
-    """The test whose impulse replaces that of a motor, None where it stays."""
+    """The test whose impulse replaces that of a motor, None if it stays."""
     total = motor["totImpulseNs"]
     if not tests or not nominal(total):
         return None

@@ -35,7 +35,7 @@ from bench.faults.ledgers import LOG, ROOT, TABLE, Outcome, at_home, fieldkit
 PAGE = ROOT / "docs" / "faults.md"
 SEED = 8
 MEMORY = Path("/dev/shm")
-"""A file system in memory, where there is one: what is killed is a process and not the machine, so that nothing hangs
+"""A file system in memory, if there is one: what is killed is a process and not the machine, so that nothing hangs
 on what has reached a disc, and waiting for one would be most of the time."""
 
 

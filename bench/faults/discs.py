@@ -21,7 +21,7 @@ def can_mount() -> bool:
 
 @contextmanager
 def mounted(folder: Path, size: int = SIZE) -> Iterator[Path]:
-    """A file system in memory of a size, mounted at a folder. Raises CalledProcessError where that is not allowed."""
+    """A file system in memory of a size, mounted at a folder. Raises CalledProcessError if that is not allowed."""
     folder.mkdir(parents=True, exist_ok=True)
     subprocess.run(["mount", "-t", "tmpfs", "-o", f"size={size}", "tmpfs", str(folder)], check=True)
     try:

@@ -39,7 +39,7 @@ TRACEBACK = 99
 
 
 def binaries() -> Path | None:
-    """Where PostgreSQL's programs are, None where there are none."""
+    """Where PostgreSQL's programs are, None if there are none."""
     found = shutil.which("pg_ctl") or next(iter(sorted(Path("/usr/lib/postgresql").glob("*/bin/pg_ctl"))[::-1]), None)
     return Path(found).parent if found else None
 

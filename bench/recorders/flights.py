@@ -102,7 +102,7 @@ def _sonic(rng: np.random.Generator) -> Launch:
 def _launch(
     rng: np.random.Generator, burning: Motor, diameter: float, mass: float, fastest: float = 0.0
 ) -> Launch | None:
-    """A launch of a stable rocket; None where it would not leave its rail well, or is too slow."""
+    """A launch of a stable rocket; None if it would not leave its rail well, or is too slow."""
     frame = Airframe(
         diameter,
         diameter * float(rng.uniform(13, 22)),

@@ -69,7 +69,7 @@ class Progress:
     damaged: int = 0
     """Pieces that did not: a wrong checksum, a torn line, noise."""
     share: float | None = None
-    """Of all that is to come, where that is known. [1]"""
+    """Of all that is to come, if that is known. [1]"""
     sample: Sample | None = None
 
 

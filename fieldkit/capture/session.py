@@ -46,7 +46,7 @@ def capture(
 
     Every byte is on the disc before it is looked at. Without a device, what the port's numbers prove is taken,
     else what is recognised by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
-    named. Raises PortTrouble where a port cannot be opened or a unit does not answer; the capture is kept then too.
+    named. Raises PortTrouble if a port cannot be opened or a unit does not answer; the capture is kept then too.
     """
     name = _name(device or port.device)
     settings = _settings(name, wishes)
@@ -70,7 +70,7 @@ def resume(
 ) -> Iterator[Event]:
     """Go on with a capture, on the port where its unit is now; what it has already is not read again.
 
-    Raises CaptureTrouble where there is no such capture or its unit is not found, and what `capture` raises.
+    Raises CaptureTrouble if there is no such capture or its unit is not found, and what `capture` raises.
     """
     captured = read_capture(file)
     numbers = (captured.fact("vendor"), captured.fact("product"))
@@ -145,7 +145,7 @@ def _run(
 def _to_the_end(link: Link, port: Port, settings: PortSettings, wishes: CaptureOptions, look: Look) -> Dialogue[bool]:
     """Run the dialogue until a unit has sent what it has, across reconnections; whether the capture is complete.
 
-    Raises PortLost where it stays away, or is lost again and again and says nothing between.
+    Raises PortLost if it stays away, or is lost again and again and says nothing between.
     """
     losses, at_loss = 0, -1
     while True:

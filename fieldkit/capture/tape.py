@@ -51,7 +51,7 @@ class Tape:
         self.close()
 
     def heard(self, chunk: bytes) -> None:
-        """Keep bytes that arrived just now. Raises CaptureTrouble where the disc takes no more."""
+        """Keep bytes that arrived just now. Raises CaptureTrouble if the disc takes no more."""
         self._append(self._raw, chunk)
         self.size += len(chunk)
         self.tick()
@@ -101,7 +101,7 @@ class Tape:
 
 
 def begin(folder: Path, about: Mapping[str, object]) -> Tape:
-    """A new capture in a folder, made where it is not there, named after the time.
+    """A new capture in a folder, made if it is not there, named after the time.
 
     `about` is the first line of its journal. Raises CaptureTrouble.
     """

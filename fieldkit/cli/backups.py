@@ -1,4 +1,4 @@
-"""`fieldkit backups`: the copies of the ledger that are kept, and putting one back."""
+"""`fieldkit backups`: list the backups of the ledger, and restore one."""
 
 from typing import TYPE_CHECKING, Annotated
 

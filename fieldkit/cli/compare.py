@@ -1,4 +1,4 @@
-"""`fieldkit compare`: recordings of one flight beside each other."""
+"""`fieldkit compare`: recordings of one flight compared."""
 
 from typing import TYPE_CHECKING, Annotated
 

@@ -58,7 +58,7 @@ def _flown(context: typer.Context, field: str, incomplete: str) -> list[str]:
 
 
 def _ledger(context: typer.Context) -> "Ledger | None":
-    """The ledger that the half-typed command names, None where it is not there: a TAB makes none."""
+    """The ledger that the half-typed command names, None if it is not there: a TAB makes none."""
     from fieldkit.ledger import Ledger
     from fieldkit.ledger.whereabouts import location
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
 MAX_CHECKED_MOTORS = 12
 """Motors whose checks are printed unless all are asked for. [1]"""
 SHOWN_DELAYS, ALL_DELAYS = 2, 99
-"""Delays of a motor listed beside it: as many as fit a line of 80 characters, or all of them. [1]"""
+"""Delays of a motor listed next to it: as many as fit a line of 80 characters, or all of them. [1]"""
 
 
 def print_guide(

@@ -81,7 +81,7 @@ def landing(
 
 
 def _on_field(down: "Landing", size: float | None) -> float | None:
-    """The fraction of landings on a field of a size [m] whose middle the pad is in, None where it is not known."""
+    """The fraction of landings on a field of a size [m] whose middle the pad is in, None if it is not known."""
     return None if size is None else float((down.away <= size / 2).mean())
 
 

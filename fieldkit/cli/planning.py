@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from fieldkit.planning.limits import Limit
 
 Given = Mapping[str, str | None]
-"""Options of a plan as typed, None where not given."""
+"""Options of a plan as typed, None if not given."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -197,7 +197,7 @@ def length(text: str | None, default: str = "m", *, signed: bool = False) -> flo
 
 
 def season_rule(year: int) -> "Season":
-    """The rule of a season, the flyer's own where there is one. Raises BadValue."""
+    """The rule of a season, the flyer's own if there is one. Raises BadValue."""
     from fieldkit.paths import data_folder
     from fieldkit.planning.contest import season
 
@@ -228,7 +228,7 @@ def safety_of(
 
 
 def about_plan(said: "Prediction", lines: "Sequence[SafetyCheck]") -> dict[str, Any]:
-    """What JSON says beside a forecast: its conditions, the air, the safety lines and who decides."""
+    """What JSON adds to a forecast: its conditions, the air, the safety lines and who decides."""
     from fieldkit.planning.air import air_of, conditions
     from fieldkit.planning.check import ADVICE_NOTE
 

@@ -79,7 +79,7 @@ def prediction_of(ledger: "Ledger", flight: "Flight") -> "SavedForecast | None":
 
 
 def print_prediction(said: "SavedForecast | None") -> None:
-    """Print the forecast of a flight beside what it flew, if there is one."""
+    """Print the forecast of a flight and its flown apogee, if there is a forecast."""
     if said is None:
         return
     from fieldkit.services.saved_forecasts import in_words

@@ -77,7 +77,7 @@ def _print(found: "Sequence[Remeasured]", changed: int, without: int, dry_run: b
 
 
 def _figure(name: str, value: float | None, flight: "Flight") -> str:
-    """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash where there is none."""
+    """A readout with its uncertainty, `553.7 ± 0.7 m`, or a dash if there is none."""
     from fieldkit.analysis.labels import spoken
 
     return "-" if value is None else spoken(name, value, flight.sd.get(name, 0.0))
@@ -112,7 +112,7 @@ def _document(
 
 
 def _at_the_edge(name: str, value: float | None, flight: "Flight") -> dict[str, float | None] | None:
-    """A readout and its standard deviation in the unit of the flight table, None where there is none."""
+    """A readout and its standard deviation in the unit of the flight table, None if there is none."""
     from fieldkit.analysis.labels import at_the_edge
 
     if value is None:

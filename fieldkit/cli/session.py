@@ -85,5 +85,5 @@ class MotorCheck:
         return self._catalogue
 
     def __call__(self, name: str) -> str | None:
-        """A complaint in one line, or None where there is such a motor, or several."""
+        """A complaint in one line, or None if there is such a motor, or several."""
         return self.catalogue.complaint(name)

@@ -10,7 +10,7 @@ Force = Annotated[bool, typer.Option("--force", help="Replace an existing file."
 
 
 def settled(file: Path, force: bool) -> bool:
-    """Whether a file may be replaced: as the option says or, where one is there and somebody sits here, as they answer.
+    """Whether a file may be replaced: as the option says or, if one is there and somebody sits here, as they answer.
 
     Called before the work whose result goes there. Raises FieldkitError for a file that must not be written.
     """

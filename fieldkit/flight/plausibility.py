@@ -100,7 +100,7 @@ def check(column: Column, value: float) -> float:
 
 
 def implausible(flight: Flight, motor: Burning) -> str | None:
-    """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None where one can.
+    """Why no rocket can have flown so on its motor, in a phrase that begins with the column; None if one can.
 
     A plan is judged by what it says, a flight also by what its altimeter showed. Bounds are of physics, with room for
     a motor of the strongest kind and an altimeter that reads too high, so that a flight which is merely unusual passes.
@@ -181,7 +181,7 @@ def _at_fault(name: str, flight: Flight) -> str:
 
 
 def identity(flight: Flight) -> float | None:
-    """Top speed over average acceleration times burn time, or None where one is missing or zero. [1]"""
+    """Top speed over average acceleration times burn time, or None if one is missing or zero. [1]"""
     if not (flight.top_speed and flight.avg_accel and flight.burn_time):
         return None
     return flight.top_speed / (flight.avg_accel * flight.burn_time)
@@ -202,12 +202,20 @@ def doubts(flight: Flight, usual: Mapping[str, float] = MappingProxyType({})) ->
     found = [_unusual(column, value) for column in COLUMNS if (value := flight.number(column.name)) is not None]
     ratio = identity(flight)
     if ratio is not None and not IDENTITY[0] <= ratio <= IDENTITY[1]:
-        found.append(f"top speed is {ratio:.3g} times average acceleration times burn time, expected about 1")
+        found.append(_inconsistent(flight, ratio))
     for smaller, larger in (("avg_accel", "peak_accel"), ("eject_altitude", "apogee")):
         low, high = flight.number(smaller), flight.number(larger)
         if low is not None and high is not None and low > high * 1.001:
             found.append(f"{_spoken(BY_NAME[smaller], low)} is above {_spoken(BY_NAME[larger], high)}")
     return [phrase for phrase in (*found, *_unlike(flight, usual)) if phrase]
+
+
+def _inconsistent(flight: Flight, ratio: float) -> str:
+    """A phrase for a top speed that is not average acceleration times burn time."""
+    off, way = (1 - ratio, "low") if ratio < 1 else (ratio - 1, "high")
+    acceleration = _figure(BY_NAME["avg_accel"], flight.avg_accel or 0.0)
+    burn = _figure(BY_NAME["burn_time"], flight.burn_time or 0.0)
+    return f"top speed looks {100 * off:.0f} % {way} for {acceleration} over {burn}; check all three"
 
 
 def _unlike(flight: Flight, usual: Mapping[str, float]) -> Iterator[str]:

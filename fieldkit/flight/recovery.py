@@ -36,7 +36,7 @@ RECOVERY_NAMES = (*RECOVERY_COLUMNS, *RECOVERY_TEXTS)
 DIRECTIONS = {"into": 0.0, "away": 180.0, "across": 90.0}
 """Directions of a rail by name. [deg]"""
 OPENING_TIME = 0.5
-"""From the charge to an open parachute where nobody said: an assumption. [s]"""
+"""From the charge to an open parachute if nobody said: an assumption. [s]"""
 
 
 def recovery_header(name: str) -> str:
@@ -45,7 +45,7 @@ def recovery_header(name: str) -> str:
 
 
 def recovery_figure(flight: Flight, name: str) -> float | None:
-    """An extra number of a flight in SI, None where it was not recorded. Raises BadValue that names the column."""
+    """An extra number of a flight in SI, None if it was not recorded. Raises BadValue that names the column."""
     quantity, unit, _ = RECOVERY_COLUMNS[name]
     for header, text in flight.extra.items():
         if header.startswith(name) and text.strip():

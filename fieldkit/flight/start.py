@@ -12,7 +12,7 @@ INHERITED_FIELDS = ("dry_mass", "diameter", "rail_length")
 
 @dataclass(frozen=True, slots=True)
 class Start:
-    """What is known of a rocket's configuration before it has flown, and from which file; None where it is not. SI."""
+    """What is known of a rocket's configuration before it has flown, and from which file; None if it is not. SI."""
 
     rocket: str
     config: str
@@ -24,7 +24,7 @@ class Start:
 
 
 def completed(plan: Flight, history: Sequence[Flight], start: Start | None = None) -> Flight:
-    """A plan with the mass, diameter and rail of the last flight of its configuration where it has none.
+    """A plan with the mass, diameter and rail of the last flight of its configuration if it has none.
 
     A configuration that has not flown takes them from how it starts, if that is known.
     """

@@ -1,4 +1,4 @@
-"""Copies of a ledger's file, kept in a folder beside it: the last ten, in rotation.
+"""Copies of a ledger's file, saved in a folder next to it: the last ten, in rotation.
 
 A copy is made by SQLite's own backup call, so that it is whole while another process writes, and it counts only
 once SQLite and the checksums of its rows have found it sound: a damaged ledger never pushes a good copy out. Copies
@@ -50,7 +50,7 @@ class Backup:
 
     @property
     def size(self) -> int:
-        """Of the file, 0 where another process has let it go. [byte]"""
+        """Of the file, 0 if another process has let it go. [byte]"""
         try:
             return self.file.stat().st_size
         except OSError:
@@ -58,7 +58,7 @@ class Backup:
 
     @property
     def flights(self) -> int | None:
-        """How many flights it holds, None where it is damaged itself. [1]"""
+        """How many flights it holds, None if it is damaged itself. [1]"""
         try:
             with opened(self.file) as copy:
                 return int(copy.execute("SELECT count(*) FROM flights").fetchone()[0])
@@ -112,7 +112,7 @@ def _touched(file: Path) -> float:
 def take(ledger: sqlite3.Connection, file: Path, changes: int) -> Backup:
     """Copy an open ledger, and let the oldest copies go.
 
-    Raises LedgerError where the ledger is damaged; OSError or sqlite3.Error where no copy can be made.
+    Raises LedgerError if the ledger is damaged; OSError or sqlite3.Error where no copy can be made.
     """
     taken = _take(ledger, file, changes)
     if isinstance(taken, str):
@@ -204,7 +204,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
     A sound ledger becomes the newest copy, so that another restore takes this one back. A damaged file is put
     aside, with what SQLite's journal held for it. From before the copy until the ledger is replaced nobody else
     reads or writes it: what was written before is in the copy, what comes later goes into the restored ledger.
-    A kill leaves the ledger as it was or as it will be. Raises LedgerError where the copy is damaged itself,
+    A kill leaves the ledger as it was or as it will be. Raises LedgerError if the copy is damaged itself,
     the disc takes no more, or others do not let go of the ledger.
     """
     file = file.resolve()
@@ -252,7 +252,7 @@ def _hold(ledger: sqlite3.Connection) -> None:
 
 
 def _changes(ledger: sqlite3.Connection) -> int | None:
-    """The length of a ledger's journal; None where SQLite finds nothing wrong with a file that has lost it. [1]"""
+    """The length of a ledger's journal; None if SQLite finds nothing wrong with a file that has lost it. [1]"""
     if not ledger.execute("SELECT 1 FROM sqlite_master WHERE name = 'journal'").fetchone():
         return None
     return int(ledger.execute("SELECT coalesce(max(number), 0) FROM journal").fetchone()[0])
@@ -278,7 +278,7 @@ def _put_aside(file: Path, backup: Backup, *, keep: bool = True) -> Path | None:
 
 
 def _also_named(file: Path, name: str) -> Path:
-    """Give a file's bytes another name beside it, and a number where that is taken."""
+    """Give a file's bytes another name in the same folder, with a number if that is taken."""
     aside = _free(file, name)
     try:
         os.link(file, aside)

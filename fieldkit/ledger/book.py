@@ -106,7 +106,7 @@ def _objection(flight: Flight, there: Flight | None) -> str | None:
 
 
 def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
-    """Put a changed flight in a held one's place; False where nothing changed.
+    """Put a changed flight in a held one's place; False if nothing changed.
 
     Raises LedgerError when another flight has its name, BadValue for what cannot be kept.
     """
@@ -130,7 +130,7 @@ def replace(pen: ChangeRecorder, held: Held, flight: Flight) -> bool:
 
 
 def renew(pen: ChangeRecorder, held: Held, flight: Flight, entered: Flight | None, others: Sequence[Original]) -> bool:
-    """Put what a flight's files say now in its place, also in how it came in; False where nothing changed."""
+    """Put what a flight's files say now in its place, also in how it came in; False if nothing changed."""
     for original in others:
         keep_log(pen.connection, original)
     before, after = row_of(held.flight), row_of(flight)

@@ -2,7 +2,7 @@
 
 Every method that changes something is one transaction: it happens as a whole or not at all, also when the
 power goes. Each raises LedgerError where the ledger cannot be read or written. What is asked of a ledger is in
-`shown.py`, what it keeps beside flights in `beside.py`.
+`shown.py`, what it holds besides flights in `beside.py`.
 """
 
 from collections.abc import Callable, Iterable, Mapping, Sequence

@@ -40,7 +40,7 @@ def versions(connection: Connection, rocket: str) -> list[Version]:
 
 
 def activate(pen: ChangeRecorder, rocket: str, number: int | None) -> bool:
-    """Use a kept model, or none of them; False where that is so already. Raises LedgerError."""
+    """Use a saved model version, or none; False if it is in use. Raises LedgerError."""
     there = {version.number: version.active for version in versions(pen.connection, rocket)}
     if number is not None and number not in there:
         known = ", ".join(map(str, there)) or "none"

@@ -21,7 +21,7 @@ class OpenLedger:
         self._engine = engine
         self.name = name
         self.trouble = ""
-        """Why no backup could be made before a change, empty where one could; the change was made all the same."""
+        """Why no backup could be made before a change, empty if one could; the change was made all the same."""
         self.remarks: list[str] = []
         """Remarks on the ledger's flights for its user, a line each, in the order found."""
 

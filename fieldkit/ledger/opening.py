@@ -1,7 +1,7 @@
 """Opening and upgrading a ledger, on SQLite or PostgreSQL.
 
 SQLite keeps its rollback journal and `synchronous=EXTRA`: a finished command survives a power cut, and the
-ledger stays one file that can be copied at any time, which a write-ahead log beside it would not allow.
+ledger stays one file that can be copied at any time, which a separate write-ahead log would not allow.
 """
 
 import sqlite3
@@ -78,9 +78,9 @@ def writing(engine: Engine, *, keep: bool = True) -> Iterator[Connection]:
 
 
 def keep_backup(engine: Engine, *, always: bool = False) -> str:
-    """Copy a ledger before it is changed, where that is due; why it could not be done, empty where it was not.
+    """Copy a ledger before it is changed, where that is due; why it could not be done, empty if it was not.
 
-    Raises LedgerError where the ledger turns out to be damaged.
+    Raises LedgerError if the ledger turns out to be damaged.
     """
     file = file_of(engine.url)
     if file is None:

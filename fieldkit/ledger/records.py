@@ -50,7 +50,7 @@ class Version:
 
 @dataclass(frozen=True, slots=True)
 class NewPrediction:
-    """A prediction to be kept, as in `StoredPrediction`."""
+    """A prediction to save, as in `StoredPrediction`."""
 
     payload: Mapping[str, Any]
     digest: str

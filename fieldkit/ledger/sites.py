@@ -1,4 +1,4 @@
-"""Launch sites: what the flights say of them, and what the flyer saved beside the flights: size and ceiling."""
+"""Launch sites: what the flights say of them, and what the flyer saved: size and ceiling."""
 
 from typing import Any
 

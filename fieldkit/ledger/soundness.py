@@ -48,7 +48,7 @@ def fault(file: Path, *, since: Path | None = None) -> str:
 def file_fault(file: Path, *, thorough: bool = False) -> str:
     """What SQLite finds wrong with a database, in a line; empty for a sound one. Raises sqlite3.Error.
 
-    A `thorough` look also lays every index beside its table, which takes longer.
+    A `thorough` look also compares every index with its table, which takes longer.
     """
     check = "integrity_check" if thorough else "quick_check"
     try:

@@ -1,4 +1,4 @@
-"""Starting configurations: one for each rocket and configuration, the last that was kept."""
+"""Starting configurations: one for each rocket and configuration, the last one saved."""
 
 from dataclasses import asdict, fields
 

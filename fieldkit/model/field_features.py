@@ -48,7 +48,7 @@ def closed_form(
 
 
 def _settled(observed: Observed) -> tuple[Array, Array]:
-    """Top speed and burn time, each sharpened or replaced by average acceleration where there is one.
+    """Top speed and burn time, each sharpened or replaced by average acceleration if there is one.
 
     Speed is acceleration times burn time to the last digit, so acceleration adds nothing but digits: a
     burn time shown to a tenth of a second is known better than that from the other two.
@@ -72,7 +72,7 @@ def features(observed: Observed) -> Float[Array, "flight feature"]:
 
 
 def shown(observed: Observed) -> Float[Array, "flight seen"]:
-    """The readouts alone against the closed form, nan where missing: a column for each of `INDEPENDENT_READOUTS`.
+    """The readouts alone against the closed form, nan if missing: a column for each of `INDEPENDENT_READOUTS`.
 
     What the ensemble predicts for a readout from the others, to see which does not fit.
     """

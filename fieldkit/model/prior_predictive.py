@@ -185,7 +185,7 @@ def _draw_delays(
     drag_area: Array,
     alpha: Array,
 ) -> Float[Array, "flight"]:
-    """A delay on sale, mostly one near the coast that is to be expected; nan where none is. [s]"""
+    """A delay on sale, mostly one near the coast that is to be expected; nan if none is. [s]"""
     longest = max(len(motor.delays) for motor in motors)
     sold = np.full((len(motors), longest), np.nan)
     for number, motor in enumerate(motors):

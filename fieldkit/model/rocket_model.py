@@ -41,7 +41,7 @@ class Term:
 
     `bends` is a property of the flight, the name of a readout (a bias of the reading, by ratio), or an
     effect. `low` and `high` cut the prior off. `scaled_by` names the scale that multiplies its standard deviation,
-    where it has one: a rocket whose flights scatter is less well known, a device that is noisy is biased.
+    if it has one: a rocket whose flights scatter is less well known, a device that is noisy is biased.
     """
 
     name: str

@@ -74,7 +74,7 @@ class Catalogue:
         return replace(found, motor=own, notes=(*found.notes, *(one.text() for one in own.corrections)))
 
     def complaint(self, text: str) -> str | None:
-        """What is wrong with a motor's name in one line, or None where there is such a motor, or several."""
+        """What is wrong with a motor's name in one line, or None if there is such a motor, or several."""
         try:
             self.resolve(text)
         except UnknownMotor as error:
@@ -111,7 +111,7 @@ _LOT = re.compile(r"[\s,;(]+lot[\s#:]+([\w./-]+)\)?\s*$", re.IGNORECASE)
 
 
 def split_lot(text: str) -> tuple[str, str]:
-    """A motor's name and the lot behind it, empty where none is named: `F24-4W lot 0412`."""
+    """A motor's name and the lot behind it, empty if none is named: `F24-4W lot 0412`."""
     found = _LOT.search(text)
     return (text[: found.start()], found[1]) if found else (text, "")
 

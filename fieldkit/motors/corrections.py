@@ -30,7 +30,7 @@ CONFIDENCES = ("sure", "likely", "open")
 class Correction:
     """A figure of a motor: as the catalogue has it, as it should be, how sure that is, and by which document.
 
-    An `open` correction is not applied; its `value` is what the other document says, empty where none says.
+    An `open` correction is not applied; its `value` is what the other document says, empty if none says.
     """
 
     field: str

@@ -133,7 +133,7 @@ def delays(text: str, place: FileLine) -> tuple[float, ...]:
 
 
 def add_draft(drafts: list[MotorDraft], draft: MotorDraft) -> None:
-    """Put a motor to those of a file. Raises DamagedLog where there are too many."""
+    """Put a motor to those of a file. Raises DamagedLog if there are too many."""
     if len(drafts) >= MAX_MOTORS:
         raise draft.place.damaged(f"found more than {MAX_MOTORS} motors, expected at most that in a file")
     drafts.append(draft)

@@ -26,12 +26,12 @@ class Motor:
 
     The first knot is (0, 0), the last thrust is 0, time always increases, and the integral of the
     thrust is `total_impulse`. `delays` are those on sale, in seconds, `PLUGGED_DELAY` among them where the
-    motor is sold so; empty where they are not recorded. `estimated` names the fields that the
+    motor is sold so; empty if they are not recorded. `estimated` names the fields that the
     source lacks and that were estimated. `certified_average` and `certified_peak` are thrusts as stated by
-    the certification [N], None where none is on record or only the number of the name; `corrections` are the
+    the certification [N], None if none is on record or only the number of the name; `corrections` are the
     figures that differ from the source, and those on which documents disagree. `parts` are the motors of a cluster or
     of stages that this one stands for, empty for a single motor; `spent` is then the fraction of `propellant_mass` that
-    is gone at each knot [1], None where it goes with the impulse. Two motors are equal when
+    is gone at each knot [1], None if it goes with the impulse. Two motors are equal when
     they are the same object.
     """
 
@@ -181,7 +181,7 @@ def impulse_class(total_impulse: float) -> str:
 
 
 def delays_text(delays: Sequence[float]) -> str:
-    """Delays as flyers write them: `4, 7, P`; a dash where none are recorded."""
+    """Delays as flyers write them: `4, 7, P`; a dash if none are recorded."""
     return ", ".join("P" if delay == PLUGGED_DELAY else f"{delay:g}" for delay in delays) or "-"
 
 

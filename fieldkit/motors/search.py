@@ -67,7 +67,7 @@ class Listing:
 class Found:
     """A motor, the delay that the name asked for [s], and what the flyer should know about the choice.
 
-    `delay` is None where the name gives none, and `PLUGGED_DELAY` where it ends in P.
+    `delay` is None if the name gives none, and `PLUGGED_DELAY` where it ends in P.
     """
 
     motor: Motor

@@ -82,7 +82,7 @@ def _cluster(text: str, resolve: Callable[[str], Found]) -> Found:
 
 
 def clustered(parts: Sequence[tuple[Motor, float]]) -> Motor:
-    """Motors that burn together, each lit so long after the first [s]. Raises BadValue where none is lit at first."""
+    """Motors that burn together, each lit so long after the first [s]. Raises BadValue if none is lit at first."""
     if min(start for _, start in parts) > 0:
         raise BadValue("found no motor lit at the start, expected one without @")
     time, thrust = _added([(motor.time + start, motor.thrust) for motor, start in parts])

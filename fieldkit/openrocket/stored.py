@@ -71,7 +71,7 @@ def simulations(root: "Element") -> list[Simulation]:
 
 
 def _read(rocket: "Element", simulation: "Element") -> Simulation | None:
-    """What a simulation kept, None where it kept nothing. Its first branch is that of the upper stage."""
+    """What a simulation kept, None if it kept nothing. Its first branch is that of the upper stage."""
     data, branch = simulation.find("flightdata"), simulation.find("flightdata/databranch")
     if data is None or branch is None:
         return None

@@ -199,7 +199,7 @@ def _advance(
 ) -> None:
     """A step in as many parts as each draw needs; where most need no more, the others go on by themselves.
 
-    `begun` is the pull at its beginning, where that is known.
+    `begun` is the pull at its beginning, if that is known.
     """
     parts = _parts(setup, track, dt, thrust, mass)
     moving, rows = track, np.arange(len(track.time))

@@ -76,8 +76,8 @@ class Effect:
     `starts` are strengths from which a fit is started, several if the effect is far from linear.
     `explains` describes it to a flyer, `tell_apart`
     what to fly or write down to be sure of it; `measured` is the standard deviation with which doing so on the
-    ground gives the fitted value, 0 where it cannot. One that `needs_delay` acts on motors that have a delay alone.
-    `logged` is how an effect on the set-up shows in the force that a log measures, None where it does not.
+    ground gives the fitted value, 0 if it cannot. One that `needs_delay` acts on motors that have a delay alone.
+    `logged` is how an effect on the set-up shows in the force that a log measures, None if it does not.
     """
 
     title: str

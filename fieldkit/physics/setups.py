@@ -20,13 +20,13 @@ from fieldkit.physics.thrust_steps import STEPS, Burns, burns
 from fieldkit.shapes import Array, Float
 
 RAIL_LENGTH = 1.0
-"""Of a rod where none was recorded. [m]"""
+"""Of a rod if none was recorded. [m]"""
 DESCENT_SPEED = 5.0
-"""Under a parachute where none was recorded. [m/s]"""
+"""Under a parachute if none was recorded. [m/s]"""
 
 
 def recorded(flights: Sequence[Flight], name: str) -> Float[Array, "flight"]:
-    """A number of every flight in SI, nan where it was not recorded."""
+    """A number of every flight in SI, nan if it was not recorded."""
     values = [flight.number(name) for flight in flights]
     return np.array([np.nan if value is None else value for value in values], float)
 
@@ -75,7 +75,7 @@ def field_setup(
 
 
 def rail_angles(flights: Sequence[Flight]) -> tuple[Float[Array, "flight"], Float[Array, "#flight"]]:
-    """Angle of every rail from vertical, away from the wind and across it to the right; 0 where not recorded. [rad]
+    """Angle of every rail from vertical, away from the wind and across it to the right; 0 if not recorded. [rad]
 
     A recorded angle is into the wind by default, a negative one away from it.
     """

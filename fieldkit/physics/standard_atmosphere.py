@@ -1,4 +1,4 @@
-"""The standard atmosphere: what an altimeter makes a height of, and what a pad is given where nothing is known.
+"""The standard atmosphere: what an altimeter makes a height of, and what a pad is given if nothing is known.
 
 Source: U.S. Standard Atmosphere 1976, troposphere and lower stratosphere.
 """
@@ -28,7 +28,7 @@ _SCALE_HEIGHT = GAS_CONSTANT * _STRATOSPHERE_TEMPERATURE / GRAVITY
 
 
 def pressure_height(pressure: Float[Array, "time"]) -> Float[Array, "time"]:
-    """Height above sea level at which the standard atmosphere has a pressure [Pa]; nan where it is not positive. [m]"""
+    """Height above sea level at which the standard atmosphere has a pressure [Pa]; nan if it is not positive. [m]"""
     share = np.asarray(pressure, float) / STANDARD_PRESSURE
     share[~(share > 0)] = np.nan
     height = STANDARD_TEMPERATURE / LAPSE * (1 - share ** (1 / HYDROSTATIC))

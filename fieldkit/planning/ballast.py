@@ -142,7 +142,7 @@ def ballast(
 ) -> Ballast:
     """The dry mass in `bounds` [kg] that serves a goal best; with a season its descent counts as well.
 
-    The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight where no mass lifts off.
+    The apogee is as the altimeter shows it, its own error included. Raises ImpossibleFlight if no mass lifts off.
     """
     from scipy.interpolate import PchipInterpolator
 

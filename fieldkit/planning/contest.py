@@ -34,7 +34,7 @@ AREAS = (0.4, 2.5)
 class Season:
     """The rule of one season, in SI; `per_metre` and `per_second` are points, the `best` of `declared` count.
 
-    `mass` and `impulse` are the most on the pad, `length` the least; None where the season sets none. `eggs`, `body`,
+    `mass` and `impulse` are the most on the pad, `length` the least; None if the season sets none. `eggs`, `body`,
     `launch` and `finals` are what else its rule says, `finals_range` the targets that finals may have [m].
     """
 
@@ -87,7 +87,7 @@ def seasons(own: Path | None = None) -> list[int]:
 
 
 def copy_season(year: int, own: Path) -> Path:
-    """The file of a year in the flyer's own folder, copied there where it is not yet, to be checked and changed.
+    """The file of a year in the flyer's own folder, copied there if it is not yet, to be checked and changed.
 
     Raises BadValue for a year that there is no file of, FieldkitError for a folder that cannot be written.
     """
@@ -99,7 +99,7 @@ def copy_season(year: int, own: Path) -> Path:
 
 
 def season(year: int, own: Path | None = None) -> Season:
-    """The rule of a year, from the flyer's own folder of seasons where it has one.
+    """The rule of a year, from the flyer's own folder of seasons if it has one.
 
     Raises BadValue that names the years there are, or what a file lacks.
     """

@@ -1,4 +1,4 @@
-"""The day of a contest: what is announced, declared and wanted there, beside the rule of its season."""
+"""The day of a contest: what is announced, declared and wanted, in addition to the rule of its season."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from fieldkit.planning.contest import Season
 @dataclass(frozen=True, slots=True)
 class Day:
     """What is known of a contest's day: `target` [m] and `window` [s] as announced, the points that qualify (`cut`),
-    the flights `declared` so far, and the `length` of the rocket [m]; None or nothing where it is not."""
+    the flights `declared` so far, and the `length` of the rocket [m]; None or nothing if it is not."""
 
     target: float | None = None
     window: tuple[float, float] | None = None
@@ -52,7 +52,7 @@ def read_points(text: str) -> float:
 
 
 def read_part(name: str, text: str, unit: str) -> object:
-    """One part of a day as typed, or a length of its site; None where nothing is. Raises BadValue."""
+    """One part of a day as typed, or a length of its site; None if nothing is. Raises BadValue."""
     if name == "declared":
         return read_declared(text)
     if not text.strip():

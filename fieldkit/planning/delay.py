@@ -82,7 +82,7 @@ class Delay:
 class Delays:
     """The coast from burnout to apogee [s], delays from best to worst, and what is to be said of them in words.
 
-    `forecast` is the flight with the best of them, without a charge where there is none.
+    `forecast` is the flight with the best of them, without a charge if there is none.
     """
 
     coast: Three
@@ -161,7 +161,7 @@ def delays(
 
     `limit` is the speed at ejection that is too fast [m/s]. Each delay is flown: fall and drag, wind and an early
     parachute are in its speed. Best is the smallest chance to be too fast, then the smallest mean square of speed.
-    Raises ImpossibleFlight where the motor does not lift the rocket.
+    Raises ImpossibleFlight if the motor does not lift the rocket.
     """
     ways = list(offered(found.motor, takes_off, least_left).items())
     planned = [

@@ -31,7 +31,7 @@ DEFAULT_DESCENT_SD = 0.30
 STREAMER_SPEED = 10.0
 """Under a streamer if no flight shows it, an assumption: 7 to 14 m/s within a `DEFAULT_DESCENT_SD`. [m/s]"""
 DROGUE_SPEED = 20.0
-"""Under a drogue where none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
+"""Under a drogue if none was given, an assumption; student launches fly 15 to 17, large rockets 23 to 46. [m/s]"""
 AREA_CHANGE_SD = 0.15
 """By how much a change of area may miss what it should do, for each unit of its log: lines and slots alter Cd. [1]"""
 CD_GRID = np.exp(np.linspace(np.log(0.1), np.log(4.0), 12))
@@ -44,7 +44,7 @@ USUAL_MASS, USUAL_DENSITY = 0.4, 1.225
 class Fall:
     """The log of c = v sqrt(rho / m): mean over `flights`, and their spread. Without flights, of a usual device.
 
-    `drogue` is that of the drogue of a rocket with two devices, None where there is none.
+    `drogue` is that of the drogue of a rocket with two devices, None if there is none.
     """
 
     log_mean: float
@@ -134,7 +134,7 @@ def landing_mass(flight: Flight, found: Found) -> float:
 
 
 def wind_profile(plan: Flight) -> WindProfile:
-    """The wind of a plan over height; still where none is given. Raises BadValue."""
+    """The wind of a plan over height; still if none is given. Raises BadValue."""
     aloft, height = recovery_figure(plan, "wind_aloft"), recovery_figure(plan, "wind_aloft_height")
     turn = recovery_figure(plan, "wind_aloft_turn") or 0.0
     if aloft is None:
@@ -151,7 +151,7 @@ def descents(
 ) -> DescentResult:
     """The way down of each draw of a forecast at a descent speed near the ground [m/s].
 
-    The charge fires as the delay of the plan says; where none is known, and where an altimeter opens two devices, at
+    The charge fires as the delay of the plan says; if none is known, and where an altimeter opens two devices, at
     apogee. A draw that reaches the ground before
     it, or before anything is open, comes down ballistic.
     """

@@ -13,7 +13,7 @@ FILE_NAME = "kits.toml"
 
 @dataclass(frozen=True, slots=True)
 class Kit:
-    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None where it is not known."""
+    """A kit as built: dry mass [kg], diameter [m], and the motor mount [m]; None if it is not known."""
 
     name: str
     dry_mass: float | None
@@ -22,7 +22,7 @@ class Kit:
 
 
 def read_kits(file: Path) -> Mapping[str, Kit]:
-    """The kits of a file by name, none where there is no file. Raises BadValue that names the kit and the figure."""
+    """The kits of a file by name, none if there is no file. Raises BadValue that names the kit and the figure."""
     if not file.exists():
         return {}
     try:

@@ -169,7 +169,7 @@ def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
 def guide(
     rocket: Rocket, plan: Flight, motors: Sequence[Motor], limits: Limits, site: Site, draws: int | None = None
 ) -> list[MotorChoice]:
-    """The flight that a plan would become on each of some motors, in the same order; nothing is kept.
+    """The flight that a plan would become on each of some motors, in the same order; nothing is saved.
 
     A motor flies with the delay on sale that fires nearest to apogee, `draws` times or as often as is quick.
     Raises ImpossibleFlight for a plan without a mass.

@@ -139,7 +139,7 @@ def mass_line(held: Governed) -> SafetyCheck:
 
 
 def weight_line(held: Governed) -> SafetyCheck | None:
-    """Lift-off weight against the certified average thrust, where a code bounds it; None where none does."""
+    """Lift-off weight against the certified average thrust, where a code bounds it; None if none does."""
 
     def judge(rule: Rule) -> SafetyCheck:
         ratio = held.build.rated_thrust / (held.build.mass * STANDARD_GRAVITY)

@@ -22,7 +22,7 @@ FOLDER = Path(__file__).parents[1] / "data" / "rules"
 MARKS: Mapping[str, str] = {"O": "official text", "T": "transcription by others", "U": "unverified"}
 """How sure the text of a rule is, by its mark."""
 DEFAULT_AUTHORITIES = ("NAR", "FAA")
-"""Who governs a launch where nobody else was named."""
+"""Who governs a launch if nobody else was named."""
 KINDS = ("model", "high power", "any")
 """Rockets that a set is for."""
 
@@ -139,7 +139,7 @@ def governing(
 
 
 def read_authorities(text: str) -> tuple[str, ...]:
-    """Who governs a launch, typed as `NAR, FAA`; the usual where nothing is."""
+    """Who governs a launch, typed as `NAR, FAA`; the usual if nothing is."""
     return tuple(name.strip() for name in text.split(",") if name.strip()) or DEFAULT_AUTHORITIES
 
 

@@ -107,11 +107,11 @@ def _stricter(one: SafetyCheck, other: SafetyCheck | None) -> SafetyCheck:
 
 
 OWN_BOUNDS = {"wind": ("ground wind", 1.0, "m/s"), "angle": ("launch angle", DEGREE, "°")}
-"""Bounds that flyers set for themselves beside the rules: the line, the size of the unit shown in SI, and the unit."""
+"""Bounds that flyers set in addition to the rules: the line, the size of the unit shown in SI, and the unit."""
 
 
 def _own(name: str, value: float | None, limits: Limits) -> SafetyCheck | None:
-    """The line of a bound in the flyer's own `limits.toml`, None where there is none or nothing to hold against it."""
+    """The line of a bound in the flyer's own `limits.toml`, None if there is none or nothing to hold against it."""
     if name not in limits or value is None:
         return None
     check, scale, unit = OWN_BOUNDS[name]

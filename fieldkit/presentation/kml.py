@@ -66,7 +66,7 @@ def landing_kml(name: str, found: Landing, pad: tuple[float, float], wind_from: 
 def track_kml(
     name: str, latitude: Float[Array, "time"], longitude: Float[Array, "time"], altitude: Float[Array, "time"] | None
 ) -> bytes:
-    """A track by satellite, its altitude above sea level [m] where it has one. Raises BadValue for no positions."""
+    """A track by satellite, its altitude above sea level [m] if it has one. Raises BadValue for no positions."""
     known = np.isfinite(latitude) & np.isfinite(longitude) & ((latitude != 0) | (longitude != 0))
     if altitude is not None:
         known &= np.isfinite(altitude)

@@ -54,7 +54,7 @@ def delays_in_words(judged: Delays, fast: float, tool: Drill | None = None) -> I
 
 
 def ballast_in_words(best: Ballast, goal: Goal) -> Iterator[str]:
-    """The mass to fly, what it brings beside what today's does, and what can be met where the target cannot."""
+    """The mass to fly, its result compared with the current mass, and what can be met if the target cannot."""
     said = best.forecast
     p05, p50, p95 = best.apogee
     yield f"{_named(said)}, target {length(goal.target)}"

@@ -1,4 +1,4 @@
-"""How forecasts fared, in lines: scores beside the rivals', whether the bar is beaten, where flights lay."""
+"""The quality of forecasts, in lines: scores compared with rivals, whether the bar is beaten, calibration."""
 
 from collections.abc import Iterator
 from typing import TYPE_CHECKING
@@ -91,7 +91,7 @@ def _between(one: "ScoreDifference", digits: int = 1) -> str:
 
 
 def against_the_bar(found: "ScoreReport") -> Iterator[str]:
-    """Whether the scalar correction is beaten, and the rockets where it is not."""
+    """Whether the scalar correction is beaten, and the rockets on which it is not."""
     for one in found.against:
         if one.rival == BAR:
             words = {

@@ -19,7 +19,7 @@ def copies(where: str | Path | None) -> tuple[Path, list[Backup]]:
 
 
 def chosen_copy(where: str | Path | None, number: int | None) -> tuple[Path, Backup]:
-    """A ledger's file and the copy of a number, by default the newest. Raises LedgerError where there is none."""
+    """A ledger's file and the copy of a number, by default the newest. Raises LedgerError if there is none."""
     file, known = copies(where)
     for one in known:
         if number in (None, one.number):

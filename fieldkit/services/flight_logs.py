@@ -1,4 +1,4 @@
-"""The logs that were kept with a rocket's flights, read again for what they show of the climb."""
+"""The logs stored with a rocket's flights, read again for what they show of the climb."""
 
 from fieldkit.analysis import Recorded
 from fieldkit.errors import LedgerError

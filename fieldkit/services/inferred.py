@@ -11,7 +11,7 @@ from fieldkit.motors import Catalogue
 
 @dataclass(frozen=True, slots=True)
 class InferredFlights:
-    """What was inferred, the number of each flight beside it, and why others were left out."""
+    """What was inferred, the number of each flight with it, and why others were left out."""
 
     inferred: Sequence[Inferred]
     ids: Sequence[str]

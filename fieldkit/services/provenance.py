@@ -143,7 +143,7 @@ def _version(number: str) -> str:
 
 
 def _columns(flight: Flight, names: Sequence[str] | Mapping[str, object]) -> dict[str, str]:
-    """Numbers of a flight as texts under their headers, empty where not recorded."""
+    """Numbers of a flight as texts under their headers, empty if not recorded."""
     return {column.header: _text(column, flight.number(column.name)) for column in COLUMNS if column.name in names}
 
 

@@ -33,7 +33,7 @@ class Recording:
 
 
 def recording_of(ledger: Ledger, id: str, choices: Sequence[ColumnChoice] = ()) -> Recording | None:
-    """The samples of a flight of the ledger, read again from the bytes that it keeps; None where it has none.
+    """The samples of a flight of the ledger, read again from the bytes that it keeps; None if it has none.
 
     `choices` say which columns of a table of samples are what, best first.
     Raises LedgerError for an id that means no flight, and where a log of several flights does not say which it is.
@@ -67,7 +67,7 @@ def recordings(
 ) -> list[Recording]:
     """What a file holds, or the flight of the ledger that an id means, as recordings to be compared.
 
-    A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError where there
+    A flight without a log, and a table of flights, come with their readouts alone. Raises FieldkitError if there
     is neither such a file nor such a flight.
     """
     path = Path(what)

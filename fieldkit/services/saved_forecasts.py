@@ -1,4 +1,4 @@
-"""Kept predictions beside what became of them: the flight that came in, or what has changed since they were made."""
+"""Saved predictions with their outcome: the flight that was imported, or what has changed since they were made."""
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
@@ -25,7 +25,7 @@ LISTED_STATES: tuple[State, ...] = ("open", "stale", "flown")
 class SavedForecast:
     """A prediction as it was made, the flight that it is of, and what changed before that flight came in.
 
-    `changes` are phrases, empty where everything that it was made from is still so. `over` says that no flight
+    `changes` are phrases, empty if everything that it was made from is still so. `over` says that no flight
     will be measured against it any more: a later prediction took its place, or two weeks went by.
     """
 
@@ -104,7 +104,7 @@ def list_forecasts(ledger: Ledger, motors: Catalogue, rocket: str | None = None)
 
 
 def of_flight(ledger: Ledger, motors: Catalogue, flight: Flight) -> SavedForecast | None:
-    """The prediction that a flight is measured against, or None where none was made."""
+    """The prediction that a flight is measured against, or None if none was made."""
     return by_flight(list_forecasts(ledger, motors, flight.rocket)).get((flight.rocket, flight.flight_id))
 
 
@@ -140,7 +140,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
     """What is no longer so, of the plan and of the model as it was when the flight came in, or is now."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None:
-        return  # of an older fieldkit, which did not keep it
+        return  # of an older fieldkit, which did not save it
     flown = flight is not None and flight.apogee is not None
     if flight is not None and (found := resolved(motors, flight)):
         yield from plan_changes(made, plan_parts(flight, found), flown=flown)
@@ -150,7 +150,7 @@ def _changes(prediction: StoredPrediction, flight: Flight | None, past: Past, mo
 
 
 def _redesigned(prediction: StoredPrediction, flight: Flight | None, starts: Sequence[Start]) -> Iterator[str]:
-    """What changed of the rocket's design while the prediction is open: what it was at a flight is not kept."""
+    """What changed of the rocket's design while the prediction is open: what it was at a flight is not saved."""
     made: Parts | None = prediction.payload.get("made_from")
     if made is None or (flight is not None and flight.apogee is not None):
         return

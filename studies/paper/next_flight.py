@@ -14,7 +14,7 @@ from studies.paper.exact import cells
 from studies.paper.reference import NOMINAL_CD, Reference, certified, height_grid, heights
 
 Forecast = Callable[[Reference, Int[Any, "other"], int], float]
-"""The apogee of a flight, by its row, from other flights, by theirs; nan where those say nothing. [m]"""
+"""The apogee of a flight, by its row, from other flights, by theirs; nan if those say nothing. [m]"""
 
 
 @dataclass(frozen=True, slots=True)

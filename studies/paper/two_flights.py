@@ -69,7 +69,7 @@ READOUT_SCATTER = {
 class Cause:
     """An effect on the lighter flight alone: the strength that explains it, and how far from believable that is.
 
-    `strength` is nan where none does. `away` is its distance from what was believed, in standard deviations of
+    `strength` is nan if none does. `away` is its distance from what was believed, in standard deviations of
     the prior. `shows` is what the altimeter would show of that flight.
     """
 
@@ -151,11 +151,22 @@ def _gain(heavy: Flight, light: Flight, alpha: float) -> float:
     return float(shown[0]) - _apogee(heavy)
 
 
+TESTABLE_CONDITIONS = ("", "wind")
+"""Conditions that an effect may need to be tested here."""
+
+
 def _causes(heavy: Flight, light: Flight) -> list[Cause]:
-    """Every registered effect, and a drag of its own for the lighter configuration."""
+    """Every registered effect, and a drag of its own for the lighter configuration.
+
+    Effects that need a condition which was not recorded are left out; of the wind it is asked how much it would take.
+    """
     area = _area(heavy, 1.0)
     flown_between = int(light.flight_id) - int(heavy.flight_id)
-    own = [_cause(name, effect, light, area, flown_between) for name, effect in effects().items()]
+    own = [
+        _cause(name, effect, light, area, flown_between)
+        for name, effect in effects().items()
+        if effect.needs in TESTABLE_CONDITIONS
+    ]
     return [*own, _cause(OWN_DRAG, OWN_EFFECT, light, area, 1)]
 
 

@@ -76,7 +76,7 @@ def _identity(link: Link) -> Dialogue[dict[str, str]]:
 
 
 def _same_unit(link: Link, identity: dict[str, str], captured: Captured) -> None:
-    """Raise PortTrouble where a capture that goes on is of another unit."""
+    """Raise PortTrouble if a capture that goes on is of another unit."""
     before = set(re.findall(rb"^serial-number +(\d+)", captured.raw, re.MULTILINE))
     mine = identity.get("serial-number", "")
     if before and mine and mine.encode("latin-1") not in before:
@@ -157,7 +157,7 @@ def assembled(lines: Iterable[str]) -> Block:
 
 
 def _row(line: str) -> list[int] | None:
-    """The nine numbers of a line, None where it has not nine that fit."""
+    """The nine numbers of a line, None if it has not nine that fit."""
     tokens = line.split()
     if len(tokens) != 1 + ROW or not all(re.fullmatch(r"[0-9a-fA-F]{1,2}", token) for token in tokens):
         return None

@@ -61,7 +61,7 @@ def _lines(link: Link, command: bytes, wanted: int) -> Dialogue[list[str]]:
 
 
 def _count(link: Link) -> Dialogue[int]:
-    """The number of samples in memory. Raises PortTrouble where the statistics cannot be read."""
+    """The number of samples in memory. Raises PortTrouble if the statistics cannot be read."""
     for _ in range(TRIES):
         lines = yield from _lines(link, b"S", STATISTICS)
         found = {line[0]: int(line[1:]) for line in lines if re.fullmatch(r"[GANDM]\d{5}", line)}

@@ -80,7 +80,7 @@ class Fit:
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
     posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that
-    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None where flights are taken to be normal; the
+    of the terms, `precision` its inverse. `flight_weight` as in `solve`, None if flights are taken to be normal; the
     log evidence is a lower bound then.
     """
 

@@ -35,7 +35,7 @@ UNINFORMATIVE_SD_RATIO = 0.8
 INTERVALS = {"cd": list(CD_RANGE), "alpha": list(ALPHA_RANGE)}
 """Between what Cd and alpha lie, as a card has it. [1]"""
 STRATA = 1024
-"""Draws of the diameter where it is not known."""
+"""Draws of the diameter if it is not known."""
 GOLDEN = 0.6180339887498949
 """Steps of this, modulo 1, fill an interval evenly."""
 _WORDS = {
@@ -88,7 +88,7 @@ def infer_field(
 
 
 def load_field() -> "Ensemble":
-    """The shipped ensemble. Raises DamagedModel where it was trained on other features or another prior."""
+    """The shipped ensemble. Raises DamagedModel if it was trained on other features or another prior."""
     from fieldkit.inference.network.ensemble import load
 
     ensemble = load("field")

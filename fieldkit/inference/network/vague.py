@@ -60,7 +60,7 @@ def _combined(observed: Observed, mean: Array, sd: Array) -> tuple[Array, Array]
 
 
 def _slope(observed: Observed) -> Float[Array, "flight seen"]:
-    """The derivative of `shown` by each readout; 0 where there is none."""
+    """The derivative of `shown` by each readout; 0 if there is none."""
     with np.errstate(invalid="ignore", divide="ignore"):
         slopes = {name: 1 / observed.readout(name) for name in INDEPENDENT_READOUTS}
         slopes["peak_accel"] = 1 / (observed.readout("peak_accel") + GRAVITY)

@@ -84,7 +84,7 @@ def cards(ledger: Ledger, motors: Catalogue, flights: Sequence[Flight], on_progr
 
 
 def _afterwards(ledger: Ledger, motors: Catalogue, flight: Flight) -> CardForecast | None:
-    """What the other flights say this one should have shown, where none was said before it."""
+    """What the other flights say this one should have shown, if none was said before it."""
     try:
         made = forecast_from_others(ledger, motors, flight)
     except FieldkitError:
@@ -138,7 +138,7 @@ def _learned(flight: Flight, motors: Catalogue) -> Rows:
 
 
 def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
-    """The log of a flight, None where there are no samples of height or they cannot be read again."""
+    """The log of a flight, None if there are no samples of height or they cannot be read again."""
     try:
         found = recording_of(ledger, id)
     except FieldkitError:
@@ -154,7 +154,7 @@ def _trace(ledger: Ledger, id: str) -> HeightTrace | None:
 
 
 def totals(cards: Sequence[Card]) -> tuple[int, float, int]:
-    """Of the cards with a kept prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
+    """Of the cards with a saved prediction and an apogee: how many, the mean absolute miss [m], how many inside."""
     told = [one for one in cards if one.foretold and one.foretold.kept and one.miss is not None]
     inside = sum(
         one.foretold.interval[0] <= (one.flight.apogee or 0) <= one.foretold.interval[2] for one in told if one.foretold

@@ -1,4 +1,4 @@
-"""Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures beside it."""
+"""Reports to files: HTML and PDF as one file, PNG a page each, Markdown with its pictures next to it."""
 
 from collections.abc import Iterator, Sequence
 from functools import partial

@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from fieldkit.ledger import Ledger, Renewal
 
 SAME_HEIGHT = 0.01
-"""Files of one flight agree on its apogee to this part of it, beside their uncertainties. [1]"""
+"""Files of one flight agree on its apogee to this fraction of it, in addition to their uncertainties. [1]"""
 
 
 @dataclass(slots=True)
@@ -62,7 +62,7 @@ def sorted_out(ledger: "Ledger", arrivals: Iterable[Arrival], choices: Sequence[
 
 
 def _number(flight: Flight) -> tuple[str, str] | None:
-    """The serial number of a flight's logger and the number that it has for the flight, None where one is not known."""
+    """The serial number of a flight's logger and the number that it has for the flight, None if one is not known."""
     serial, number = flight.extra.get("serial"), flight.extra.get("flight")
     return (serial, number) if serial and number else None
 

@@ -175,12 +175,12 @@ def _logs(path: Path) -> list[tuple[str, bytes]]:
 
 
 def _name(path: Path) -> str:
-    """A file's name for messages and the ledger, also where it is not written in Unicode."""
+    """A file's name for messages and the ledger, also if it is not written in Unicode."""
     return os.fsencode(path).decode("utf-8", "replace")
 
 
 def _left_open(flight: Flight, defaults: Mapping[str, object]) -> dict[str, object]:
-    """Defaults for the fields that a flight leaves open, and for what stands beside its readouts."""
+    """Defaults for the fields that a flight lacks, and for the sds and sources of its readouts."""
     empty = (None, "", ())
     given = {f: v for f, v in defaults.items() if f not in READOUT_FIELDS and getattr(flight, f) in empty}
     readouts = flight.with_changes(**given).readouts()

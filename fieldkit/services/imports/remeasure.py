@@ -52,7 +52,7 @@ class Remeasured:
 
 
 def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> Remeasured | None:
-    """A flight of the ledger with its files read again; None where it has none with samples.
+    """A flight of the ledger with its files read again; None if it has none with samples.
 
     `choices` say which columns of a table of samples are what, best first. Raises LedgerError for an id that means
     no flight or a log that does not say which of its flights it is, DamagedLog or UnknownFormat for one that no
@@ -70,7 +70,7 @@ def remeasured(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) 
 
 
 def recordings_of(ledger: "Ledger", id: str, choices: Sequence[ColumnChoice] = ()) -> list[Reading]:
-    """The readings of all files of a flight of the ledger, its own among them; none where it has no file.
+    """The readings of all files of a flight of the ledger, its own among them; none if it has no file.
 
     Raises as `remeasured` does.
     """
@@ -105,7 +105,7 @@ def as_held(fresh: Flight, flight: Flight, others: str) -> Flight:
 def renewed(flight: Flight, entered: Flight | None, fresh: Flight) -> Flight:
     """A flight with what its files say now, where the flyer has said nothing; `entered` is it before any edit.
 
-    A figure is the files' own where it was measured or is what the device stated, or where there was none.
+    A figure is the files' own where it was measured or is what the device stated, or if there was none.
     """
     was = entered or flight
     changes: dict[str, object] = {}
@@ -164,6 +164,6 @@ def _stays(column: Column, flight: Flight, entered: Flight | None, fresh: Flight
 
 
 def format_of(flight: Flight) -> str | None:
-    """The parser that read the first file of a flight, None where there is no such parser any more."""
+    """The parser that read the first file of a flight, None if there is no such parser any more."""
     known = flight.extra.get("log_format")
     return known if known in parsers() else None

@@ -80,7 +80,7 @@ def _interval(forecasts: Forecasts) -> tuple[Float[Array, "flight"], Float[Array
 
 
 def forward(figure: "Figure | SubFigure", found: Findings) -> None:
-    """Each flight forecast from those before it, beside what it flew."""
+    """Each flight forecast from those before it, with its flown apogee."""
     panel, ahead = figure.subplots(), found.ahead
     number = np.arange(len(ahead.seen)) + 1
     flown = np.exp(found.diagnosis.data.values[:, 0])
