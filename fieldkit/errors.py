@@ -31,7 +31,7 @@ class DamagedLog(FieldkitError):
 
 
 class UnknownFormat(FieldkitError):
-    """No parser recognises a log, or more than one does."""
+    """No parser recognizes a log, or more than one does."""
 
 
 class BadValue(FieldkitError):
@@ -39,7 +39,7 @@ class BadValue(FieldkitError):
 
 
 class UnknownMotor(FieldkitError):
-    """No motor of the catalogue answers to a name; the message suggests the nearest."""
+    """No motor of the catalog answers to a name; the message suggests the nearest."""
 
 
 class AmbiguousMotor(FieldkitError):

@@ -136,14 +136,14 @@ def _name(new: Path, target: Path) -> None:
         os.link(new, target)
     except FileExistsError:
         raise
-    except OSError:  # a disc without hard links
+    except OSError:  # a disk without hard links
         if target.exists():
             raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
         os.replace(new, target)
 
 
 def _written_beside(file: Path, content: bytes) -> Path:
-    """A new file in the folder of another one, its content on the disc."""
+    """A new file in the folder of another one, its content on the disk."""
     new = file.with_name(f".{file.name[:100]}.{token_hex(8)}.new")
     try:
         with os.fdopen(os.open(new, os.O_WRONLY | os.O_CREAT | os.O_EXCL | _BINARY, 0o666), "wb") as out:

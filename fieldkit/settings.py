@@ -1,4 +1,4 @@
-"""What a flyer chose once and keeps: units, colours, the height to hit. A small JSON file in the user's folder."""
+"""What a flyer chose once and keeps: units, colors, the height to hit. A small JSON file in the user's folder."""
 
 import json
 from dataclasses import asdict, dataclass
@@ -11,7 +11,7 @@ from fieldkit.paths import settings_file
 UNITS = ("SI", "US", "mixed")
 """Names of the systems of units; see `fieldkit.quantities`."""
 THEMES = ("field", "sun", "night", "terminal")
-"""Names of the colour schemes of the app."""
+"""Names of the color schemes of the app."""
 
 
 @dataclass(frozen=True, slots=True)

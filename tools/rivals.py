@@ -37,7 +37,7 @@ LogDensity = Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def scaler(columns: np.ndarray) -> Callable[[np.ndarray], torch.Tensor]:
-    """Features as every rival is shown them: standardised and clipped as the ensemble does."""
+    """Features as every rival is shown them: standardized and clipped as the ensemble does."""
     mean, sd = columns.mean(axis=0), columns.std(axis=0) + 1e-6
     return lambda values: torch.from_numpy(
         ((values - mean) / sd).clip(-MAX_FEATURE_SDS, MAX_FEATURE_SDS).astype(np.float32)

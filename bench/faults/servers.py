@@ -1,7 +1,7 @@
 """The same on PostgreSQL: commands killed, and the server itself killed while they are in the middle of a change.
 
 A server of the bench's own runs on a free port of this computer, with its data in a scratch folder and
-synchronised to the disc as it is by default. Killing it is `pg_ctl stop -m immediate`, which ends every process of
+synchronized to the disk as it is by default. Killing it is `pg_ctl stop -m immediate`, which ends every process of
 the server without a word to anybody, as a crash would; it recovers when it is started again.
 """
 

@@ -30,7 +30,7 @@ class Response:
 
 @dataclass(frozen=True, slots=True)
 class Captured:
-    """A capture as it is on the disc, whatever happened to the program that wrote it."""
+    """A capture as it is on the disk, whatever happened to the program that wrote it."""
 
     file: Path
     raw: bytes

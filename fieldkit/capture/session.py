@@ -44,8 +44,8 @@ def capture(
 ) -> Iterator[Event]:
     """Capture what is on a port into a folder; what happens comes as events, the last of them `Ended`.
 
-    Every byte is on the disc before it is looked at. Without a device, what the port's numbers prove is taken,
-    else what is recognised by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
+    Every byte is on the disk before it is looked at. Without a device, what the port's numbers prove is taken,
+    else what is recognized by listening; nothing is ever sent to a unit that neither the flyer nor its numbers
     named. Raises PortTrouble if a port cannot be opened or a unit does not answer; the capture is kept then too.
     """
     name = _name(device or port.device)

@@ -37,7 +37,7 @@ def flight_ids(context: typer.Context, incomplete: str) -> list[str]:
 
 
 def motor_names(context: typer.Context, incomplete: str) -> list[str]:
-    """Motors flown before, then those of the catalogue with the delays they are sold with."""
+    """Motors flown before, then those of the catalog with the delays they are sold with."""
     from math import isfinite
 
     from fieldkit.motors.own import known_motors

@@ -73,7 +73,7 @@ def read_settings(
 
 
 class MotorCheck:
-    """Says what is wrong with a motor's name; the catalogue is read when the first name comes."""
+    """Says what is wrong with a motor's name; the catalog is read when the first name comes."""
 
     def __init__(self) -> None:
         self._catalogue: Catalogue | None = None

@@ -53,7 +53,7 @@ rounding; over 116 flights of one ledger all but one lay within 0.905 to 1.055.
 PLAUSIBLE_RATIO = (0.5, 2.0)
 """A readout over the middle of the same rocket's on the same motor: outside of this something is mistyped. [1]
 
-Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for metres, by more.
+Mass, wind and a lot of motors change it by less; a digit too many, or feet taken for meters, by more.
 """
 SIGNED_READOUTS = ("apogee_to_eject",)
 """Readouts about zero, which no ratio can judge."""

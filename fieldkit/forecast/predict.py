@@ -60,7 +60,7 @@ def model_name(accepted: Sequence[Place]) -> str:
 class FittedForecast:
     """The posterior of a rocket's flights for planned ones: draws of every term, ready to be flown.
 
-    `model` is that of the planned flights, `at` the point where the posterior is centred. `rests_on` counts the
+    `model` is that of the planned flights, `at` the point where the posterior is centered. `rests_on` counts the
     flights in its fit, `name` names it; `rng` draws the scatter of single flights. `left_out` as in `Prediction`.
     """
 

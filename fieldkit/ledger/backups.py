@@ -177,7 +177,7 @@ def _last(file: Path) -> int:
 
 
 def _copy(ledger: sqlite3.Connection, target: Path) -> None:
-    """Copy a whole database into a file, as one transaction that is on the disc at the end."""
+    """Copy a whole database into a file, as one transaction that is on the disk at the end."""
     with opened(target) as copy:
         copy.execute("PRAGMA synchronous = EXTRA")
         ledger.backup(copy)
@@ -205,7 +205,7 @@ def restore(file: Path, backup: Backup) -> Path | None:
     aside, with what SQLite's journal held for it. From before the copy until the ledger is replaced nobody else
     reads or writes it: what was written before is in the copy, what comes later goes into the restored ledger.
     A kill leaves the ledger as it was or as it will be. Raises LedgerError if the copy is damaged itself,
-    the disc takes no more, or others do not let go of the ledger.
+    the disk takes no more, or others do not let go of the ledger.
     """
     file = file.resolve()
     try:
@@ -282,7 +282,7 @@ def _also_named(file: Path, name: str) -> Path:
     aside = _free(file, name)
     try:
         os.link(file, aside)
-    except OSError:  # a disc without hard links
+    except OSError:  # a disk without hard links
         shutil.copy2(file, aside)
     return aside
 

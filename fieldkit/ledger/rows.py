@@ -14,7 +14,7 @@ Row = dict[str, Any]
 
 
 class DamagedRow(ValueError):
-    """A row that no fieldkit wrote: what is on the disc has changed."""
+    """A row that no fieldkit wrote: what is on the disk has changed."""
 
 
 TEXTS = ("rocket", "flight_id", "config", "motor", "site", "notes", "log")

@@ -34,7 +34,7 @@ from fieldkit.physics.thrust_steps import burns
 from fieldkit.shapes import Array, Float, Int
 
 CLASSES = ("1/8A", "1/4A", "1/2A", "A", "B", "C", "D", "E", "F", "G", "H", "I")
-"""Impulse classes of the motors flown; each class is as likely as any other that the catalogue has."""
+"""Impulse classes of the motors flown; each class is as likely as any other that the catalog has."""
 HELD_OUT = "Quest"
 """The maker whose motors no ensemble ever sees: it is judged on them."""
 MIN_MOTOR_DIAMETER = 0.008

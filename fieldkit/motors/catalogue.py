@@ -86,14 +86,14 @@ class Catalogue:
         return search.search(self.listings, text)
 
     def with_motors(self, motors: Iterable[Motor]) -> "Catalogue":
-        """The same catalogue with the flyer's own motors, which win over any other of their name."""
+        """The same catalog with the flyer's own motors, which win over any other of their name."""
         listings = dict(self.listings)
         for motor in motors:
             listings[motor.name] = (_own(motor), *listings.get(motor.name, ()))
         return Catalogue(MappingProxyType(listings), self.about, self.lots)
 
     def with_corrections(self, rows: Sequence[OwnCorrection]) -> "Catalogue":
-        """The same catalogue with the flyer's own corrections. Raises BadValue for a motor that it does not have."""
+        """The same catalog with the flyer's own corrections. Raises BadValue for a motor that it does not have."""
         own: dict[tuple[str, str, str], list[OwnCorrection]] = {}
         for row in rows:
             motor = self.find(f"{row.maker} {row.designation}").motor
@@ -126,7 +126,7 @@ def _corrected(listing: Listing, rows: Sequence[OwnCorrection]) -> Listing:
 
 @cache
 def catalogue() -> Catalogue:
-    """The catalogue that is shipped, read once; a curve is read when its motor is first asked for."""
+    """The catalog that is shipped, read once; a curve is read when its motor is first asked for."""
     data = json.loads(gzip.decompress(DATA.read_bytes()))
     entries = [dict(zip(data["columns"], row, strict=True)) for row in data.pop("motors")]
     build = cache(lambda number: _motor(entries[number], data["source"]))

@@ -1,4 +1,4 @@
-"""Corrections of the catalogue: figures of certifications, makers and tests that replace a nominal or mistaken one."""
+"""Corrections of the catalog: figures of certifications, makers and tests that replace a nominal or mistaken one."""
 
 import csv
 from collections.abc import Iterable
@@ -28,7 +28,7 @@ CONFIDENCES = ("sure", "likely", "open")
 
 @dataclass(frozen=True, slots=True)
 class Correction:
-    """A figure of a motor: as the catalogue has it, as it should be, how sure that is, and by which document.
+    """A figure of a motor: as the catalog has it, as it should be, how sure that is, and by which document.
 
     An `open` correction is not applied; its `value` is what the other document says, empty if none says.
     """
@@ -41,7 +41,7 @@ class Correction:
 
     @property
     def applied(self) -> bool:
-        """Whether the catalogue carries `value` instead of `was`."""
+        """Whether the catalog carries `value` instead of `was`."""
         return self.confidence != "open"
 
     def text(self) -> str:
@@ -80,5 +80,5 @@ def read_corrections(path: Path = DATA) -> dict[tuple[str, str], list[Correction
 
 
 def as_rows(corrections: Iterable[Correction]) -> list[list[str]]:
-    """The corrections as lists of texts, as the shipped catalogue keeps them."""
+    """The corrections as lists of texts, as the shipped catalog keeps them."""
     return [list(astuple(one)) for one in corrections]

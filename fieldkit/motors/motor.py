@@ -120,7 +120,7 @@ def _integral(
     weight: Float[Array, "knot"],
     centre: float | None = None,
 ) -> float:
-    """Integral of thrust times a weight, t or (t - centre)^2, by Simpson: exact, the product is a cubic."""
+    """Integral of thrust times a weight, t or (t - center)^2, by Simpson: exact, the product is a cubic."""
     middle = (time[1:] + time[:-1]) / 2
     weight_there = middle if centre is None else (middle - centre) ** 2
     thrust_there = (thrust[1:] + thrust[:-1]) / 2

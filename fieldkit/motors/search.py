@@ -94,7 +94,7 @@ def resolve(listings: Listings, text: str, maker: str = "") -> Found:
     """The motor that a text most likely means, with a note on the others. Raises UnknownMotor.
 
     Of several, one in production comes first, then the maker most widely flown in that class, then the
-    one that has been in the catalogue for longest.
+    one that has been in the catalog for longest.
     """
     name, candidates = _candidates(listings, text, maker)
     best, *others = sorted(candidates, key=_likelihood)
@@ -132,7 +132,7 @@ def nearest(listings: Listings, name: Name, limit: int = 5) -> list[Listing]:
 def _candidates(listings: Listings, text: str, maker: str) -> tuple[Name, list[Listing]]:
     if is_cluster(text):
         raise UnknownMotor(
-            f"{text.strip()}: found several motors; clusters and stages are not modelled as one motor "
+            f"{text.strip()}: found several motors; clusters and stages are not modeled as one motor "
             "in forecasts, expected a single one such as C6-5; fieldkit simulate flies several"
         )
     name = _parsed(listings, f"{maker} {text}" if maker else text)

@@ -147,7 +147,7 @@ def _added(curves: Sequence[tuple[Array, Array]], more: Sequence[float] = ()) ->
 
 
 def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
-    """The fraction of a motor's propellant that is burnt, against time from the first ignition."""
+    """The fraction of a motor's propellant that is burned, against time from the first ignition."""
     fine = np.unique(np.concatenate([motor.time, np.linspace(0.0, motor.thrust_end, 200)]))
     push = np.interp(fine, motor.time, motor.thrust)
     done = np.concatenate([[0.0], np.cumsum(0.5 * np.diff(fine) * (push[1:] + push[:-1]))])
@@ -155,7 +155,7 @@ def _burnt(motor: Motor, start: float) -> tuple[Array, Array]:
 
 
 def _spent(parts: Sequence[tuple[Motor, float]], time: Array) -> Array:
-    """The fraction of all propellant that is burnt at some times."""
+    """The fraction of all propellant that is burned at some times."""
     total = sum(motor.propellant_mass for motor, _ in parts)
     return np.asarray(
         sum(np.interp(time, *_burnt(motor, start)) * motor.propellant_mass for motor, start in parts) / total

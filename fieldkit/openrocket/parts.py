@@ -58,7 +58,7 @@ def airframe(stage: "Element") -> "list[Element]":
 
 
 def sizes(parts: "list[Element]") -> list[Size]:
-    """Lengths and radii; a radius that is `auto` and not kept is that of the nearest neighbour with one."""
+    """Lengths and radii; a radius that is `auto` and not kept is that of the nearest neighbor with one."""
     ends = [list(_ends(part)) for part in parts]
     flat = [radius for pair in ends for radius in pair]
     for place, radius in enumerate(flat):

@@ -161,7 +161,7 @@ def _between(values: Stages, start: Array, end: Array) -> Stages:
 def _parts(setup: Setup, track: AscentState, dt: Array, thrust: Stages, mass: Stages) -> Array:
     """Into how many parts a step must be cut where drag is stiff (light, wide and fast); [1] if none is. [1]
 
-    Drag pulls speed towards its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
+    Drag pulls speed toward its balance at the rate rho Cd A v / m; a part may cover `MAX_DRAG_FRACTION` of that. A
     planar flight is cut where it leaves the rail, too, and while thrust still changes its speed by much.
     """
     greatest = max(thrust[0].max(), thrust[2].max()) / mass[2].min()

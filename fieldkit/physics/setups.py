@@ -1,6 +1,6 @@
 """From flights and their motors to a set-up in the field physics: certified curves, real air, a rail.
 
-What was not recorded takes a stated default: standard air at sea level, a one-metre rail that stands
+What was not recorded takes a stated default: standard air at sea level, a one-meter rail that stands
 upright, a parachute that falls at 5 m/s. Declared wind is not in the set-up: it acts through the `wind`
 effect alone, whose strength says how strongly this rocket turns into it.
 """

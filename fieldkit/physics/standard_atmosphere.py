@@ -11,7 +11,7 @@ from fieldkit.units import STANDARD_GRAVITY
 GAS_CONSTANT = 287.05287
 """Specific gas constant of dry air. [J/(kg K)]"""
 LAPSE = 0.0065
-"""Temperature lost per metre of height. [K/m]"""
+"""Temperature lost per meter of height. [K/m]"""
 STANDARD_TEMPERATURE = 288.15
 """At sea level. [K]"""
 STANDARD_PRESSURE = 101325.0

@@ -93,7 +93,7 @@ def _strictly_increasing(time: Array, thrust: Array) -> tuple[Array, Array]:
 
 
 def simplified(time: Float[Array, "knot"], thrust: Float[Array, "knot"], most: int) -> tuple[Array, Array]:
-    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbours is least.
+    """A curve of at most so many knots and the same impulse: those go first whose triangle with neighbors is least.
 
     Source: Visvalingam and Whyatt, Line generalisation by repeated elimination of points, Cartographic J. 30, 1993.
     """

@@ -230,7 +230,7 @@ def _durations(rocket: Rocket, said: list[Prediction]) -> Float[Array, "draw fli
 
 
 def _best(curve: Any, masses: Float[Array, "mass"], goal: Goal) -> float:
-    """The mass of the least cost: the best of the grid, made finer between its neighbours. [kg]"""
+    """The mass of the least cost: the best of the grid, made finer between its neighbors. [kg]"""
     from scipy.optimize import minimize_scalar
 
     costs = [goal.cost(*curve(mass)) if np.median(curve(mass)[0]) > 0 else np.inf for mass in masses]

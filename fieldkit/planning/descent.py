@@ -129,7 +129,7 @@ def _pooled(speeds: Sequence[float | None], told: Sequence[tuple[Flight, Found]]
 
 
 def landing_mass(flight: Flight, found: Found) -> float:
-    """Of the rocket with the motor burnt out. [kg]"""
+    """Of the rocket with the motor burned out. [kg]"""
     return (flight.dry_mass or np.nan) + found.motor.casing_mass
 
 
@@ -239,7 +239,7 @@ def _thin_path(height: float, air: Air) -> float:
 
 
 def _means(values: Array) -> Array:
-    """Means of neighbours, for the trapezoid rule."""
+    """Means of neighbors, for the trapezoid rule."""
     return np.asarray(0.5 * (values[1:] + values[:-1]))
 
 

@@ -151,7 +151,7 @@ def mount_of(rocket: Rocket, config: str) -> float | None:
 
 
 def suitable_motors(catalogue: Catalogue, wanted: Wanted) -> list[Motor]:
-    """The motors that fit, from the catalogue and the flyer's own. Raises UnknownMotor if none does."""
+    """The motors that fit, from the catalog and the flyer's own. Raises UnknownMotor if none does."""
     widest = math.inf if wanted.mount is None else wanted.mount + DIAMETER_TOLERANCE
     near = [
         listing

@@ -93,7 +93,7 @@ def in_next_flight(one: NextFlight) -> str:
 
 
 def how_sure(found: Findings) -> str:
-    """How probable the verdict is, in per cent and in odds."""
+    """How probable the verdict is, in percent and in odds."""
     diagnosis = found.diagnosis
     sure = diagnosis.confidence
     if diagnosis.effect == "none":
@@ -129,7 +129,7 @@ def _what_now(found: Findings) -> Iterator[str]:
 
 
 def _chance(share: float) -> str:
-    """A probability in per cent; of none it is said that it is certain."""
+    """A probability in percent; of none it is said that it is certain."""
     return f"{share:.0%}" if 0.01 <= share <= 0.99 else "> 99%" if share > 0.5 else "< 1%"
 
 

@@ -1,4 +1,4 @@
-"""Mach drag: drag rises towards the speed of sound."""
+"""Mach drag: drag rises toward the speed of sound."""
 
 import numpy as np
 

@@ -27,7 +27,7 @@ PEAKS = 5
 TEMPERATURE = 2.0
 """Divisor of the log likelihoods by which draws are chosen. [1]"""
 CLIMBS = 8
-"""Steps towards the likeliest numbers."""
+"""Steps toward the likeliest numbers."""
 PROPOSAL_INFLATION = 1.15
 """Width of a proposal relative to that of the distribution it stands for. [1]"""
 LEAST_SIZE = 60.0

@@ -114,7 +114,7 @@ def _below(values: Array, floor: Array, share: Array) -> Array:
 
 @dataclass(frozen=True, slots=True)
 class Problem:
-    """Flights whose posteriors are wanted: as observed, and which of the curves each burnt along."""
+    """Flights whose posteriors are wanted: as observed, and which of the curves each burned along."""
 
     observed: Observed
     curves: Burns

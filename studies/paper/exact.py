@@ -63,7 +63,7 @@ def lowest_in(flights: Reference, fly: Heights) -> Float[Array, "flight"]:
 def bayes_limit(count: int = 90, step: float = 1.5) -> dict[str, float]:
     """Smallest possible mean absolute errors of Cd and alpha from the apogee alone, over the paper's prior. [1]
 
-    For each motor and configuration, each apogee on a scale of `step` metres that the altimeter could show
+    For each motor and configuration, each apogee on a scale of `step` meters that the altimeter could show
     is answered by the posterior median, the best answer there is by this measure, and its misses are
     averaged over all Cd and alpha of `count` cells each that could have led there.
     """

@@ -67,7 +67,7 @@ def _parts(study: Study) -> Iterator[str]:
     yield ""
     three, ejection = sum(part.share for part in study.parts[:3]), study.ejection
     yield _text(
-        f"The over-delivering profile is worth {three:+.1f} m. The estimator's shrinkage is under a metre. What is "
+        f"The over-delivering profile is worth {three:+.1f} m. The estimator's shrinkage is under a meter. What is "
         "missing "
         "from the mass, the shape of the thrust curve and the delay in the motor's name hardly move apogees that are "
         "rebuilt from themselves, because Cd and alpha give way; what each does to a flight at fixed Cd and alpha "
@@ -108,7 +108,7 @@ def _steps(study: Study) -> Iterator[str]:
     yield from _table(headers, rows)
     yield ""
     yield _text(
-        "In metres. The bias of the rebuilt apogees goes, and honest forecasts get better by less: rebuilding an "
+        "In meters. The bias of the rebuilt apogees goes, and honest forecasts get better by less: rebuilding an "
         "apogee "
         "from itself says little about the next flight."
     )

@@ -43,7 +43,7 @@ def _thrust(report: PaperReport) -> str:
         f"{bias['impulse_normalised']:+.1f} m with the same profile scaled to the right impulse, "
         f"{bias['certified']:+.1f} m with certified curves and {bias['certified_with_casing']:+.1f} m with the "
         "casing's mass as well. Below that lowest apogee a network can only extrapolate: train it with another "
-        "seed, and the reconstructions move by metres while the errors on simulated flights stay the same."
+        "seed, and the reconstructions move by meters while the errors on simulated flights stay the same."
     )
 
 

@@ -140,7 +140,7 @@ def test_what_is_odd_is_said_and_taken(add: Add, file: Path) -> None:
     status, _, err = add(answers)
     assert status == 0
     assert "apogee 3 m is unusual" in err
-    assert "times average acceleration times burn time" in err
+    assert "check all three" in err
     assert "average acceleration 2.98 g is above peak acceleration 2 g" in err
     assert "ejection altitude 50 m is above apogee 3 m" in err
     assert held(file)[0].eject_altitude == 50

@@ -106,7 +106,7 @@ def _next(link: Link, silence: float) -> Dialogue[Sentence | None]:
 
 
 def _telemetry(link: Link, one: Sentence) -> None:
-    """Show what a telemetry sentence says; metres whatever the unit's display shows."""
+    """Show what a telemetry sentence says; meters whatever the unit's display shows."""
     if not one.sound:
         link.damaged += 1
         return

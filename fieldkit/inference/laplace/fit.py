@@ -17,7 +17,7 @@ from fieldkit.model.rocket_model import OPENING, Model
 from fieldkit.shapes import Array, Float
 
 ROUNDS = 5
-"""Times the point of linearisation is moved."""
+"""Times the point of linearization is moved."""
 CONVERGENCE_TOLERANCE = 0.03
 """Convergence tolerance of a step, in prior standard deviations: evidence is compared to tenths of a nat. [1]"""
 FORECAST_TOLERANCE = 0.2
@@ -65,7 +65,7 @@ def fit(
     near: bool = False,
     odd_flights: bool = False,
 ) -> Fit:
-    """The posterior of a model given data, linearised where it ends up; `start` is where to begin.
+    """The posterior of a model given data, linearized where it ends up; `start` is where to begin.
 
     Without a start it is started from several opening times of the parachute, for what that does has a kink
     where ejection meets apogee, and the best is kept. With `near` the fit is as close as a forecast needs, with
@@ -186,7 +186,7 @@ class _Walk:
         self._last, self._share = np.zeros_like(at), np.ones_like(at)
 
     def goes_on(self, result: Fit | None, *, near: bool = False) -> bool:
-        """Move the point towards the posterior mean; False if it is at the mean."""
+        """Move the point toward the posterior mean; False if it is at the mean."""
         assert result is not None
         terms = result.model.terms
         sds = np.array([term.sd for term in terms])

@@ -76,7 +76,7 @@ class FlightEvidence:
 
 @dataclass(frozen=True, slots=True)
 class Fit:
-    """A normal posterior of the terms for every pair of scales, at the last point of linearisation.
+    """A normal posterior of the terms for every pair of scales, at the last point of linearization.
 
     Axis `scale` runs over the grid of scatter and reading scales, `log_weight` is the log of their
     posterior weight times evidence (unnormalised; its log-sum is the log evidence of the model). `covariance` is that

@@ -30,7 +30,7 @@ Scale = np.ndarray[Any, np.dtype[np.float64]]
 
 
 class Members(nn.Module):  # type: ignore[misc]
-    """Members that each map standardised features to their outputs; the first axis is the member.
+    """Members that each map standardized features to their outputs; the first axis is the member.
 
     A member's outputs are the mixture's (see `fieldkit.inference.network.mixture`), then for each readout the mean
     and the log precision with which the guard predicts it.

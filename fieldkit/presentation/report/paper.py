@@ -1,4 +1,4 @@
-"""Reports as pages of A4: a card a page, a summary before them; what colour says, form says too."""
+"""Reports as pages of A4: a card a page, a summary before them; what color says, form says too."""
 
 from collections.abc import Iterator, Sequence
 from textwrap import wrap
