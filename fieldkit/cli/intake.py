@@ -18,6 +18,7 @@ from fieldkit.quantities import counted
 if TYPE_CHECKING:
     from fieldkit.importing import ColumnChoice, Rejected
     from fieldkit.ledger import Ledger
+    from fieldkit.motors import Catalogue
     from fieldkit.services.imports import Gathered, Receipt
 
 app = typer.Typer()

@@ -26,8 +26,8 @@ def conditions_in_words(plan: Flight, starts: Sequence[Start] = ()) -> Iterator[
     starts from where the rocket has one among `starts`."""
     yield f"  air       {air_of(plan).words()}"
     wind, rod, angle = (measure(BY_NAME[name], plan.number(name), "SI") for name in FLIGHT_CONDITIONS)
-    rail = f"{rod or f'{RAIL_LENGTH:g} m (default)'} rail"
-    yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail} {f'at {angle}' if angle else 'vertical'}"
+    rail = f"rail {rod or f'{RAIL_LENGTH:g} m (default)'}"
+    yield f"  with      {f'wind {wind}' if wind else 'no wind'}, {rail}, {f'at {angle}' if angle else 'vertical'}"
     start = start_among(starts, plan)
     if start is not None and start.cd:
         yield f"  design    initial Cd {start.cd:.2f} from {start.source}"
